@@ -62,12 +62,12 @@ def test_half_space_and_pair_accept_arrays():
 @pytest.mark.parametrize(("function", "words"), [
     (lambda: pair(*MAPS, load="1 MPa", mu0=0.2, effective_modulus="10 GPa"), r"first must .*Surface\(z, spacing=...\)"),
     (lambda: half_space(*MAPS, [1e-3]), r"upper must be .*Surface\(z, spacing=...\)"),
-    (lambda: surface_parameters(UPPER, spacing=0.1), "spacing is for arrays"),
+    (lambda: surface_parameters(UPPER, spacing=0.1), "spacing must be omitted"),
     (lambda: surface_parameters(LINE, spacing=0.1), "shape"),
     (lambda: surface_parameters(MAPS[0], spacing=0.1, unit="V"), "unit must be"),
     (lambda: surface_parameters(MAPS[0], spacing="0.1"), "spacing"),
     (lambda: Surface(MAPS[0], spacing="39 mN"), "spacing has the unit 'mN'"),
-    (lambda: half_space(UPPER, LOWER, [1e-3], spacing=0.1), "spacing is for arrays"),
+    (lambda: half_space(UPPER, LOWER, [1e-3], spacing=0.1), "spacing must be omitted"),
 ])  # fmt: skip
 def test_array_that_does_not_fit_is_rejected(function, words):
     with pytest.raises(ValueError, match=words):

@@ -21,13 +21,13 @@ from stiction.mechanics.adhesion import Attraction
 from stiction.mechanics.half_space import resolved_range
 
 GAP_TOLERANCE = 1e-3
-"""Tolerance of gaps over the range of adhesion; for soft bodies the energy minimum is flat."""
+"""Tolerance of gaps as a fraction of the range of adhesion. For soft bodies the energy minimum is flat."""
 
 STABLE = 0.03
-"""Relative distance from the pull-off force at which the energy minimum exists or has vanished."""
+"""Relative distance from the pull-off force at which the energy minimum certainly exists or has certainly vanished."""
 
 MEAN_GAP_TOLERANCE = 1e-4
-"""Tolerance of loads at equal mean gap over the contact load; each solution has a tolerance of 1e-5."""
+"""Relative difference of loads at equal mean gap. Each solution has a tolerance of 1e-5."""
 
 POINT_FRACTION_TOLERANCE = 1e-3
 """Fraction of the grid points, with almost zero pressure, at which two solvers may differ."""
@@ -36,22 +36,24 @@ ROUND_OFF = 1e-12
 MAX_BOUNDS = 2  # maximum number of 200 random pairs with only a lower bound of the pull-off force
 
 PERIOD_TOLERANCE = 0.02
-"""Relative difference in pull-off force of a ball: period of 20 contact radii against an isolated piece of 10."""
+"""Relative difference between the pull-off forces of a ball with a period of 20 contact radii and of an isolated
+ball."""
 
 LAW_TOLERANCE = 0.06
-"""Relative difference in pull-off force: exponential attraction against one that ends at its range."""
+"""Relative difference between the pull-off forces of an exponential attraction and of an attraction that ends at its
+range."""
 
 MAUGIS_TOLERANCE = 0.02
 """Relative difference of pull-off force and contact radius of a ball from Maugis' solution."""
 
 GRID_TOLERANCE = 0.005
-"""Relative difference in pull-off force of a ball: half the spacing, or a more distant free edge."""
+"""Relative difference of the pull-off force of a ball due to half the spacing, or due to a more distant free edge."""
 
 CLOSED_FORM_TOLERANCE = 0.02
-"""Relative difference of loads and lengths: short-range attraction (at least 4 points) against zero range."""
+"""Relative difference of loads and lengths between a short-range attraction (at least 4 points) and zero range."""
 
 STEP_SUM_TOLERANCE = 3e-3
-"""Relative difference of work: sum over 40 steps against the integral."""
+"""Relative difference between the work as a sum over 40 steps and the integral."""
 
 
 def ball(tabor, *, points=64, length=10.0):
@@ -73,7 +75,7 @@ def rough(rms, work, *, points=32, modulus=80.0, length=1e-3, spacing=0.02, seed
 
 
 SPACING_TOLERANCE = 0.03
-"""Relative difference in pull-off force between spacings with at least 8 points in the process zone."""
+"""Relative difference between the pull-off forces at spacings with at least 8 points in the process zone."""
 
 
 @pytest.mark.parametrize(
@@ -155,7 +157,7 @@ def test_sphere_with_dugdale_attraction_equals_maugis_on_any_grid(tabor, monkeyp
         for bodies, adhesive in (ball(tabor, points=n, length=c * length) for n, c in ((64, 1), (128, 1), (96, 1.5)))
     ]
     assert exponential[1:] == pytest.approx(exponential[:1] * 2, rel=GRID_TOLERANCE)
-    edge = 0.05  # fraction of the range over which the attraction ends
+    edge = 0.05  # fraction of the range in which the attraction decreases to zero
 
     def ends(self, gap):
         return self.max_attraction / (1 + np.exp(np.minimum((np.maximum(gap, 0) / self.range - 1) / edge, 500)))
@@ -198,7 +200,7 @@ def test_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
     if alpha > 0.57:
         assert (curve.contact_area > 1 - 1 / points).all()
         return
-    angle = np.linspace(1e-4, 1.2, 100_001)  # the unstable branch starts later
+    angle = np.linspace(1e-4, 1.2, 100_001)  # the unstable branch starts at a larger angle
     johnson = np.sin(angle) ** 2 - alpha * np.sqrt(np.tan(angle))
     rising = slice(np.argmin(johnson), np.argmin(johnson) + np.argmax(johnson[np.argmin(johnson) :]))
     expected = 2 / np.pi * np.interp(loads / full, johnson[rising], angle[rising])
@@ -217,7 +219,7 @@ def test_pull_off_from_full_contact_of_sinusoid_equals_opening_load(tension):
     points, height = 512, 0.005
     x, full = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
-    work = 2.001 * (tension * full) ** 2 / points  # so that the range is resolved
+    work = 2.001 * (tension * full) ** 2 / points  # with this work of adhesion the grid resolves the range
     adhesive = {"work_of_adhesion": work, "adhesion_range": work / (tension * full), "effective_modulus": 1.0}
     curve = half_space(*bodies, [1.2 * full, 0.05 * full], boundary="periodic", **adhesive)
     assert curve.contact(1).pressure.all()
@@ -248,7 +250,7 @@ def test_pull_off_of_rough_surfaces_is_the_largest_local_maximum():
         states.append(attraction.settle(states[-1], 0.98 * states[-1].contact, before=states[0]))
     loads = np.array([state.load for state in states])
     first = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
-    assert first > 0.9 * loads.min()  # a local minimum that is not the global one
+    assert first > 0.9 * loads.min()  # the state is a local minimum that is not the global minimum
     largest = attraction.force(-loads.min())
     assert curve.pull_off == pytest.approx(largest, rel=PULL_OFF_TOLERANCE)
     borne = half_space(*bodies, [0.0, -0.95 * largest], **adhesive)

@@ -3,8 +3,8 @@ import pytest
 from reference import pressing
 from stiction import Profile, Surface, asperities
 
-# One spline from two solvers: round-off of second differences, relative to their rms.
-SAME_SPLINE = 1e-12
+# Tolerance of one spline from two solvers: round-off of second differences, relative to their rms.
+SPLINE_TOLERANCE = 1e-12
 
 
 @pytest.mark.parametrize("side", ["lower", "upper"])
@@ -13,14 +13,14 @@ def test_slope_and_curvature_equal_scipy_natural_spline(rough_pair, dimension, s
     profile = rough_pair(dimension)[0]
     slope, curvature, normal, radius = pressing.fit_spheres(profile.heights, profile.spacing, upper=side == "upper")
     ours = asperities(profile, side)
-    assert np.abs(ours.slope - slope).max() < SAME_SPLINE * slope.std()
-    assert np.abs(ours.curvature - curvature).max() < SAME_SPLINE * curvature.std()
-    assert np.abs(ours.normal[:, [0, 2]] - normal).max() < SAME_SPLINE
-    assert np.allclose(1 / ours.radius, 1 / radius, rtol=0, atol=SAME_SPLINE * curvature.std())
+    assert np.abs(ours.slope - slope).max() < SPLINE_TOLERANCE * slope.std()
+    assert np.abs(ours.curvature - curvature).max() < SPLINE_TOLERANCE * curvature.std()
+    assert np.abs(ours.normal[:, [0, 2]] - normal).max() < SPLINE_TOLERANCE
+    assert np.allclose(1 / ours.radius, 1 / radius, rtol=0, atol=SPLINE_TOLERANCE * curvature.std())
 
 
 def test_asperity_of_circle_has_its_radius_and_centre(circular_arc):
-    # The curvature error of the spline is of second order in spacing / radius; the ends are ten points away.
+    # The curvature error of the spline is of second order in spacing / radius. The ends are ten points away.
     apex, radius = 0.5, 2.0
     for side, height in (("lower", -radius), ("upper", radius)):
         arc = asperities(circular_arc(apex, radius, 0.002, 500, side), side)

@@ -1,4 +1,4 @@
-"""Tests of boundary elements and the asperity model, and of values in docs/explanation/half_space.md."""
+"""Tests of boundary elements, of the asperity model, and of values in docs/explanation/half_space.md."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from stiction import westergaard_contact_fraction
 pytestmark = pytest.mark.docs
 WAVELENGTH, AMPLITUDE = 1.0, 0.01
 FULL_CONTACT = np.pi * EFFECTIVE_MODULUS * AMPLITUDE / WAVELENGTH  # p* of Westergaard
-FRACTION, COUNT, STIFFNESS = range(3)
+FRACTION_INDEX, COUNT_INDEX, STIFFNESS_INDEX = range(3)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -23,7 +23,7 @@ def tamaas():
     return pytest.importorskip("tamaas")
 
 
-def wave(points, shift):
+def sinusoid(points, shift):
     return 0.37 * AMPLITUDE + AMPLITUDE * np.cos(2 * np.pi * (np.arange(points) / points + shift))
 
 
@@ -35,21 +35,21 @@ def exact_fraction(pressure):
 
 @pytest.mark.parametrize("relative", [0.02, 0.1, 0.3, 0.5])
 def test_boundary_elements_equal_westergaard(relative):
-    """Area, mean gap and stiffness depend on the modulus, the point count and the sign of the gap."""
+    """Check area, mean gap and stiffness, which depend on the modulus, the point count and the sign of the gap."""
     random, pressure = np.random.default_rng(7), relative * FULL_CONTACT
-    solid = [PeriodicHalfSpace(wave(256, shift), WAVELENGTH) for shift in random.random(20)]
+    solid = [PeriodicHalfSpace(sinusoid(256, shift), WAVELENGTH) for shift in random.random(20)]
     fraction, _, gap = np.mean([one.solve(pressure) for one in solid], axis=0)
     assert fraction == pytest.approx(float(exact_fraction(pressure)), abs=0.2 / 256)  # points
-    # The mean gap falls by Δ r (1 - ln r), r = p̄/p*: the integral of the stiffness π E* / (λ ln 1/r).
+    # The mean gap decreases by Δ r (1 - ln r), r = p̄/p*, which is the integral of the stiffness π E* / (λ ln 1/r).
     assert gap == pytest.approx(AMPLITUDE * (1 - relative * (1 - np.log(relative))), abs=1e-5 * AMPLITUDE)
-    stiffness = np.mean([one.measure(pressure)[STIFFNESS] for one in solid])
+    stiffness = np.mean([one.measure(pressure)[STIFFNESS_INDEX] for one in solid])
     assert stiffness == pytest.approx(np.pi * EFFECTIVE_MODULUS / np.log(1 / relative) / WAVELENGTH, rel=0.01)
 
 
 @pytest.mark.parametrize("relative", [0.01, 0.3, 0.9])
 def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
     """Relative to Westergaard, the area is √r / arcsin √r and the stiffness ln(1/r)/4."""
-    asperities, pressure = PeriodicAsperities(wave(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
+    asperities, pressure = PeriodicAsperities(sinusoid(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
     fraction, count, stiffness = asperities.measure(pressure)
     assert count == 1
     expected = np.sqrt(relative) / np.arcsin(np.sqrt(relative))
@@ -57,11 +57,11 @@ def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
     westergaard = np.pi * EFFECTIVE_MODULUS / np.log(1 / relative) / WAVELENGTH
     assert stiffness / westergaard == pytest.approx(np.log(1 / relative) / 4, rel=1e-12)
     # With the displacement by its own load and its periodic images, an asperity has Westergaard's stiffness.
-    assert asperities.measure_with_interaction(pressure)[STIFFNESS] == pytest.approx(westergaard, rel=1e-4)
+    assert asperities.measure_with_interaction(pressure)[STIFFNESS_INDEX] == pytest.approx(westergaard, rel=1e-4)
 
 
 def test_periodic_asperity_model_is_invariant_under_shift():
-    """A contact across the seam, or in the wrapped points, counts once."""
+    """Check that a contact across the seam, or among the wrapped points, counts once."""
     heights = band_limited_profile(np.random.default_rng(3), 0.5, 8, 32)
     pressure = 0.1 * EFFECTIVE_MODULUS * RMS_SLOPE
     expected = PeriodicAsperities(heights, PERIOD).measure(pressure)
@@ -85,5 +85,5 @@ def test_interaction_explains_difference_to_boundary_elements():
         solid, asperities = PeriodicHalfSpace(heights, PERIOD).measure(pressure), PeriodicAsperities(heights, PERIOD)
         ratios.append(np.array([asperities.measure(pressure), asperities.measure_with_interaction(pressure)]) / solid)
     model, interacting = np.exp(np.mean(np.log(ratios), axis=0))
-    assert model[[FRACTION, STIFFNESS]] == pytest.approx([0.62, 1.07], rel=0.02)
-    assert interacting[[FRACTION, STIFFNESS]] == pytest.approx([0.87, 0.97], rel=0.02)
+    assert model[[FRACTION_INDEX, STIFFNESS_INDEX]] == pytest.approx([0.62, 1.07], rel=0.02)
+    assert interacting[[FRACTION_INDEX, STIFFNESS_INDEX]] == pytest.approx([0.87, 0.97], rel=0.02)

@@ -1,4 +1,4 @@
-"""Tests of closed forms against other packages and each other, and of the asperity model against closed forms."""
+"""Tests of closed forms against other packages and each other, and tests of the asperity model against closed forms."""
 
 import math
 import re
@@ -27,8 +27,8 @@ from stiction import (
     westergaard_contact_fraction,
 )
 
-# The same formula in another order of operations.
-SAME_FORMULA = 1e-13
+# Tolerance of the same formula in another order of operations.
+REORDERING_TOLERANCE = 1e-13
 lengths = st.floats(1e-4, 1e3)
 moduli = st.floats(1e-2, 1e3)
 
@@ -41,7 +41,7 @@ def test_contact_laws_of_core_equal_closed_forms(overlap, radius, modulus):
         ("hertz-cylinder", hertz_cylinder(**arguments)),
         (HertzCylinder(width=2.5), hertz_cylinder(**arguments, width=2.5)),
     ):
-        assert np.allclose(force_and_area(law, **arguments), expected, rtol=SAME_FORMULA, atol=0)
+        assert np.allclose(force_and_area(law, **arguments), expected, rtol=REORDERING_TOLERANCE, atol=0)
 
 
 @given(
@@ -52,13 +52,13 @@ def test_jackson_green_equals_published_fit(ratio, radius, modulus, strain, pois
     critical, force, area = elastic_plastic.jackson_green(ratio, radius, modulus, strength, poisson)
     law = JacksonGreen(yield_strength=strength, poisson_ratio=poisson)
     actual = force_and_area(law, overlap=ratio * critical, radius=radius, effective_modulus=modulus)
-    if abs(ratio / 1.9 - 1) > 1e-9:  # round-off selects the branch there
-        assert actual == pytest.approx((force, area), rel=1e-10)  # powers of powers of ratios
+    if abs(ratio / 1.9 - 1) > 1e-9:  # round-off selects the branch at this ratio
+        assert actual == pytest.approx((force, area), rel=1e-10)  # the tolerance allows for powers of powers of ratios
 
 
 @pytest.fixture(scope="session")
 def reference():
-    """Reference solutions of the ContactMechanics package, if installed: Hertz, Westergaard."""
+    """Return reference solutions of the ContactMechanics package (Hertz, Westergaard), if it is installed."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         names = ("Hertz", "Westergaard")
@@ -70,16 +70,19 @@ class TestAgainstContactMechanics:
     @given(overlap=lengths, radius=lengths, modulus=moduli)
     def test_hertz_sphere_agrees_with_contact_mechanics(self, reference, overlap, radius, modulus):
         force, area = hertz_sphere(overlap, radius, modulus)
-        assert reference[0].normal_load(overlap, radius, modulus) == pytest.approx(float(force), rel=SAME_FORMULA)
+        assert reference[0].normal_load(overlap, radius, modulus) == pytest.approx(
+            float(force), rel=REORDERING_TOLERANCE
+        )
         contact_radius, _ = reference[0].radius_and_pressure(float(force), radius, modulus)
-        assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=SAME_FORMULA)
+        assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=REORDERING_TOLERANCE)
 
     def test_westergaard_agrees_with_contact_mechanics(self, reference):
-        # ContactMechanics: half-width in wavelengths, pressure in units of π E* Δ / λ with the total height 2Δ.
+        # ContactMechanics gives the half-width in wavelengths. Its pressure is in units of π E* Δ / λ with the total
+        # height 2Δ.
         pressures = np.linspace(0.01, 0.99, 20)
         ours = westergaard_contact_fraction(pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0)
         theirs = 2 * np.array([reference[1].contact_radius(p) for p in pressures])
-        assert np.allclose(ours, theirs, rtol=SAME_FORMULA, atol=0)
+        assert np.allclose(ours, theirs, rtol=REORDERING_TOLERANCE, atol=0)
 
 
 def test_asperities_on_sinusoid_tend_to_westergaard_at_light_load():
@@ -98,7 +101,7 @@ def test_asperities_on_sinusoid_tend_to_westergaard_at_light_load():
     )
     difference = curve.contact_area / (10 * wavelength) / exact - 1
     relative = pressures / (math.pi * modulus * amplitude / wavelength)
-    # One term of the series, to 10 %; the apex of the spline is accurate to 1e-5 of the overlap.
+    # The difference is one term of the series, to 10 %. The apex of the spline is accurate to 1e-5 of the overlap.
     assert np.allclose(difference, -relative / 6, rtol=0.1, atol=1e-5)
     assert relative[1] > 5 * relative[0]
 
@@ -116,14 +119,14 @@ class TestFractalMoments:
             slope = np.gradient(profile.heights, profile.spacing)
             curvature = np.gradient(slope, profile.spacing)
             measured += [profile.heights.var(), np.square(slope).mean(), np.square(curvature[2:-2]).mean()]
-        # Directions m and M - m interfere, so the power of one profile scatters by about 30 %, and a mean of
-        # 400 by 1.5 %; long waves (small |cos|) do not have a whole number of periods.
+        # Directions m and M - m interfere, so the power of one profile scatters by about 30 %, and a mean of 400
+        # profiles by 1.5 %. Long waves (small |cos|) do not have a whole number of periods.
         assert np.allclose(measured / count, [exact.height, exact.slope, exact.curvature], rtol=0.05)
 
     def test_moments_follow_convention_and_band_limit(self):
         paper = weierstrass_mandelbrot_moments(1.6)
         classical = weierstrass_mandelbrot_moments(1.2, convention="classical")
-        assert classical.height == pytest.approx(paper.height, rel=SAME_FORMULA)
+        assert classical.height == pytest.approx(paper.height, rel=REORDERING_TOLERANCE)
         assert classical.curvature == pytest.approx(paper.curvature, rel=1e-12)
         limited = weierstrass_mandelbrot_moments(1.6, shortest_wavelength=2 * 40 / 150_000)
         assert limited.height < paper.height
@@ -136,7 +139,7 @@ class TestFractalMoments:
 
 
 def test_effective_modulus_of_equal_materials_is_half_the_plane_strain_modulus():
-    assert effective_modulus(210.0, 0.3, 210.0, 0.3) == pytest.approx(210 / (1 - 0.09) / 2, rel=SAME_FORMULA)
+    assert effective_modulus(210.0, 0.3, 210.0, 0.3) == pytest.approx(210 / (1 - 0.09) / 2, rel=REORDERING_TOLERANCE)
     assert effective_modulus(210.0, 0.3, 1e12, 0.3) == pytest.approx(210 / (1 - 0.09), rel=1e-9)
     with pytest.raises(ValueError, match="poisson_lower"):
         effective_modulus(1.0, 0.3, 1.0, 0.6)

@@ -18,26 +18,26 @@ from stiction import (
 )
 from support.threads import runs_other_threads
 
-SUMS = (
+SUM_NAMES = (
     "contact_count", "contact_area", "normal_elastic", "tangential_elastic",
     "normal_frictional", "tangential_frictional", "normal_adhesive", "tangential_adhesive",
 )  # fmt: skip
 
 # Independent evaluation of the same heights: another spline solver and order of operations. Round-off moves a minimum
 # of the gap, most where the gap is flat.
-INDEPENDENT = {"cell": 1e-9, "gap-minimum": 1e-7}
-PLAIN = {"cell": pressing.find_contacts, "gap-minimum": pressing.find_contacts_at_minima}
+INDEPENDENT_TOLERANCES = {"cell": 1e-9, "gap-minimum": 1e-7}
+REFERENCE_FUNCTIONS = {"cell": pressing.find_contacts, "gap-minimum": pressing.find_contacts_at_minima}
 # The curvature error of a spline on a circle is of second order in spacing / radius (1e-3 here).
-CIRCLE = 1e-6
+CIRCLE_TOLERANCE = 1e-6
 # Identities that only change the order of operations.
-MIRROR = 1e-9
-EXCHANGE = 1e-8
-SCALING = 1e-8
-EXACT = 1e-12
+MIRROR_TOLERANCE = 1e-9
+EXCHANGE_TOLERANCE = 1e-8
+SCALING_TOLERANCE = 1e-8
+ROUND_OFF = 1e-12
 
 
 def all_sums(curve):
-    return np.array([getattr(curve, name) for name in SUMS], dtype=float)
+    return np.array([getattr(curve, name) for name in SUM_NAMES], dtype=float)
 
 
 def assert_close(actual, expected, tolerance):
@@ -56,7 +56,7 @@ class TestProfileReference:
         upper = flat if bodies.startswith("flat") else upper
         lower = flat if bodies.endswith("flat") else lower
         approaches = [0.001, 0.004, 0.02]
-        reference = PLAIN[detection]
+        reference = REFERENCE_FUNCTIONS[detection]
         signed = curvature == "signed"
         rows = [
             reference(upper.heights, lower.heights, upper.spacing, approach, signed=signed) for approach in approaches
@@ -65,21 +65,21 @@ class TestProfileReference:
         for shear, sigma in (("+x", 1), ("-x", -1)):
             curve = press(upper, lower, approaches, curvature=curvature, shear=shear, detection=detection)
             expected = np.transpose([list(pressing.sum_contacts(row, sigma).values()) for row in rows])
-            assert_close(all_sums(curve), expected, INDEPENDENT[detection])
+            assert_close(all_sums(curve), expected, INDEPENDENT_TOLERANCES[detection])
 
-    def test_table_equals_reference(self, rough_pair):
+    def test_contacts_equal_reference(self, rough_pair):
         upper, lower = rough_pair(1.4)
         table = contacts(upper, lower, 0.01, effective_modulus=3.0)
         rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
         assert len(table) == len(rows) > 10
         assert np.array_equal(table.index, rows[:, 0])
         ours = np.column_stack([table.normal[:, [0, 2]], table.overlap, table.radius, table.force, table.area])
-        assert np.allclose(ours, rows[:, 1:], rtol=INDEPENDENT["cell"], atol=0)
+        assert np.allclose(ours, rows[:, 1:], rtol=INDEPENDENT_TOLERANCES["cell"], atol=0)
 
     def test_sums_are_independent_of_height_offset(self, rough_pair):
         upper, lower = rough_pair(1.2)
         raised = Profile(upper.heights + 1024.0, spacing=upper.spacing)
-        # Adding 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude; curvatures are affected most.
+        # The addition of 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude. Curvatures are affected most.
         assert_close(all_sums(press(raised, lower, [0.01])), all_sums(press(upper, lower, [0.01])), 1e-5)
 
 
@@ -95,15 +95,16 @@ class TestProfileExact:
             lower = circular_arc(apexes[1], radii[1], spacing, points, "lower")
             touch = (upper.heights - lower.heights).min()
             for approach in (1e-4, 1e-3, 1e-2):
-                # Centres, with the lower apex at height 0 and the upper apex lowered beyond first contact.
+                # The lower apex is at height 0, and the upper apex is lowered beyond first contact. This is the vector
+                # between the centres.
                 apart = np.array([apexes[0] - apexes[1], radii[0] + radii[1] - touch - approach])
                 overlap = sum(radii) - np.hypot(*apart)
                 radius = radii[0] * radii[1] / sum(radii)
                 table = contacts(upper, lower, approach, effective_modulus=modulus)
                 assert len(table) == 1
-                assert_close(table.force, 4 / 3 * modulus * math.sqrt(radius) * overlap**1.5, CIRCLE)
-                assert_close(table.area, math.pi * radius * overlap, CIRCLE)
-                assert np.allclose(table.normal[0, [0, 2]], apart / np.hypot(*apart), atol=CIRCLE)
+                assert_close(table.force, 4 / 3 * modulus * math.sqrt(radius) * overlap**1.5, CIRCLE_TOLERANCE)
+                assert_close(table.area, math.pi * radius * overlap, CIRCLE_TOLERANCE)
+                assert np.allclose(table.normal[0, [0, 2]], apart / np.hypot(*apart), atol=CIRCLE_TOLERANCE)
 
     def test_ball_in_cup_equals_hertz(self, circular_arc):
         spacing, points = 0.002, 1000
@@ -115,20 +116,21 @@ class TestProfileExact:
         radius = 1 / (1 / 2.0 - 1 / 5.0)
         table = contacts(ball, cup, 1e-3, curvature="signed")
         assert len(table) == 1
-        assert_close(table.force, 4 / 3 * 10.0 * math.sqrt(radius) * overlap**1.5, CIRCLE)
-        assert np.allclose(table.normal[0, [0, 2]], -apart / np.hypot(*apart), atol=CIRCLE)
+        assert_close(table.force, 4 / 3 * 10.0 * math.sqrt(radius) * overlap**1.5, CIRCLE_TOLERANCE)
+        assert np.allclose(table.normal[0, [0, 2]], -apart / np.hypot(*apart), atol=CIRCLE_TOLERANCE)
         assert len(contacts(ball, cup, 1e-3, curvature="convex")) == 0
 
     def test_contact_area_vanishes_at_first_contact(self, circular_arc):
         upper = circular_arc(1.0307, 2.0, 0.002, 1000, "upper")
         lower = circular_arc(0.9411, 3.0, 0.002, 1000, "lower")
         curve = press(upper, lower, [0.0, 1e-3])
-        # The arcs first touch between grid points, so contact points may overlap by less than a cell does.
+        # The arcs first touch between grid points, so contact points may overlap by less than the height difference
+        # within a cell.
         assert curve.contact_area[0] < 1e-3 * curve.contact_area[1]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
     def test_crests_come_into_contact_in_order_of_height(self, detection):
-        # A flat above waves on a slope of 1e-3: each crest is 1e-3 wavelengths below its neighbour.
+        # A flat lies above waves on a slope of 1e-3. Each crest is 1e-3 wavelengths below its neighbour.
         x = np.arange(4000) * 0.001 + 0.3003
         lower = Profile(0.01 * np.cos(2 * np.pi * x) + 1e-3 * x, spacing=0.001)
         upper = Profile(np.zeros(4000), spacing=0.001)
@@ -144,15 +146,15 @@ class TestProfileExact:
         theta = math.atan2(-table.normal[0, 0], table.normal[0, 2])
         assert theta > 0.01
         coefficient = curve.friction_coefficient(mu0=mu0)[:, 0]
-        assert_close(coefficient, np.tan(theta + np.arctan(mu0)), EXACT)
-        # Adhesion adds tau0 A to mu0 F: the same force triangle with a larger friction angle.
+        assert_close(coefficient, np.tan(theta + np.arctan(mu0)), ROUND_OFF)
+        # Adhesion adds tau0 A to mu0 F. The force triangle is the same, with a larger friction angle.
         tau0 = 0.2
         raised = mu0 + tau0 * table.area[0] / table.force[0]
         coefficient = curve.friction_coefficient(mu0=mu0, tau0=tau0)[:, 0]
-        assert_close(coefficient, np.tan(theta + np.arctan(raised)), EXACT)
+        assert_close(coefficient, np.tan(theta + np.arctan(raised)), ROUND_OFF)
         pressure = table.force / table.area
-        assert_close(coefficient, slope_friction(theta, mu0=mu0, tau0=tau0, mean_pressure=pressure), EXACT)
-        # No contact opposes the reverse motion.
+        assert_close(coefficient, slope_friction(theta, mu0=mu0, tau0=tau0, mean_pressure=pressure), ROUND_OFF)
+        # No contact opposes the motion in the reverse direction.
         assert press(upper, lower, [1e-3], shear="-x").friction_coefficient(mu0=0.4).tolist() == [0]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
@@ -164,18 +166,19 @@ class TestProfileExact:
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
         upper, lower = (plane, ball) if below else (ball, plane)
         touch = (upper.heights - lower.heights).min()
-        # Distance of the centre of the ball, at height -R or R of its profile, from the plane moved by the approach.
+        # This is the distance of the centre of the ball, at height -R or R of its profile, from the plane after the
+        # approach.
         height = 1.0 + slope * 10.003 + (-touch - 1e-3) * (1 if below else 0)
         centre = -radius if below else radius - touch - 1e-3
         overlap = radius - abs(height - centre) / math.hypot(1, slope)
         table = contacts(upper, lower, 1e-3, detection=detection)
         assert len(table) == 1
-        assert_close(table.force, 4 / 3 * 10.0 * math.sqrt(radius) * overlap**1.5, CIRCLE)
+        assert_close(table.force, 4 / 3 * 10.0 * math.sqrt(radius) * overlap**1.5, CIRCLE_TOLERANCE)
         assert np.allclose(table.normal[0], np.array([-slope, 0, 1]) / math.hypot(1, slope), atol=1e-12)
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
     def test_nearly_flat_surface_equals_flat_surface(self, circular_arc, detection):
-        # The radius is 5e7 to 5e13 µm: a difference of such lengths would lose an overlap of 10 pm.
+        # The radius is 5e7 to 5e13 µm. A difference of such lengths would lose an overlap of 10 pm.
         ball = circular_arc(10.003, 12.0, 0.01, 2001, "lower")
         approaches = [1e-5, 1e-4, 1e-3]
         flat = press(Profile(np.ones(2001), spacing=0.01), ball, approaches, detection=detection)
@@ -200,11 +203,12 @@ class TestProfileExact:
             curve = press(upper, lower, [0.01], shear=shear)
             for mu0, tau0 in ((0.0, 0.0), (0.4, 0.0), (0.3, 0.2), (1.0, 0.01)):
                 normal, tangential = pressing.sum_loads(rows, sigma, mu0, tau0)
-                assert_close(curve.normal_load(mu0=mu0, tau0=tau0), normal, INDEPENDENT["cell"])
-                assert_close(curve.tangential_load(mu0=mu0, tau0=tau0), tangential, INDEPENDENT["cell"])
+                assert_close(curve.normal_load(mu0=mu0, tau0=tau0), normal, INDEPENDENT_TOLERANCES["cell"])
+                assert_close(curve.tangential_load(mu0=mu0, tau0=tau0), tangential, INDEPENDENT_TOLERANCES["cell"])
 
     def test_steep_flanks_are_self_locked(self):
-        # Two triangular teeth, rounded by the spline, with flanks of 60 degrees: mu0 tan θ > 1 at mu0 = 1.
+        # The profiles have two triangular teeth, rounded by the spline, with flanks of 60 degrees. At mu0 = 1, mu0 tan
+        # θ > 1.
         x = np.arange(400) * 0.01
         lower = Profile(-np.sqrt(3) * np.sqrt((x - 2.0013) ** 2 + 0.01), spacing=0.01)
         upper = Profile(np.sqrt(3) * np.sqrt((x - 1.6) ** 2 + 0.01), spacing=0.01)
@@ -216,7 +220,7 @@ class TestProfileExact:
 
 @st.composite
 def pairs(draw):
-    """Generate rough pairs of a few hundred points: sums of harmonics with random amplitudes and phases."""
+    """Generate rough pairs of a few hundred points. Heights are sums of harmonics with random amplitudes and phases."""
     points = draw(st.integers(60, 300))
     spacing = draw(st.floats(0.01, 0.1))
     x = np.arange(points) * spacing
@@ -231,8 +235,8 @@ def pairs(draw):
     return profiles
 
 
-def robust(upper, lower, approach, choices):
-    """Return whether round-off cannot change the contact count or the opposing set."""
+def is_robust(upper, lower, approach, choices):
+    """Return whether round-off can change neither the contact count nor the set of opposing contacts."""
     table = contacts(upper, lower, approach, **choices)
     if choices["detection"] == "cell":
         offset = table.centre[:, 0] - table.index * upper.spacing
@@ -242,61 +246,63 @@ def robust(upper, lower, approach, choices):
     return len(table) > 0 and not (near_edge | (np.abs(table.normal[:, 0]) < 1e-7)).any()
 
 
-LAWS = {
+LAW_CASES = {
     "hertz-sphere": HertzSphere(),
     "hertz-cylinder": HertzCylinder(width=0.7),
     "jackson-green": JacksonGreen(yield_strength=0.2, poisson_ratio=0.3),
 }
-CHOICES = st.fixed_dictionaries(
+MODEL_OPTIONS = st.fixed_dictionaries(
     {
         "shear": st.sampled_from(["+x", "-x"]),
         "curvature": st.sampled_from(["convex", "signed"]),
         "detection": st.sampled_from(["cell", "gap-minimum"]),
     }
 )
-CASES = given(pair=pairs(), approach=st.floats(1e-3, 0.05), choices=CHOICES)
-IDENTITIES = settings(max_examples=25, deadline=None, derandomize=True)
-OTHER = {"+x": "-x", "-x": "+x"}
+RANDOM_PAIRS = given(pair=pairs(), approach=st.floats(1e-3, 0.05), choices=MODEL_OPTIONS)
+IDENTITY_SETTINGS = settings(max_examples=25, deadline=None, derandomize=True)
+OPPOSITE_DIRECTION = {"+x": "-x", "-x": "+x"}
 
 
-def turned(choices):
-    return choices | {"shear": OTHER[choices["shear"]]}
+def reversed_options(choices):
+    return choices | {"shear": OPPOSITE_DIRECTION[choices["shear"]]}
 
 
-def mirrored(pair):
+def mirrored_pair(pair):
     return [Profile(p.heights[::-1], spacing=p.spacing) for p in pair]
 
 
-def exchanged(pair):
+def exchanged_pair(pair):
     return [Profile(-p.heights, spacing=p.spacing) for p in reversed(pair)]
 
 
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@pytest.mark.parametrize("law", LAW_CASES.values(), ids=LAW_CASES)
 class TestProfileIdentities:
-    @pytest.mark.parametrize(("other", "tolerance"), [(mirrored, MIRROR), (exchanged, EXCHANGE)])
-    @CASES
-    @IDENTITIES
+    @pytest.mark.parametrize(
+        ("other", "tolerance"), [(mirrored_pair, MIRROR_TOLERANCE), (exchanged_pair, EXCHANGE_TOLERANCE)]
+    )
+    @RANDOM_PAIRS
+    @IDENTITY_SETTINGS
     def test_sums_are_invariant_under_mirror_and_exchange(self, law, pair, approach, choices, other, tolerance):
-        assume(robust(*pair, approach, choices))
-        turned_sums = all_sums(press(*other(pair), [approach], law=law, **turned(choices)))
+        assume(is_robust(*pair, approach, choices))
+        turned_sums = all_sums(press(*other(pair), [approach], law=law, **reversed_options(choices)))
         assert_close(turned_sums, all_sums(press(*pair, [approach], law=law, **choices)), tolerance)
 
-    @CASES
-    @IDENTITIES
+    @RANDOM_PAIRS
+    @IDENTITY_SETTINGS
     def test_sums_scale_with_size(self, law, pair, approach, choices):
         """Forces and areas of spheres scale with size squared, those of cylinders of equal width with size."""
-        assume(robust(*pair, approach, choices))
+        assume(is_robust(*pair, approach, choices))
         size = 3.7
         scaled = [Profile(size * p.heights, spacing=size * p.spacing) for p in pair]
         factor = size if isinstance(law, HertzCylinder) else size**2
         assert_close(
             all_sums(press(*scaled, [size * approach], law=law, **choices)),
             np.array([1, *[factor] * 7])[:, None] * all_sums(press(*pair, [approach], law=law, **choices)),
-            SCALING,
+            SCALING_TOLERANCE,
         )
 
-    @CASES
-    @IDENTITIES
+    @RANDOM_PAIRS
+    @IDENTITY_SETTINGS
     def test_sums_scale_with_modulus(self, law, pair, approach, choices):
         """If all strengths scale with the modulus, so do forces, and friction depends only on tau0/E*."""
         soft_law, hard_law = law, law
@@ -304,50 +310,52 @@ class TestProfileIdentities:
             hard_law = JacksonGreen(yield_strength=3 * law.yield_strength, poisson_ratio=law.poisson_ratio)
         soft = press(*pair, [approach], law=soft_law, effective_modulus=5.0, **choices)
         hard = press(*pair, [approach], law=hard_law, effective_modulus=15.0, **choices)
-        assert_close(hard.normal_elastic, 3 * soft.normal_elastic, EXACT)
-        assert_close(hard.tangential_frictional, 3 * soft.tangential_frictional, EXACT)
-        assert_close(hard.contact_area, soft.contact_area, EXACT)
+        assert_close(hard.normal_elastic, 3 * soft.normal_elastic, ROUND_OFF)
+        assert_close(hard.tangential_frictional, 3 * soft.tangential_frictional, ROUND_OFF)
+        assert_close(hard.contact_area, soft.contact_area, ROUND_OFF)
         ratio = [c.friction_coefficient(mu0=0.3, tau0=0.01 * c.effective_modulus) for c in (hard, soft)]
         assert np.allclose(
             *ratio, rtol=1e-10, atol=0, equal_nan=True
         )  # nearly self-locking contacts magnify errors of mu_s
 
-    @CASES
-    @IDENTITIES
+    @RANDOM_PAIRS
+    @IDENTITY_SETTINGS
     def test_sums_equal_sums_of_table(self, law, pair, approach, choices):
         table = contacts(*pair, approach, law=law, **choices)
         curve = press(*pair, [approach / 2, approach], law=law, **choices)
         assert curve.contact_count[1] == len(table)
-        assert curve.contact_area[1] == pytest.approx(table.area.sum(), rel=EXACT)
+        assert curve.contact_area[1] == pytest.approx(table.area.sum(), rel=ROUND_OFF)
         load = table.force * table.normal[:, 2]
-        assert curve.normal_elastic[1] == pytest.approx(load.sum(), rel=EXACT)
+        assert curve.normal_elastic[1] == pytest.approx(load.sum(), rel=ROUND_OFF)
         opposing = table.force[table.opposing] @ table.tangent[table.opposing, 2]
-        assert curve.normal_frictional[1] == pytest.approx(opposing, rel=EXACT)
+        assert curve.normal_frictional[1] == pytest.approx(opposing, rel=ROUND_OFF)
         if len(table):
             relative = table.overlap / table.radius
             validity = curve.validity
-            assert validity.relative_overlap[1] == pytest.approx((load * relative).sum() / load.sum(), rel=EXACT)
-            assert validity.share_beyond_hertz[1] == pytest.approx(load[relative > 0.1].sum() / load.sum(), rel=EXACT)
+            assert validity.relative_overlap[1] == pytest.approx((load * relative).sum() / load.sum(), rel=ROUND_OFF)
+            assert validity.share_beyond_hertz[1] == pytest.approx(
+                load[relative > 0.1].sum() / load.sum(), rel=ROUND_OFF
+            )
             below = table.radius < pair[0].spacing
-            assert validity.share_below_grid[1] == pytest.approx(load[below].sum() / load.sum(), rel=EXACT)
+            assert validity.share_below_grid[1] == pytest.approx(load[below].sum() / load.sum(), rel=ROUND_OFF)
             assert 0 <= validity.share_crossed[1] <= 1
 
 
 class TestGapMinimum:
-    """Grid-independent results, unlike those of the cell detection."""
+    """Tests of results that do not depend on the grid, unlike those of the cell detection."""
 
-    POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
-    # First contact is defined by grid points, which adds up to g'' Δx² / 8 to an approach of 10 nm: 3 digits agree for
-    # each pair, more for a sum over pairs.
-    EACH_PAIR = 1e-3
-    ALL_PAIRS = 2e-4
+    POINT_COUNTS = (37_500, 75_000, 150_000, 300_000, 600_000)
+    # First contact is defined by grid points, which adds up to g'' Δx² / 8 to an approach of 10 nm. Therefore 3 digits
+    # agree for each pair, and more digits for a sum over pairs.
+    PAIR_TOLERANCE = 1e-3
+    SUM_TOLERANCE = 2e-4
 
     @pytest.fixture(scope="class")
     @classmethod
-    def curves(cls):
-        """Return sums (quantity, approach) of several pairs by number of points, for the first 8 frequencies."""
+    def curves_by_points(cls):
+        """Return sums (quantity, approach) of several pairs by the number of points, for the first 8 frequencies."""
         result = {}
-        for points in cls.POINTS:
+        for points in cls.POINT_COUNTS:
             result[points] = []
             for dimension in (1.0, 1.3, 1.6):
                 for repetition in range(4):
@@ -361,17 +369,17 @@ class TestGapMinimum:
             result[points] = np.array(result[points])
         return result
 
-    def test_area_and_loads_are_independent_of_grid(self, curves):
-        finest = curves[self.POINTS[-1]]
+    def test_area_and_loads_are_independent_of_grid(self, curves_by_points):
+        finest = curves_by_points[self.POINT_COUNTS[-1]]
         assert np.all(finest[:, 0] >= 1)
-        for points in self.POINTS[:-1]:
-            assert_close(curves[points][:, 1:], finest[:, 1:], self.EACH_PAIR)
-            assert_close(curves[points][:, 1:].sum(axis=0), finest[:, 1:].sum(axis=0), self.ALL_PAIRS)
+        for points in self.POINT_COUNTS[:-1]:
+            assert_close(curves_by_points[points][:, 1:], finest[:, 1:], self.PAIR_TOLERANCE)
+            assert_close(curves_by_points[points][:, 1:].sum(axis=0), finest[:, 1:].sum(axis=0), self.SUM_TOLERANCE)
 
-    def test_sums_converge_with_second_order(self, curves):
-        # The position of first contact within a cell is random, so mean errors over pairs are compared.
-        finest, coarser = curves[self.POINTS[-1]], self.POINTS[:-1]
-        errors = [np.abs(curves[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]
+    def test_sums_converge_with_second_order(self, curves_by_points):
+        # The position of first contact within a cell is random. Therefore mean errors over the pairs are compared.
+        finest, coarser = curves_by_points[self.POINT_COUNTS[-1]], self.POINT_COUNTS[:-1]
+        errors = [np.abs(curves_by_points[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]
         order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]
         assert 1.7 < order < 2.3
 

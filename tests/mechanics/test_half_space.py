@@ -31,31 +31,33 @@ from support.rough_surfaces import flat_like
 from support.rough_surfaces import periodic_body as rough
 
 MODULUS = 10.0
-DENSE = 1e-8  # of the highest pressure, against dense matrices at a solver tolerance of 1e-11
-MINDLIN = 1e-3  # of the displacement of a sphere whose contact radius is 50 points
+DENSE_TOLERANCE = 1e-8  # fraction of the highest pressure, compared with dense matrices at a solver tolerance of 1e-11
+MINDLIN_TOLERANCE = 1e-3  # fraction of the displacement of a sphere whose contact radius is 50 points
 ROUND_OFF = 1e-12
-GRID_OF_PLASTIC_EDGES = 0.05  # of the true area, at about 15 points per contact; the mean over grids is within 0.015
-QUADRATURE = 1e-9  # of a quadrature of smooth functions on 60 by 200 points
-SCATTER_OF_ALL = 0.015  # for two pairs with some tens of contacts, over twelve directions
-TIGHT = 1e-10  # solver tolerance for comparisons of two solutions
+# Fraction of the true area, at about 15 points per contact. The mean over grids is within 0.015.
+PLASTIC_EDGE_TOLERANCE = 0.05
+QUADRATURE_TOLERANCE = 1e-9  # relative difference from a quadrature of smooth functions on 60 by 200 points
+FRICTION_SCATTER = 0.015  # relative scatter of two pairs with some tens of contacts, over twelve directions
+TIGHT_TOLERANCE = 1e-10  # solver tolerance for comparisons of two solutions
 
 
-LARGE_GRID_TOLERANCE = 1e-11  # relative to the largest displacement: logarithms of distant cells cancel
-SOON = 2.0  # seconds of processor time; a complete solution takes ten times as long
-SAME = 1e-5  # difference of two solutions with a tolerance of 1e-6
+# Error relative to the largest displacement. Logarithms of distant cells cancel.
+LARGE_GRID_TOLERANCE = 1e-11
+MAX_SECONDS_TO_END = 2.0  # seconds of processor time; a complete solution takes ten times as long
+SOLUTION_TOLERANCE = 1e-5  # difference of two solutions with a tolerance of 1e-6
 
 
-STIFFNESS_TOLERANCE = 1e-6  # relative, for a compliance with an error of 1e-7
-GRID_OF_A_BALL = 2e-3  # of the load at an approach, for a contact radius of 24 points
+STIFFNESS_TOLERANCE = 1e-6  # relative error, for a compliance with an error of 1e-7
+BALL_TOLERANCE = 2e-3  # relative error of the load at an approach, for a contact radius of 24 points
 
 
-def solver_of(gap, spacing, *, periodic, bound=np.inf, tolerance):
+def make_solver(gap, spacing, *, periodic, bound=np.inf, tolerance):
     grids = _core.HalfSpaceGrids(gap.shape, spacing, effective_modulus=MODULUS, periodic=periodic)
     return _core.HalfSpaceSolver(gap, grids, bound=np.ravel(bound).astype(float), tolerance=tolerance)
 
 
 def bowl(n, extent, radii):
-    """Return the gap over a paraboloid whose lowest point is off the grid."""
+    """Return a paraboloid whose lowest point is off the grid."""
     x = (np.arange(n) - n / 2 + 0.31) * extent / n
     return Surface(x[:, None] ** 2 / (2 * radii[0]) + x[None, :] ** 2 / (2 * radii[1]), spacing=extent / n)
 
@@ -73,12 +75,12 @@ def test_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
     gap = lower.heights.max() - lower.heights
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[result.pressure.ravel() > 0]))
     if boundary == "periodic" or len(shape) == 2:
-        np.testing.assert_allclose(curve.approach, approach, rtol=DENSE)
+        np.testing.assert_allclose(curve.approach, approach, rtol=DENSE_TOLERANCE)
     exact = dense_half_space.solve_pressure(
         matrix, gap, approach, total=result.pressure.sum() if boundary == "periodic" else None
     )
-    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
-    np.testing.assert_allclose(exact.sum() * np.prod(spacing), load, rtol=DENSE)
+    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE_TOLERANCE * exact.max())
+    np.testing.assert_allclose(exact.sum() * np.prod(spacing), load, rtol=DENSE_TOLERANCE)
 
 
 @pytest.mark.parametrize("shape", [(64,), (12, 15)])
@@ -87,7 +89,7 @@ def test_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
 @pytest.mark.parametrize("pressed", [0.02, 0.3])
 def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
     body = rough(shape, longest=1, shortest=5)
-    missing = np.zeros(shape, bool)  # the summit, and a quarter of all points
+    missing = np.zeros(shape, bool)  # the summit and a quarter of all points are missing
     missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
     lower = type(body)(body.heights, spacing=body.spacing, missing=missing)
     load, spacing = pressed * MODULUS * 0.05, np.array([1 / n for n in shape])
@@ -103,7 +105,7 @@ def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[between]))
     total = result.pressure.sum() if boundary == "periodic" else None
     exact = dense_half_space.solve_pressure(matrix, gap, approach, total=total, bound=bound)
-    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
+    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE_TOLERANCE * exact.max())
     by_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
     np.testing.assert_allclose(by_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
     with pytest.raises(ValueError, match="every model except half_space requires complete scans"):
@@ -120,7 +122,7 @@ def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part
     periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
     gap = np.zeros(shape) if flat else -(body := rough(shape, longest=1, shortest=5).heights) + body.max()
     bound = random.uniform(0.1, 1.0, shape) * (random.random(shape) < 0.7 if flat else 1.0)
-    solver = solver_of(gap, spacing, periodic=periodic, bound=bound, tolerance=1e-11)
+    solver = make_solver(gap, spacing, periodic=periodic, bound=bound, tolerance=1e-11)
     matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
     near = None
     for mean in np.array([0.9, 1.0]) * part * bound.mean():
@@ -130,8 +132,8 @@ def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part
         exact = dense_half_space.solve_pressure(
             matrix, gap, result.approach, total=result.pressure.sum() if periodic else None, bound=bound
         )
-        np.testing.assert_allclose(result.pressure, exact, rtol=0, atol=DENSE * exact.max())
-        np.testing.assert_allclose(exact.mean(), mean, rtol=DENSE)
+        np.testing.assert_allclose(result.pressure, exact, rtol=0, atol=DENSE_TOLERANCE * exact.max())
+        np.testing.assert_allclose(exact.mean(), mean, rtol=DENSE_TOLERANCE)
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
@@ -139,14 +141,16 @@ def test_uniform_bounds_on_flat_are_reached_at_full_load(boundary):
     """Uniform displacement, or that of a punch, up to the largest load that the bounds permit."""
     random = np.random.default_rng(2)
     bound = 1.0 + 1e-15 * random.normal(size=(20, 24))
-    solver = solver_of(np.zeros(bound.shape), (0.1, 0.1), periodic=boundary == "periodic", bound=bound, tolerance=1e-6)
+    solver = make_solver(
+        np.zeros(bound.shape), (0.1, 0.1), periodic=boundary == "periodic", bound=bound, tolerance=1e-6
+    )
     near = None
     for ratio in (0.01, 0.5, 0.99, 0.9999):
         result = solver.at(ratio, near=near)
         near = result.pressure
         assert result.error <= 1e-6
         if boundary == "periodic":
-            assert result.pressure == pytest.approx(np.full(bound.size, ratio), rel=SAME)
+            assert result.pressure == pytest.approx(np.full(bound.size, ratio), rel=SOLUTION_TOLERANCE)
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9, 0.99])
@@ -155,32 +159,33 @@ def test_traction_under_sphere_equals_mindlin(ratio):
     n, spacing, radius, mu0 = 128, 0.02, 1.0, 0.4
     x = (np.arange(n) - n / 2 + 0.31) * spacing
     bound = mu0 * np.sqrt(np.maximum(1 - (x[:, np.newaxis] ** 2 + x**2) / radius**2, 0))
-    solver = solver_of(np.zeros((n, n)), (spacing, spacing), periodic=False, bound=bound, tolerance=1e-8)
+    solver = make_solver(np.zeros((n, n)), (spacing, spacing), periodic=False, bound=bound, tolerance=1e-8)
     result = solver.at(ratio * bound.mean())
     sticks = (bound > 0) & (result.pressure.reshape(n, n) < bound)
     assert np.sqrt(sticks.sum() * spacing**2 / np.pi) == pytest.approx((1 - ratio) ** (1 / 3), abs=spacing)
-    moved_at_sliding = np.pi * mu0 / 2 / MODULUS * radius  # in the middle of a Hertzian pressure with this maximum
-    assert result.approach == pytest.approx(moved_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN)
+    # displacement in the middle of a Hertzian pressure with this maximum
+    moved_at_sliding = np.pi * mu0 / 2 / MODULUS * radius
+    assert result.approach == pytest.approx(moved_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN_TOLERANCE)
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.1, 0.5, 0.9, 0.99])
 def test_sinusoid_equals_westergaard(fraction):
-    amplitude, full = 1e-4, np.pi * MODULUS * 1e-4  # slopes so small that areas equal projected areas
+    amplitude, full = 1e-4, np.pi * MODULUS * 1e-4  # the slopes are so small that areas equal projected areas
     wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": MODULUS}
     load = full * np.sin(np.pi / 2 * fraction) ** 2
     errors = []
     for n in (1024, 4096):
         x = (np.arange(n) + 0.31) / n
         lower = Profile(amplitude * np.cos(2 * np.pi * x), spacing=1 / n)
-        curve = half_space(flat_like(lower), lower, [load], boundary="periodic", tolerance=TIGHT)
+        curve = half_space(flat_like(lower), lower, [load], boundary="periodic", tolerance=TIGHT_TOLERANCE)
         exact = westergaard_contact_fraction(load, **wave)
         result = curve.contact(0)
         errors.append(np.abs(result.pressure - westergaard_pressure(x, load, **wave)).mean() / load)
-        # The edge of the contact is resolved to one point, and so is the gap next to it.
+        # The edge of the contact is resolved to one point, and so is the gap next to the edge.
         assert abs(curve.contact_area[0] - exact) < 1 / n
         gap = westergaard_gap(x, load, **wave)
         assert np.abs(result.gap - gap).max() < 2 * amplitude / n**0.5 * max(fraction, 0.1) * 0.1
-    # Mean errors decrease with the grid spacing to first order or faster, for any position of the edges.
+    # Mean errors decrease with the spacing to first order or faster, for any position of the edges.
     assert errors[1] < errors[0] / 2.5
     assert errors[1] < 0.15 / (4096 * fraction)
 
@@ -190,12 +195,12 @@ def test_westergaard_closed_forms_are_consistent():
     x = np.linspace(-1, 1, 20_001)[:-1]
     for load in (0.001, 0.1, 0.2):
         p = westergaard_pressure(x, load, **wave)
-        assert p.mean() == pytest.approx(load, rel=2e-5)  # quadrature over square-root edges
+        assert p.mean() == pytest.approx(load, rel=2e-5)  # tolerance of a quadrature over square-root edges
         assert np.mean(p > 0) == pytest.approx(min(1.0, float(westergaard_contact_fraction(load, **wave))), abs=2e-4)
         gap = westergaard_gap(x, load, **wave)
         assert (gap[p > 0] == 0).all()
         assert (gap[p == 0] >= 0).all()
-    # Without load the gap is the sinusoid.
+    # Without load the gap is the sinusoid itself.
     np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
 
 
@@ -224,7 +229,7 @@ def test_point_contact_equals_hertz(radii):
         curve = half_space(gap, flat_like(gap), [float(force)], tolerance=1e-8)
         approach = curve.approach[0] + gap.heights.min()
         errors.append(abs(approach / 0.01 - 1))
-        # After the perimeter correction an error of some tenths of a cell along the perimeter remains.
+        # After the perimeter correction, an error of some tenths of a cell along the perimeter remains.
         assert curve.contact_area[0] == pytest.approx(float(area), rel=0.3 * 1.6 / n / axes[0])
     assert errors[-1] < 3e-4
     assert errors[-1] < errors[0] / 4
@@ -237,10 +242,11 @@ def test_hertz_ellipse_tends_to_sphere_and_line():
     np.testing.assert_allclose((force, area), hertz_sphere(0.01, 3.0, MODULUS), rtol=ROUND_OFF)
     np.testing.assert_allclose(a, b, rtol=ROUND_OFF)
     force, area, (a, b) = hertz_ellipse(0.01, 1e8, 1.0, MODULUS)
-    # Across a long ellipse the pressure is that of a line contact with the load per length 3 F/(4 a).
+    # Across a long ellipse the pressure is that of a line contact. The load per length is 3 F/(4 a).
     half_width, _ = hertz_line(3 * force / (4 * a), 1.0, MODULUS)
     np.testing.assert_allclose(b, half_width, rtol=1e-6)
-    # Curvature ratio 5: axis ratio 0.346; 0.968 of the area and 1.0536 of the force of the equivalent sphere.
+    # A curvature ratio of 5 gives an axis ratio of 0.346, and 0.968 of the area and 1.0536 of the force of the
+    # equivalent sphere.
     force, area, (a, b) = hertz_ellipse(0.01, 5.0, 1.0, MODULUS)
     sphere = hertz_sphere(0.01, 5.0**0.5, MODULUS)
     np.testing.assert_allclose([b / a, area / sphere[1], force / sphere[0]], [0.346, 0.9680, 1.0536], atol=5e-4)
@@ -266,17 +272,22 @@ def test_full_contact_equals_inverse_of_kernel(shape):
     k = np.sqrt(sum(np.square(wave) for wave in waves))
     exact = 5.0 + scipy.fft.irfftn(0.5 * MODULUS * k * scipy.fft.rfftn(lower.heights), shape)
     assert exact.min() > 0
-    curve = half_space(flat_like(lower), lower, [5.0], boundary="periodic", tolerance=TIGHT)
+    curve = half_space(flat_like(lower), lower, [5.0], boundary="periodic", tolerance=TIGHT_TOLERANCE)
     np.testing.assert_allclose(curve.contact(0).pressure, exact, rtol=1e-7)
     assert np.isinf(curve.stiffness[0])
 
 
 def test_results_are_linear_in_modulus_and_independent_of_offset():
     lower = rough((64, 64))
-    one = half_space(flat_like(lower), lower, [0.01, 0.1], boundary="periodic", tolerance=TIGHT)
+    one = half_space(flat_like(lower), lower, [0.01, 0.1], boundary="periodic", tolerance=TIGHT_TOLERANCE)
     raised = Surface(lower.heights + 3.0, spacing=lower.spacing)
     other = half_space(
-        flat_like(lower), raised, [0.07, 0.7], boundary="periodic", effective_modulus=7 * MODULUS, tolerance=TIGHT
+        flat_like(lower),
+        raised,
+        [0.07, 0.7],
+        boundary="periodic",
+        effective_modulus=7 * MODULUS,
+        tolerance=TIGHT_TOLERANCE,
     )
     for name in ("normal_elastic", "tangential_elastic", "normal_frictional", "tangential_frictional"):
         np.testing.assert_allclose(getattr(other, name), 7 * getattr(one, name), rtol=1e-7, err_msg=name)
@@ -304,7 +315,7 @@ def test_stiffness_is_derivative_of_load():
     load = 0.05 * np.array([0.99, 1.0, 1.01])
     curve = half_space(flat_like(lower), lower, load, boundary="periodic", tolerance=1e-9)
     slope = (load[2] - load[0]) / (curve.approach[2] - curve.approach[0])
-    # Points that come into contact between both loads change the slope relative to the stiffness of the patches.
+    # Points that come into contact between the two loads change the slope relative to the stiffness of the patches.
     assert curve.stiffness[1] == pytest.approx(slope, rel=0.01)
 
 
@@ -338,7 +349,8 @@ def test_pressure_agrees_with_tamaas(pressed, boundary):
     load = pressed * MODULUS * 0.1
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = MODULUS, 0.0
-    solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-11)  # below 1e-12 the iteration may not end
+    # with a tolerance below 1e-12 the iteration may not end
+    solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-11)
     if boundary == "free":
         tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
         solver.setIntegralOperator("dcfft")
@@ -346,7 +358,7 @@ def test_pressure_agrees_with_tamaas(pressed, boundary):
     assert solver.solve(load) < 1e-11
     result = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-9).contact(0).pressure
     exact = np.array(model.traction).reshape(n, n)
-    # Both error measures are energies; errors of pressures are larger.
+    # Both error measures are energies. Errors of pressures are larger.
     assert np.abs(result - exact).max() < 1e-7 * exact.max()
 
 
@@ -390,7 +402,7 @@ def test_random_problems_with_hardness_are_solved():
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("shape", [(256,), (40, 40)])
 @pytest.mark.parametrize("ratio", [0.5, 10, 1000])
-def test_hardness_may_be_arbitrarily_low(shape, boundary, ratio):
+def test_half_space_accepts_any_low_hardness(shape, boundary, ratio):
     """E* h'/H from 0.5 to 1000, and loads up to the largest that the hardness permits."""
     lower = rough(shape)
     hardness = MODULUS * 0.1 / ratio
@@ -398,7 +410,7 @@ def test_hardness_may_be_arbitrarily_low(shape, boundary, ratio):
     curve = half_space(flat_like(lower), lower, loads, boundary=boundary, hardness=hardness)
     assert (curve.error <= 1e-6).all()
     assert (curve.load / curve.contact_area <= hardness * (1 + ROUND_OFF)).all()
-    assert (np.diff(curve.contact_area) >= 0).all()  # equal for complete contact
+    assert (np.diff(curve.contact_area) >= 0).all()  # areas are equal at complete contact
     for index in range(loads.size):
         contact = curve.contact(index)
         assert (contact.share >= contact.pressure / hardness).all()
@@ -415,7 +427,7 @@ def test_contact_area_with_hardness_is_independent_of_grid():
             lower = Surface(fine.heights[::step, ::step], spacing=step / 512)
             curve = half_space(flat_like(lower), lower, loads, boundary="periodic", hardness=hardness, tolerance=1e-5)
             areas.append(curve.contact_area)
-        assert areas[1] == pytest.approx(areas[0], rel=GRID_OF_PLASTIC_EDGES)
+        assert areas[1] == pytest.approx(areas[0], rel=PLASTIC_EDGE_TOLERANCE)
 
 
 def test_pressure_with_hardness_agrees_with_tamaas():
@@ -431,7 +443,8 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     exact = np.array(model.traction).reshape(n, n)
     curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness, tolerance=1e-9)
     assert 0 < curve.load_share_at_hardness[0] < 1
-    assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness  # tolerance of the reference, in pressures
+    # tolerance of the pressures of the reference
+    assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness
 
 
 def test_friction_follows_small_slope_formula():
@@ -468,11 +481,13 @@ def test_gentle_friction_equals_formula():
         gentle_friction(0.4, rms_gradient=0.1, sliding="some")
 
 
-def leaning(sigma_along, sigma_across, m, *, rule):
-    """Return friction of contacts with equal forces on normally distributed slopes, as a direct sum over tangents."""
+def friction_of_slopes(sigma_along, sigma_across, m, *, rule):
+    """Return the friction of contacts with equal forces on normally distributed slopes, by direct summation over
+    tangents."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(60)
     half, share = np.polynomial.legendre.leggauss(200)
-    along = 5 * (half + 1) * sigma_along  # uphill slopes up to ten deviations; downhill is the mirror image
+    # the sum covers uphill slopes of up to ten deviations; downhill slopes are the mirror image
+    along = 5 * (half + 1) * sigma_along
     chance = 5 * share * np.exp(-((along / sigma_along) ** 2) / 2) / np.sqrt(2 * np.pi)
     normal = tangential = 0.0
     for across, weight in zip(nodes * sigma_across, weights / weights.sum(), strict=True):
@@ -495,9 +510,9 @@ def test_second_order_gentle_friction_equals_sum_over_random_slopes(rule, gradie
     across = np.sqrt(gradient**2 - slope**2)
     for ratio in (1.0, 0.3):
         shared = ratio / (1 + ratio**2)
-        expected = leaning(slope * shared, across * shared, 0.4, rule=rule)
+        expected = friction_of_slopes(slope * shared, across * shared, 0.4, rule=rule)
         keywords = {"rms_gradient": gradient, "rms_slope": slope, "slope_ratio": ratio, "sliding": rule}
-        assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE)
+        assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE_TOLERANCE)
 
 
 def test_second_order_gentle_friction_has_limits():
@@ -518,8 +533,8 @@ def test_second_order_gentle_friction_has_limits():
         gentle_friction(0.4, rms_gradient=0.1, rms_slope=0.2, order=2)
 
 
-def bodies(ratio, seeds, slope):
-    """Return a pair whose gap has an rms gradient of about `slope`; one body is flatter by a ratio."""
+def pair_with_gradient(ratio, seeds, slope):
+    """Return a pair of surfaces whose gap has an rms gradient of about `slope`. One body is flatter by a ratio."""
     steeper = slope / np.hypot(1, 1 / ratio)
     return (
         rough((128, 128), seed=seed, longest=8, shortest=16, slope=item)
@@ -532,13 +547,13 @@ def test_friction_includes_area_of_slopes_across_the_motion():
     values = []
     for seeds in ((1, 2), (3, 4)):
         curve = half_space(
-            *bodies(1.0, seeds, slope), [0.02 * MODULUS * slope], boundary="periodic", sliding="all",
+            *pair_with_gradient(1.0, seeds, slope), [0.02 * MODULUS * slope], boundary="periodic", sliding="all",
             direction=range(0, 360, 30),
         )  # fmt: skip
         values.append(curve.friction_coefficient(mu0=0.4).mean())
     expected = gentle_friction(0.4, rms_gradient=slope, sliding="all", order=2)
     assert expected > 1.04 * 0.4
-    assert np.mean(values) == pytest.approx(expected, rel=SCATTER_OF_ALL)
+    assert np.mean(values) == pytest.approx(expected, rel=FRICTION_SCATTER)
 
 
 def test_mean_slope_of_contacts_depends_on_roughness_alone():
@@ -546,23 +561,30 @@ def test_mean_slope_of_contacts_depends_on_roughness_alone():
     lean = []
     for share in (0.0, 0.5, 1.0):
         curve = half_space(
-            *bodies(ratio, (1, 2), slope), [0.02 * MODULUS * slope], boundary="periodic", compliance_share=share,
+            *pair_with_gradient(ratio, (1, 2), slope),
+            [0.02 * MODULUS * slope],
+            boundary="periodic",
+            compliance_share=share,
             direction=range(0, 360, 30),
-        )  # fmt: skip
+        )
         lean.append((curve.tangential_elastic / curve.normal_elastic).mean())
     assert np.ptp(lean) < 0.05 * np.mean(lean)
-    # Patches oppose with less than the mean slope of their points, most for broad spectra.
+    # Patches oppose with less than the mean slope of their points, and the difference is largest for broad spectra.
     assert 0.7 < np.mean(lean) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 
 def test_results_are_invariant_under_mirror_and_exchange():
     upper, lower = (rough((2048,), seed=seed, shortest=64) for seed in (3, 4))
     loads = [0.005, 0.02]
-    curve = half_space(upper, lower, loads, boundary="periodic", compliance_share=0.3, tolerance=TIGHT)
+    curve = half_space(upper, lower, loads, boundary="periodic", compliance_share=0.3, tolerance=TIGHT_TOLERANCE)
     mirrored = [Profile(np.roll(body.heights[::-1], 1), spacing=body.spacing) for body in (upper, lower)]
-    other = half_space(*mirrored, loads, boundary="periodic", compliance_share=0.3, direction="-x", tolerance=TIGHT)
+    other = half_space(
+        *mirrored, loads, boundary="periodic", compliance_share=0.3, direction="-x", tolerance=TIGHT_TOLERANCE
+    )
     turned = [Profile(-body.heights, spacing=body.spacing) for body in (lower, upper)]
-    third = half_space(*turned, loads, boundary="periodic", compliance_share=0.7, direction="-x", tolerance=TIGHT)
+    third = half_space(
+        *turned, loads, boundary="periodic", compliance_share=0.7, direction="-x", tolerance=TIGHT_TOLERANCE
+    )
     for name in ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional"):
         for one in (other, third):
             np.testing.assert_allclose(getattr(one, name), getattr(curve, name), rtol=1e-6, err_msg=name)
@@ -571,14 +593,14 @@ def test_results_are_invariant_under_mirror_and_exchange():
 def test_extruded_profile_equals_profile():
     lines = [rough((256,), seed=seed, shortest=16) for seed in (1, 2)]
     wide = [Surface(np.tile(line.heights, (8, 1)), spacing=(1 / 8, 1 / 256)) for line in lines]
-    one = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT)
-    other = half_space(*wide, [0.01], boundary="periodic", direction=[0.0, 90.0], tolerance=TIGHT)
+    one = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT_TOLERANCE)
+    other = half_space(*wide, [0.01], boundary="periodic", direction=[0.0, 90.0], tolerance=TIGHT_TOLERANCE)
     np.testing.assert_allclose(other.contact(0).pressure[3], one.contact(0).pressure, atol=1e-6)
     np.testing.assert_allclose(other.tangential_elastic[0], one.tangential_elastic, rtol=1e-6)
     np.testing.assert_array_equal(other.contact_count, one.contact_count)
     assert other.friction_coefficient(mu0=0.4).shape == (2, 1)
     assert (other.status(mu0=0.4) == "ok").all()
-    # Along the grooves there are no slopes, so no contact opposes.
+    # There are no slopes along the grooves, so no contact opposes the motion.
     np.testing.assert_allclose(other.tangential_load(mu0=0.4)[1], 0.0, atol=1e-9)
 
 
@@ -607,14 +629,14 @@ def test_periodic_flats_have_uniform_pressure():
     np.testing.assert_allclose(curve.contact_area, 96.0, rtol=ROUND_OFF)
 
 
-LINE = Profile(np.arange(8.0) % 3, spacing=1.0)
-MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
+EXAMPLE_LINE = Profile(np.arange(8.0) % 3, spacing=1.0)
+EXAMPLE_MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"lower": MAP}, "both be profiles or both surfaces"),
+        ({"lower": EXAMPLE_MAP}, "both be profiles or both surfaces"),
         ({"lower": "LINE"}, "must be a Profile or a Surface"),
         ({"lower": Profile(np.zeros(9), spacing=1.0)}, "equal shapes"),
         ({"lower": Profile(np.zeros(8), spacing=2.0)}, "equal spacings"),
@@ -631,21 +653,21 @@ MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
         ({"direction": "x"}, "direction"),
         ({"direction": 45.0}, "direction"),
         ({"direction": ["+x"]}, "direction"),
-        ({"upper": MAP, "lower": MAP, "direction": []}, "direction"),
-        ({"upper": MAP, "lower": MAP, "direction": ["up"]}, "direction"),
+        ({"upper": EXAMPLE_MAP, "lower": EXAMPLE_MAP, "direction": []}, "direction"),
+        ({"upper": EXAMPLE_MAP, "lower": EXAMPLE_MAP, "direction": ["up"]}, "direction"),
         ({"sliding": "some"}, "sliding must be one of"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"progress": "x"}, "progress must be a function of three arguments or None, got 'x'"),
     ],
 )
 def test_half_space_rejects_bad_arguments(arguments, message):
-    options = {"upper": LINE, "lower": LINE, "loads": [1.0]} | arguments
+    options = {"upper": EXAMPLE_LINE, "lower": EXAMPLE_LINE, "loads": [1.0]} | arguments
     with pytest.raises(ValueError, match=message):
         half_space(**options)
 
 
 def test_curve_is_read_only_and_checks_indices():
-    curve = half_space(flat_like(LINE), LINE, [1.0])
+    curve = half_space(flat_like(EXAMPLE_LINE), EXAMPLE_LINE, [1.0])
     assert isinstance(curve, HalfSpaceCurve)
     with pytest.raises(ValueError, match="read-only"):
         curve.load[0] = 2.0
@@ -657,7 +679,7 @@ def test_curve_is_read_only_and_checks_indices():
 
 @pytest.mark.parametrize("load", [0.02, 0.05, 0.1])
 def test_level_contact_of_ball_opposes_no_direction(load):
-    # The only patch is level; residual asymmetry of the solution must not change its class.
+    # The only patch is level. A residual asymmetry of the solution must not change its class.
     x = (np.arange(65) - 32) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
     flat = Surface(np.zeros((65, 65)), spacing=0.05)
@@ -697,12 +719,12 @@ def test_pairs_on_equal_grids_share_kernels():
     assert first._problem.grids is second._problem.grids
     stiffer = half_space(flat_like(other), other, [0.02], effective_modulus=2 * MODULUS)
     assert stiffer._problem.grids is not first._problem.grids
-    alone = solver_of(first._problem.gap, (1 / 32, 1 / 32), periodic=False, tolerance=1e-6)
+    alone = make_solver(first._problem.gap, (1 / 32, 1 / 32), periodic=False, tolerance=1e-6)
     assert np.array_equal(alone.at(0.01).pressure, first.contact(0).pressure.ravel())
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_several_loads_equal_single_loads(boundary):
+def test_half_space_of_several_loads_equals_single_loads(boundary):
     """A solution on a map starts from the previous load if it is near; the start changes less than the tolerance."""
     body = rough((48, 40))
     upper = flat_like(body)
@@ -711,7 +733,7 @@ def test_several_loads_equal_single_loads(boundary):
     assert (curve.error <= 1e-6).all()
     for i, load in enumerate(loads):
         alone = half_space(upper, body, [load], boundary=boundary)
-        assert curve.approach[i] == pytest.approx(alone.approach[0], rel=SAME)
+        assert curve.approach[i] == pytest.approx(alone.approach[0], rel=SOLUTION_TOLERANCE)
         assert curve.contact_area[i] == pytest.approx(alone.contact_area[0], rel=1e-3)
 
 
@@ -725,7 +747,7 @@ def test_approaches_and_their_loads_are_consistent(shape, boundary):
     assert np.abs(curve.approach - expected).max() <= 1e-6 * max(deviation, 1.0)
     assert (curve.error <= 1e-6).all()
     again = half_space(upper, body, curve.load, boundary=boundary)
-    assert again.approach == pytest.approx(expected, rel=SAME)
+    assert again.approach == pytest.approx(expected, rel=SOLUTION_TOLERANCE)
     assert again.contact_area == pytest.approx(curve.contact_area, rel=1e-3)
 
 
@@ -738,12 +760,12 @@ def test_approaches_are_reached_up_to_full_contact(shape, left):
     assert abs(curve.approach[0] - full * (1 - left)) <= 1.01e-6 * body.heights.std()
 
 
-def test_approach_of_sphere_equals_hertz():
+def test_half_space_approach_of_sphere_equals_hertz():
     """Approach of distant points, δ = (9 F²/(16 E*² R))^(1/3)."""
     ball = bowl(96, 2.0, (5.0, 5.0))
     curve = half_space(ball, flat_like(ball), approaches=[0.05])
     force, _ = hertz_sphere(0.05, 5.0, MODULUS)
-    assert curve.load[0] == pytest.approx(force, rel=GRID_OF_A_BALL)
+    assert curve.load[0] == pytest.approx(force, rel=BALL_TOLERANCE)
 
 
 @pytest.mark.parametrize(
@@ -789,7 +811,7 @@ def test_progress_reports_iterations_and_can_cancel():
         half_space(flat_like(body), body, [0.01], progress=stop)
 
 
-def test_solver_ends_soon_after_ctrl_c():
+def test_half_space_solver_ends_soon_after_ctrl_c():
     """The signal arrives long before the end, while the main thread is in the core."""
     body = rough((512, 512), shortest=128)
     pressed = []
@@ -799,14 +821,14 @@ def test_solver_ends_soon_after_ctrl_c():
         signal.raise_signal(signal.SIGINT)
 
     def solve():
-        timer.start()  # within this block, which handles an early signal too
+        timer.start()  # the block handles an early signal, too
         half_space(flat_like(body), body, np.geomspace(0.001, 0.5, 200))
 
     timer = threading.Timer(0.3, ctrl_c)
     with pytest.raises(KeyboardInterrupt):
         solve()
     timer.join()
-    assert time.process_time() - pressed[0] < SOON
+    assert time.process_time() - pressed[0] < MAX_SECONDS_TO_END
 
 
 def test_solver_converges_if_steps_are_extrapolated():
@@ -832,7 +854,7 @@ def test_onset_rejects_vanishing_strength():
 
 
 @pytest.mark.parametrize(("boundary", "hardness"), [("free", None), ("periodic", None), ("free", 1.0)])
-def test_bits_are_independent_of_thread_count(boundary, hardness):
+def test_half_space_results_are_bit_identical_for_any_thread_count(boundary, hardness):
     body = rough((150, 128))
     alone = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
     with scipy.fft.set_workers(3):

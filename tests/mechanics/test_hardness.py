@@ -1,4 +1,4 @@
-"""Tests of the contact area over a range of hardness, against direct solutions and limits."""
+"""Tests of the contact area in a range of hardness, against direct solutions and limits."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from stiction.mechanics.hardness import MIXING_EXPONENT, MIXING_POWER, area_per_
 from stiction.studies.hardness import NODE_POSITIONS
 from support.rough_surfaces import rough_maps
 
-FRICTION, AREA = 0.01, 0.03
-"""Largest relative errors of friction and area between nodes, for maps of 96 by 96 points with few contacts."""
+FRICTION_TOLERANCE, AREA_TOLERANCE = 0.01, 0.03
+"""Largest relative errors of friction and area between hardness nodes, for maps of 96 by 96 points with few
+contacts."""
 
 
-@pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])  # fully plastic, intermediate, nearly elastic
+@pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])  # the contact is fully plastic, intermediate, or nearly elastic
 def test_interpolated_area_agrees_with_direct_solutions(rms: float) -> None:
     upper, lower = rough_maps(rms=rms, points=96, spacing=0.05, shortest_wavelength=0.3)
 
@@ -29,8 +30,8 @@ def test_interpolated_area_agrees_with_direct_solutions(rms: float) -> None:
     expected = np.geomspace(0.23, 1.7, 9)
     result = area_per_load(expected, nodes, [ratio(float(node)) for node in nodes], elastic)
     direct = np.array([ratio(float(item)) for item in expected])
-    assert result == pytest.approx(direct, rel=AREA)
-    assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION)
+    assert result == pytest.approx(direct, rel=AREA_TOLERANCE)
+    assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION_TOLERANCE)
 
 
 def test_interpolated_area_agrees_with_its_definition() -> None:

@@ -9,7 +9,7 @@ PLASTIC_TOLERANCE = 5e-3
 """Relative difference between a half-space whose contacts all yield and Tabor's closed form."""
 
 
-def cases(count=200):
+def random_cases(count=200):
     draw = np.random.default_rng(7)
     for _ in range(count):
         hardness, mu0, alpha = 10 ** draw.uniform(-2, 1.5), draw.uniform(0, 0.6), draw.uniform(0.1, 27)
@@ -17,7 +17,7 @@ def cases(count=200):
 
 
 def test_hardness_under_shear_solves_both_laws():
-    for hardness, mu0, tau0, alpha in cases():
+    for hardness, mu0, tau0, alpha in random_cases():
         pressure = float(hardness_under_shear(hardness, mu0, tau0, alpha))
         assert 0 < pressure <= hardness
         assert pressure**2 + alpha * (mu0 * pressure + tau0) ** 2 == pytest.approx(hardness**2, rel=ROUND_OFF)
@@ -28,7 +28,7 @@ def beyond(friction, mu0, ratio, alpha):
 
 
 def test_tabor_friction_is_the_root_of_its_equation_and_agrees_with_the_hardness():
-    for hardness, mu0, tau0, alpha in cases():
+    for hardness, mu0, tau0, alpha in random_cases():
         ratio = tau0 / hardness
         highest = 1 + (mu0 + ratio) / (1 - ratio * np.sqrt(alpha))
         root = brentq(beyond, mu0, highest, args=(mu0, ratio, alpha), xtol=1e-14)
@@ -37,18 +37,18 @@ def test_tabor_friction_is_the_root_of_its_equation_and_agrees_with_the_hardness
         assert result == pytest.approx(mu0 + tau0 / hardness_under_shear(hardness, mu0, tau0, alpha), rel=1e-9)
 
 
-def test_hardness_is_kept_exactly_without_growth():
+def test_hardness_under_shear_equals_hardness_without_growth():
     hardness = np.random.default_rng(1).uniform(0.01, 20, 1000)
     assert (hardness_under_shear(hardness, 0.3, 0.05, 0.0) == hardness).all()
 
 
-def test_coefficient_is_mu0_without_adhesive_strength():
+def test_tabor_friction_equals_mu0_without_adhesive_strength():
     alpha = np.array([0.0, 9.0, 27.0])
     assert tabor_friction(1.0, 0.3, 0.0, alpha) == pytest.approx(0.3, rel=ROUND_OFF)
     assert (np.diff(hardness_under_shear(1.0, 0.3, 0.0, alpha)) < 0).all()
 
 
-def test_interfaces_stronger_than_the_bulk_have_no_coefficient():
+def test_tabor_friction_is_nan_for_interfaces_stronger_than_the_bulk():
     bulk = 1 / np.sqrt(27)
     for tau0 in (bulk * (1 + 1e-9), 2 * bulk):
         assert np.isnan(hardness_under_shear(1.0, 0.2, tau0, 27.0))
@@ -57,7 +57,7 @@ def test_interfaces_stronger_than_the_bulk_have_no_coefficient():
 
 
 @pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])
-def test_half_space_at_that_hardness_has_the_coefficient_of_plastic_contacts(alpha):
+def test_half_space_at_reduced_hardness_has_tabor_friction(alpha):
     interface = {"mu0": 0.2, "tau0": 0.02}
     rough = {"hurst_exponent": 0.8, "rms": 0.01, "shape": (64, 64), "spacing": 1.0}
     bodies = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
@@ -73,6 +73,6 @@ def test_half_space_at_that_hardness_has_the_coefficient_of_plastic_contacts(alp
     ((0.0, 0.2, 0.1, 9.0), "hardness"), ((1.0, -0.2, 0.1, 9.0), "mu0"), ((1.0, 0.2, -0.1, 9.0), "tau0"),
     ((1.0, 0.2, 0.1, -9.0), "alpha"),
 ])  # fmt: skip
-def test_bad_arguments_are_named(law, arguments, word):
+def test_junction_growth_functions_name_bad_arguments(law, arguments, word):
     with pytest.raises(ValueError, match=word):
         law(*arguments)

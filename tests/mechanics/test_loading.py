@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 from stiction import Profile, approach_at_load, press
 
-FOUND = 1e-11  # relative: the root is bracketed to 1e-12 of the approach, and the load is a low power of the approach
-ARC = 1e-6  # relative: Hertzian force of two arcs, as in the contact tests
+# Relative error of the load. The root is bracketed to 1e-12 of the approach, and the load is a low power of the
+# approach.
+LOAD_TOLERANCE = 1e-11
+ARC_TOLERANCE = 1e-6  # relative error of the Hertzian force of two arcs, as in the contact tests
 
 
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
@@ -15,7 +17,7 @@ def test_approach_of_arcs_equals_hertz(circular_arc, detection):
     overlaps = np.array([1e-4, 1e-3, 1e-2])
     loads = 4 / 3 * 10.0 * np.sqrt(radius / 2) * overlaps**1.5
     result = approach_at_load(upper, lower, loads, mu0=0.3, detection=detection)
-    np.testing.assert_allclose(result + deep, overlaps, rtol=ARC, atol=1e-9)
+    np.testing.assert_allclose(result + deep, overlaps, rtol=ARC_TOLERANCE, atol=1e-9)
 
 
 def test_approach_at_load_preserves_shape_of_loads(rough_pair):
@@ -44,9 +46,9 @@ def test_approach_at_load_is_the_smallest_approach(rough_pair, dimension, detect
         assert (carried >= loads[~reached].min()).mean() < 0.03
     for load, approach in zip(loads[reached], result[reached], strict=True):
         at = press(upper, lower, [approach * (1 - 1e-11), approach], **choices).normal_load(**friction)
-        assert at[0] < load * (1 + FOUND)
-        assert at[1] >= load * (1 - FOUND)
-        # No earlier approach carries the load, except for contacts that vanish within a step of the search.
+        assert at[0] < load * (1 + LOAD_TOLERANCE)
+        assert at[1] >= load * (1 - LOAD_TOLERANCE)
+        # No smaller approach supports the load, except for contacts that vanish within a step of the search.
         before = press(upper, lower, approach * np.geomspace(1e-4, 1 / 1.1, 200), **choices).normal_load(**friction)
         assert (before >= load).mean() < 0.03
 
@@ -57,7 +59,7 @@ def test_approach_depends_on_friction_of_slopes(rough_pair):
     assert more > less
 
 
-def test_unreachable_load_gives_nan(circular_arc):
+def test_approach_at_load_is_nan_for_unreachable_loads(circular_arc):
     flat = Profile(np.zeros(401), spacing=0.01)
     assert np.isnan(approach_at_load(flat, flat, 1.0, mu0=0.3))
     ball = circular_arc(2.003, 3.0, 0.01, 401, "lower")

@@ -10,7 +10,7 @@ import pytest
 from stiction import MaterialValue, compliance_fraction, effective_modulus, material, materials, softer_hardness
 
 ROUND_OFF = 1e-14
-EACH = pytest.mark.parametrize("each", materials(), ids=lambda each: each.name)
+FOR_EACH_MATERIAL = pytest.mark.parametrize("each", materials(), ids=lambda each: each.name)
 
 
 def test_table_has_materials_of_all_kinds():
@@ -21,13 +21,13 @@ def test_table_has_materials_of_all_kinds():
         assert material(name).name
 
 
-@EACH
+@FOR_EACH_MATERIAL
 def test_values_of_materials_are_physical(each):
     values = (each.young_modulus, each.poisson_ratio, each.hardness)
     for value in (value for value in values if value is not None):
         assert 0 < value.low <= value <= value.high
         assert float(value) == pytest.approx(math.sqrt(value.low * value.high), rel=ROUND_OFF)
-        # A publication with its year, a standard, or the content of a web page.
+        # The source is a publication with its year, a standard, or a web page.
         assert re.search(r"\(?\b(19|20)\d\d\b|SAE J431|\(web\)", value.source), value.source
     assert (each.hardness is None) == (each.kind == "elastomer")
     if each.hardness is None:
@@ -36,7 +36,7 @@ def test_values_of_materials_are_physical(each):
         return
     assert 0.1 < each.young_modulus.low <= each.young_modulus.high < 1300
     assert each.poisson_ratio.high < 0.5
-    # From a soft metal to the ideal strength of a covalent solid; cracked rock is softer than its grains.
+    # The limits are a soft metal and the ideal strength of a covalent solid. Cracked rock is softer than its grains.
     assert 0.001 < each.hardness / each.young_modulus < (0.2 if each.kind == "rock" else 0.15)
     assert each.young_modulus.high / each.young_modulus.low < 3.1
     assert each.hardness.high / each.hardness.low < 8
@@ -45,7 +45,7 @@ def test_values_of_materials_are_physical(each):
 @pytest.mark.parametrize(
     ("name", "young", "hardness"),
     [
-        # Values from sources outside the table: Johnson (1985), Contact Mechanics; Hutchings & Shipway (2017).
+        # The values are from sources outside the table: Johnson (1985), Contact Mechanics; Hutchings & Shipway (2017).
         ("steel", 207, 1.2), ("tungsten carbide", 600, 15), ("soda-lime glass", 70, 5.6), ("aluminium", 70, 0.25),
         ("silicon nitride", 300, 16), ("PMMA", 3, 0.2), ("gold", 78, 0.3), ("silicon", 165, 11), ("lead", 16, 0.04),
     ],
@@ -56,7 +56,7 @@ def test_ranges_contain_reference_values(name, young, hardness):
     assert 0.9 * result.hardness.low <= hardness <= 1.1 * result.hardness.high
 
 
-@EACH
+@FOR_EACH_MATERIAL
 def test_material_accepts_each_alias_in_any_spelling(each):
     for name in (each.name, *each.aliases):
         assert material(name) is material(name.upper()) is material(name.replace("-", " ")) is each

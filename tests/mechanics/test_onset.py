@@ -24,10 +24,10 @@ from support.rough_surfaces import flat_like, periodic_body, rough_maps
 
 MODULUS = 10.0
 ROUND_OFF = 1e-12
-DENSE = 1e-6  # of the largest value, against dense matrices, at a solver tolerance of 1e-6
-MINDLIN = 1e-3  # of the displacement of a ball with a contact radius of 24 points
-RELATED = 0.01  # relative difference from an independent principle, for rough bodies
-PARTS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
+DENSE_TOLERANCE = 1e-6  # fraction of the largest value, compared with dense matrices, at a solver tolerance of 1e-6
+MINDLIN_TOLERANCE = 1e-3  # fraction of the displacement of a ball whose contact radius is 24 points
+PRINCIPLE_TOLERANCE = 0.01  # relative difference from an independent principle for rough bodies
+LOAD_FRACTIONS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
 
 
 def bowl(n, extent, radii):
@@ -42,7 +42,7 @@ def rough(shape, seed=4, slope=0.1):
 
 
 def mean_pressure(body, fraction):
-    """Return the load on a unit length or square at a fraction of E* h'."""
+    """Return the load on a unit length or a unit square at a mean pressure that is a fraction of E* h'."""
     steps = [np.diff(body.heights, axis=axis) * body.heights.shape[axis] for axis in range(body.heights.ndim)]
     return fraction * MODULUS * np.sqrt(sum(np.mean(np.square(step)) for step in steps))
 
@@ -60,23 +60,23 @@ def ball():
 def test_onset_of_ball_equals_cattaneo_mindlin(ball):
     curve, radius = ball
     for poisson in (0.0, 0.3, (0.2, 0.5)):
-        onset = curve.onset(0, mu0=0.3, poisson=poisson, steps=PARTS)
+        onset = curve.onset(0, mu0=0.3, poisson=poisson, steps=LOAD_FRACTIONS)
         of_both = np.broadcast_to(poisson, 2)
         ratio = np.mean((2 - of_both) / (2 * (1 - of_both)))
-        part = np.array(PARTS)
-        farthest = 0.3 * radius**2 * ratio  # mu0 times the approach, R = 1
+        part = np.array(LOAD_FRACTIONS)
+        farthest = 0.3 * radius**2 * ratio  # displacement, which is mu0 times the approach with R = 1
         stuck = (1 - part) ** (1 / 3)
         assert onset.sliding_load == pytest.approx(0.3 * curve.load[0], rel=1e-9)
-        assert onset.displacement_at_sliding == pytest.approx(farthest, rel=MINDLIN)
-        np.testing.assert_allclose(onset.displacement, farthest * (1 - stuck**2), rtol=MINDLIN)
-        assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=MINDLIN)
+        assert onset.displacement_at_sliding == pytest.approx(farthest, rel=MINDLIN_TOLERANCE)
+        np.testing.assert_allclose(onset.displacement, farthest * (1 - stuck**2), rtol=MINDLIN_TOLERANCE)
+        assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=MINDLIN_TOLERANCE)
         result = radius * np.sqrt(1 - onset.slipped_area)
         assert np.abs(result - radius * stuck).max() < 1 / 96  # within a cell
         assert np.abs(onset.slipped_load - (1 - stuck**2) ** 1.5).max() < 0.01
-        # Johnson, Contact Mechanics (1985), eq. 7.57.
+        # The energy loss is that of Johnson, Contact Mechanics (1985), eq. 7.57.
         lost = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
         lost *= onset.sliding_load * farthest
-        np.testing.assert_allclose(onset.energy_lost(onset.tangential_load)[2:], lost[2:], rtol=5 * MINDLIN)
+        np.testing.assert_allclose(onset.energy_lost(onset.tangential_load)[2:], lost[2:], rtol=5 * MINDLIN_TOLERANCE)
 
 
 def test_ball_slips_from_edge_inwards(ball):
@@ -89,7 +89,7 @@ def test_ball_slips_from_edge_inwards(ball):
     assert np.isnan(slips[~touching]).all()
     inside = touching & (away < radius)
     off = slips[inside] - (1 - (away[inside] / radius) ** 3)
-    assert np.abs(off).max() < 1 / 50 + 3 / (96 * radius)  # one step, and one cell at the edge
+    assert np.abs(off).max() < 1 / 50 + 3 / (96 * radius)  # tolerance of one step, and of one cell at the edge
     assert np.abs(np.median(off)) < 1 / 50
     early = curve.onset(0, mu0=0.3, steps=[0.2, 0.3]).slip_load()
     assert np.isnan(early[away < 0.5 * radius]).all()
@@ -101,19 +101,19 @@ def test_onset_of_cylinder_equals_cattaneo():
     lower = Profile(-(x**2) / 2, spacing=1 / n)
     curve = half_space(flat_like(lower), lower, [0.2], tolerance=1e-8)
     half_width, peak = hertz_line(load=0.2, radius=1.0, effective_modulus=MODULUS)
-    onset = curve.onset(0, mu0=0.3, steps=PARTS)
-    for i, part in enumerate(PARTS):
+    onset = curve.onset(0, mu0=0.3, steps=LOAD_FRACTIONS)
+    for i, part in enumerate(LOAD_FRACTIONS):
         stuck = half_width * np.sqrt(1 - part)
         q = 0.3 * peak * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
         q -= 0.3 * peak * stuck / half_width * np.sqrt(np.maximum(1 - (x / stuck) ** 2, 0))
-        assert np.abs(onset.traction(i) - q).sum() < RELATED * q.sum()
+        assert np.abs(onset.traction(i) - q).sum() < PRINCIPLE_TOLERANCE * q.sum()
         assert abs(half_width * (1 - onset.slipped_area[i]) - stuck) < 1 / n
     # The displacement of a free half-plane is undefined, but slip is defined and dissipates energy.
     assert np.isnan(onset.displacement).all()
     assert np.isnan(onset.displacement_at_sliding)
     assert np.isnan(onset.stiffness)
     assert (np.diff(onset.energy_lost(onset.tangential_load)) > 0).all()
-    with pytest.raises(ValueError, match="a free half-plane has none"):
+    with pytest.raises(ValueError, match="do not exist on a free half-plane"):
         curve.onset(0, mu0=0.3, displacements=[0.1])
     with pytest.raises(ValueError, match="a free half-plane has none"):
         onset.iwan()
@@ -124,21 +124,22 @@ def test_stick_area_of_ellipse_preserves_shape():
     lower = bowl(128, 1.0, radii)
     load, _, axes = hertz_ellipse(0.04, *radii, MODULUS)
     curve = half_space(flat_like(lower), lower, [float(load)], tolerance=1e-8)
-    onset = curve.onset(0, mu0=0.2, poisson=0.0, steps=PARTS)
-    part = np.array(PARTS)
-    np.testing.assert_allclose(onset.displacement, 0.2 * 0.04 * (1 - (1 - part) ** (2 / 3)), rtol=2 * MINDLIN)
+    onset = curve.onset(0, mu0=0.2, poisson=0.0, steps=LOAD_FRACTIONS)
+    part = np.array(LOAD_FRACTIONS)
+    np.testing.assert_allclose(onset.displacement, 0.2 * 0.04 * (1 - (1 - part) ** (2 / 3)), rtol=2 * MINDLIN_TOLERANCE)
     pressure = curve.contact(0).pressure.ravel()
     for i, stuck in enumerate((1 - part) ** (1 / 3)):
         sticks = ((pressure > 0) & (onset.traction(i) < 0.2 * pressure)).reshape(128, 128)
         for axis, semi in enumerate(axes):
-            assert abs(sticks.any(axis=1 - axis).sum() / 2 - stuck * semi * 128) <= 1  # within a cell at each end
+            # tolerance of one cell at each end
+            assert abs(sticks.any(axis=1 - axis).sum() / 2 - stuck * semi * 128) <= 1
 
 
 # ---- The half-space against a slow program --------------------------------------------------------------------------
 
 
-def strength(curve, mu0, tau0):
-    """Return contact points with bound, pressure and true area from the model; slopes contribute at most 1e-8."""
+def contact_strength(curve, mu0, tau0):
+    """Return contact points with bound, pressure and true area of the model. Slopes contribute at most 1e-8."""
     pressure = curve.contact(0).pressure
     touching = pressure > 0
     periodic = curve._problem.grids.periodic
@@ -162,7 +163,7 @@ def test_onset_agrees_with_active_set(shape, boundary, mu0, tau0):
     lower = rough(shape, slope=1e-4)
     tau0 *= 1e-2  # order of the pressures
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10)
-    points, bound, pressure, fraction = strength(curve, mu0, tau0)
+    points, bound, pressure, fraction = contact_strength(curve, mu0, tau0)
     assert 20 < bound.size < 600
     periodic = boundary == "periodic"
     spacing = tuple(1 / n for n in shape) if len(shape) == 1 else lower.spacing
@@ -174,37 +175,39 @@ def test_onset_agrees_with_active_set(shape, boundary, mu0, tau0):
     for i, part in enumerate(parts):
         q, way = dense_onset.solve_traction(compliance, bound, part * bound.sum())
         if len(shape) == 2 or periodic:
-            assert onset.displacement[i] == pytest.approx(way, rel=DENSE)
+            assert onset.displacement[i] == pytest.approx(way, rel=DENSE_TOLERANCE)
         everywhere = np.zeros(shape)
         everywhere[tuple(points.T)] = q
-        assert np.abs(exact.traction(i) - everywhere.ravel()).max() < DENSE * bound.max()
+        assert np.abs(exact.traction(i) - everywhere.ravel()).max() < DENSE_TOLERANCE * bound.max()
         slips = q == bound
         assert exact.slipped_area[i] == pytest.approx(fraction[slips].sum() / fraction.sum(), abs=1e-7)
         assert exact.slipped_load[i] == pytest.approx(pressure[slips].sum() / pressure.sum(), abs=1e-7)
         lost = 4 * bound @ (way - compliance @ q) * np.prod(spacing)
         assert exact.energy_lost(onset.tangential_load[i]) == pytest.approx(
-            lost, rel=DENSE, abs=DENSE * abs(part * bound.sum() * way * np.prod(spacing))
+            lost, rel=DENSE_TOLERANCE, abs=DENSE_TOLERANCE * abs(part * bound.sum() * way * np.prod(spacing))
         )
 
 
 def test_masing_energy_equals_computed_loop():
     lower = rough((16, 16), slope=1e-4)
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.1)], tolerance=1e-10)
-    points, bound, _, _ = strength(curve, 0.3, 0.0)
+    points, bound, _, _ = contact_strength(curve, 0.3, 0.0)
     assert bound.size > 40
     compliance = dense_half_space.influence_matrix((16, 16), lower.spacing, MODULUS, periodic=False, points=points)
     for part in (0.5, 0.9):
         onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[part])
         top = onset.displacement[0]
-        # Loading, unloading and reloading: the second half is a cycle.
+        # The path is loading, unloading and reloading. Its second half is a cycle.
         ways = top * np.concatenate([np.linspace(0, 1, 6)[1:], np.linspace(1, -1, 11)[1:], np.linspace(-1, 1, 11)[1:]])
         loads, lost = dense_onset.simulate_steps(compliance, bound, ways)
         cell = np.prod(lower.spacing)
         assert loads[4] * cell == pytest.approx(onset.tangential_load[0], rel=1e-5)
         assert loads[14] == pytest.approx(-loads[4], rel=1e-6)
         assert loads[-1] == pytest.approx(loads[4], rel=1e-6)
-        assert lost[5:].sum() * cell == pytest.approx(onset.energy_lost(onset.tangential_load[0]), rel=RELATED)
-        # The unloading branch is the loading curve, enlarged by a factor of two (Masing).
+        assert lost[5:].sum() * cell == pytest.approx(
+            onset.energy_lost(onset.tangential_load[0]), rel=PRINCIPLE_TOLERANCE
+        )
+        # By Masing's rule the unloading branch is the loading curve, enlarged by a factor of two.
         half = curve.onset(0, mu0=0.3, poisson=0.0, displacements=[top / 2])
         assert (loads[4] - loads[9]) / 2 * cell == pytest.approx(half.tangential_load[0], rel=1e-5)
 
@@ -225,7 +228,7 @@ def test_sliding_load_equals_friction_at_all_contacts(areas):
     assert onset.sliding_load == pytest.approx(all_rub, rel=1e-9)
     assert onset.tangential_load[-1] == onset.sliding_load
     assert onset.traction(-1).sum() * areas._problem.cell == pytest.approx(all_rub, rel=1e-9)
-    # Small slopes: equal to the rule "all" except for terms of second order.
+    # For small slopes, the sliding load equals that of the rule "all", except for terms of second order.
     all_rub = areas.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
     assert onset.sliding_load == pytest.approx(all_rub, rel=0.1**2)
     assert onset.slipped_area[-1] == onset.slipped_load[-1] == 1
@@ -265,7 +268,7 @@ def test_onset_of_maps_equals_ciavarella_jaeger(areas):
     onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
     for i, smaller in enumerate((1, 0)):
         q = 0.3 * (areas.contact(2).pressure - areas.contact(smaller).pressure).ravel()
-        assert np.abs(onset.traction(i) - q).sum() < RELATED * q.sum()
+        assert np.abs(onset.traction(i) - q).sum() < PRINCIPLE_TOLERANCE * q.sum()
         way = 0.3 * (areas.approach[2] - areas.approach[smaller]) * (2 - 0.25) / (2 * (1 - 0.25))
         assert onset.displacement[i] == pytest.approx(way, rel=1e-4)
 
@@ -279,7 +282,7 @@ def test_onset_of_profiles_equals_ciavarella_jaeger(boundary):
         onset = curve.onset(2, mu0=0.2, poisson=poisson, steps=[0.4, 0.7])
         for i, smaller in enumerate((1, 0)):
             q = 0.2 * (curve.contact(2).pressure - curve.contact(smaller).pressure)
-            assert np.abs(onset.traction(i) - q).sum() < RELATED * q.sum()
+            assert np.abs(onset.traction(i) - q).sum() < PRINCIPLE_TOLERANCE * q.sum()
             if boundary == "periodic":
                 # In plane strain, tractions and pressures cause equal displacements (Johnson, sections 2.2 and 2.5).
                 way = 0.2 * (curve.approach[2] - curve.approach[smaller])
@@ -317,7 +320,7 @@ def test_onset_includes_contacts_at_hardness():
     onset = curve.onset(0, mu0=0.3, tau0=0.02)
     assert onset.sliding_load == pytest.approx(0.3 * load + 0.02 * curve.contact_area[0], rel=1e-6)
     assert np.isfinite(onset.stiffness)
-    # All points carry the hardness: the bound is uniform.
+    # All points carry the hardness, so the bound of the traction is uniform.
     curve = half_space(Surface(np.zeros((9, 9)), spacing=1.0), bowl(9, 9.0, (1.0, 1.0)), [9.0], hardness=1.0)
     assert curve.load_share_at_hardness[0] == pytest.approx(1)
     onset = curve.onset(0, mu0=0.3, steps=[0.5, 1.0])
@@ -356,13 +359,13 @@ def test_flat_punch_slips_everywhere_at_the_same_load():
 # ---- Asperities -----------------------------------------------------------------------------------------------------
 
 
-def one_ball(radii=(1.0, 1.0), approach=0.02):
+def single_ball(radii=(1.0, 1.0), approach=0.02):
     lower = bowl(64, 1.0, radii)
     return press(flat_like(lower), lower, [approach])
 
 
 def test_onset_of_asperity_equals_mindlin():
-    curve = one_ball()
+    curve = single_ball()
     for poisson in (0.0, 0.3):
         onset = curve.onset(0, mu0=0.3, poisson=poisson)
         ratio = (2 - poisson) / (2 * (1 - poisson))
@@ -387,7 +390,7 @@ def test_onset_of_asperity_agrees_with_half_space(radii, mu0, tau0):
     lower = bowl(128, 1.0, radii)
     asperity = press(flat_like(lower), lower, [0.04])
     exact = half_space(flat_like(lower), lower, asperity.normal_elastic)
-    ours, theirs = (one.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=PARTS) for one in (asperity, exact))
+    ours, theirs = (one.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=LOAD_FRACTIONS) for one in (asperity, exact))
     np.testing.assert_allclose(ours.displacement, theirs.displacement, rtol=0.005)
     np.testing.assert_allclose(ours.slipped_area, theirs.slipped_area, atol=0.02)
     np.testing.assert_allclose(ours.slipped_load, theirs.slipped_load, atol=0.02)
@@ -400,7 +403,7 @@ def test_onset_of_asperity_agrees_with_half_space(radii, mu0, tau0):
 def test_tangential_stiffness_of_ellipse_equals_cerruti_quadrature(direction):
     """Reference: displacement in the middle of an ellipse under the tractions of a flat punch, by quadrature."""
     poisson, turned = 0.3, np.radians(direction)
-    curve = one_ball((0.3, 1.0))
+    curve = single_ball((0.3, 1.0))
     axes = contacts(*curve._pressed.bodies, 0.02).axes[0]
 
     def reach(way):
@@ -408,10 +411,10 @@ def test_tangential_stiffness_of_ellipse_equals_cerruti_quadrature(direction):
 
     def moved(
         way,
-    ):  # under a unit force with 1/(2π a b) (1 - s²)^(-1/2); 1/G = 4 (1 - ν)/E* for one of two equal bodies
+    ):  # the unit force has the traction 1/(2π a b) (1 - s²)^(-1/2); 1/G = 4 (1 - ν)/E* for one of two equal bodies
         return (1 - poisson * np.sin(way - turned) ** 2) * reach(way)
 
-    shear = MODULUS * (1 - poisson)  # E* = G/(1 - ν) for equal bodies
+    shear = MODULUS * (1 - poisson)  # for equal bodies E* = G/(1 - ν)
     total = quad(moved, 0, 2 * np.pi)[0] / (8 * np.pi * shear * axes.prod())
     onset = curve.onset(0, mu0=0.3, poisson=poisson, direction=direction)
     assert onset.stiffness == pytest.approx(1 / (2 * total), rel=1e-9)
@@ -419,13 +422,13 @@ def test_tangential_stiffness_of_ellipse_equals_cerruti_quadrature(direction):
 
 
 @pytest.fixture(scope="module")
-def many():
+def many_asperities():
     bodies = rough_maps(2, points=256, spacing=0.05, shortest_wavelength=0.4)
     return bodies, press(*bodies, [0.01, 0.04], direction=[0.0, 90.0])
 
 
-def test_onset_of_many_asperities_is_their_sum(many):
-    bodies, curve = many
+def test_onset_of_many_asperities_is_their_sum(many_asperities):
+    bodies, curve = many_asperities
     onset = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0)
     assert curve.contact_count[1] > 20
     table = contacts(*bodies, 0.04)
@@ -436,7 +439,7 @@ def test_onset_of_many_asperities_is_their_sum(many):
     assert onset.slipped_area[-1] == pytest.approx(1)
     light = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0, steps=[1e-6])
     assert light.tangential_load[0] / light.displacement[0] == pytest.approx(onset.stiffness, rel=1e-3)
-    # Each patch alone, all displaced with the upper body.
+    # Each patch slips separately, and all patches are displaced with the upper body.
     slides = onset.slip_load()
     assert (np.sort(slides)[:-1] <= onset.sliding_load).all()
     assert np.isfinite(slides).all()
@@ -444,12 +447,12 @@ def test_onset_of_many_asperities_is_their_sum(many):
         assert ((slides <= load) == np.isclose(onset.traction(i), onset.traction(-1), rtol=1e-12)).all()
 
 
-def test_energy_lost_equals_area_of_loop(many):
-    onset = many[1].onset(1, mu0=0.3, tau0=0.1, steps=400)
+def test_energy_lost_equals_area_of_loop(many_asperities):
+    onset = many_asperities[1].onset(1, mu0=0.3, tau0=0.1, steps=400)
     for part in (0.5, 1.0):
         way, load = onset.loop(part * onset.sliding_load)
         area = 0.5 * abs(np.sum(way * np.roll(load, -1) - load * np.roll(way, -1)))
-        assert area == pytest.approx(onset.energy_lost(part * onset.sliding_load), rel=RELATED)
+        assert area == pytest.approx(onset.energy_lost(part * onset.sliding_load), rel=PRINCIPLE_TOLERANCE)
         assert way[0] == pytest.approx(-way[len(way) // 2])
         assert load.max() == pytest.approx(part * onset.sliding_load)
         assert load.min() == pytest.approx(-part * onset.sliding_load)
@@ -475,8 +478,8 @@ def test_onset_accepts_sphere_and_elastic_plastic_laws_on_profiles():
     assert yields.sliding_load < onset.sliding_load
 
 
-def test_onset_of_pickled_curve_is_equal(many):
-    bodies, curve = many
+def test_onset_of_pickled_curve_is_equal(many_asperities):
+    bodies, curve = many_asperities
     again = pickle.loads(pickle.dumps(curve))
     assert again.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
     result = press(candidates(*bodies, deepest=0.04), [0.04])
@@ -500,7 +503,8 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
         end = true.displacement_at_sliding
         assert true.load(end) == 2.0
         assert true.load(end * (1 - 1e-9)) == pytest.approx(2.0, rel=1e-6)
-        # Sum over Segalman's springs: each slipping spring dissipates 4 times strength times slip per cycle.
+        # This is the sum over Segalman's springs. Each slipping spring dissipates 4 times strength times slip per
+        # cycle.
         edges = np.linspace(0, 1, 200_001) ** 3 * end
         slips, spring = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
         spring *= 3.0 / (1 + beta) / spring.sum()
@@ -515,8 +519,8 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
     assert np.abs(result.residual).max() < 1e-6
 
 
-def test_onset_frame_and_fits_have_columns_residuals_and_read_only_arrays(many):
-    onset = many[1].onset(1, mu0=0.3, tau0=0.1)
+def test_onset_frame_and_fits_have_columns_residuals_and_read_only_arrays(many_asperities):
+    onset = many_asperities[1].onset(1, mu0=0.3, tau0=0.1)
     frame = onset.frame()
     assert list(frame) == ["tangential_load_mN", "displacement_um", "slipped_area", "slipped_load", "energy_lost_mN_um"]
     assert frame.to_csv(index=False).count("\n") == 22
@@ -527,35 +531,35 @@ def test_onset_frame_and_fits_have_columns_residuals_and_read_only_arrays(many):
     for array in (onset.displacement, onset.traction(0), onset.slip_load(), iwan.residual):
         assert not array.flags.writeable
     with pytest.raises(ValueError, match="at least 3 loads"):
-        many[1].onset(1, mu0=0.3, steps=[0.5, 1.0]).iwan()
+        many_asperities[1].onset(1, mu0=0.3, steps=[0.5, 1.0]).iwan()
     with pytest.raises(ValueError, match="displacement must be at least 0"):
         iwan.load(-1.0)
 
 
 # ---- Bad input ------------------------------------------------------------------------------------------------------
 
-BAD = [
+BAD_ARGUMENTS = [
     ({"mu0": -0.1}, "mu0 must not be negative"),
     ({"mu0": [0.1, 0.2]}, "mu0 must be a finite number"),
     ({"mu0": 0.0}, "mu0 and tau0 must not both be 0"),
     ({"mu0": 0.3, "tau0": -0.1}, "tau0 must not be negative"),
     ({"mu0": 0.3, "steps": 0}, "steps must be a whole number"),
-    ({"mu0": 0.3, "steps": [0.5, 1.2]}, "it slides"),
+    ({"mu0": 0.3, "steps": [0.5, 1.2]}, "above the sliding load"),
     ({"mu0": 0.3, "steps": [0.5, 0.5]}, "strictly increasing"),
     ({"mu0": 0.3, "steps": []}, "strictly increasing"),
     ({"mu0": 0.3, "steps": [0.0, 0.5]}, "above 0"),
-    ({"mu0": 0.3, "displacements": [1.0]}, "it slides"),
+    ({"mu0": 0.3, "displacements": [1.0]}, "surfaces slide"),
     ({"mu0": 0.3, "displacements": [-1.0]}, "above 0"),
     ({"mu0": 0.3, "poisson": 0.6}, "poisson must be"),
     ({"mu0": 0.3, "poisson": (0.1, 0.2, 0.3)}, "poisson must be"),
     ({"mu0": 0.3, "direction": "up"}, "direction must be"),
-    ({"mu0": 0.3, "direction": [0.0, 90.0]}, "direction must be a single one"),
+    ({"mu0": 0.3, "direction": [0.0, 90.0]}, "direction must be a single direction"),
 ]
 
 
-@pytest.mark.parametrize(("arguments", "message"), BAD)
+@pytest.mark.parametrize(("arguments", "message"), BAD_ARGUMENTS)
 def test_onset_rejects_bad_arguments(ball, arguments, message):
-    for curve in (ball[0], one_ball()):
+    for curve in (ball[0], single_ball()):
         with pytest.raises(ValueError, match=message):
             curve.onset(0, **arguments)
 
@@ -564,10 +568,10 @@ def test_onset_rejects_bad_steps_and_amplitudes(ball):
     with pytest.raises(ValueError, match="index must be one of the 1 loads"):
         ball[0].onset(1, mu0=0.3)
     with pytest.raises(ValueError, match="index must be one of the 1 approaches"):
-        one_ball().onset(0.5, mu0=0.3)
+        single_ball().onset(0.5, mu0=0.3)
     x = np.arange(65) / 64 - 0.5
     cup = Profile(x**2, spacing=1 / 64)
-    with pytest.raises(ValueError, match="here there is none"):
+    with pytest.raises(ValueError, match="no contact at this approach"):
         press(flat_like(cup), cup, [0.01]).onset(0, mu0=0.3)
     with pytest.raises(ValueError, match="tolerance must be"):
         ball[0].onset(0, mu0=0.3, tolerance=0.0)
@@ -584,10 +588,12 @@ def test_onset_rejects_bad_steps_and_amplitudes(ball):
 def test_onset_of_ball_with_tau0_alone_equals_closed_form(ball):
     """With tau0 alone the bound is uniform over the contact, and the asperity model has a closed form."""
     curve, radius = ball
-    onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=PARTS)
+    onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=LOAD_FRACTIONS)
     area = np.pi * radius**2
     assert onset.sliding_load == pytest.approx(0.2 * curve.contact_area[0], rel=ROUND_OFF)
     assert onset.displacement_at_sliding == pytest.approx(2 * 0.2 * area / (np.pi * MODULUS / 2 * radius) / 2, rel=0.01)
-    for displacement, part in zip(onset.displacement, PARTS, strict=True):
+    for displacement, part in zip(onset.displacement, LOAD_FRACTIONS, strict=True):
         edge = displacement / onset.displacement_at_sliding
-        assert 2 / np.pi * (np.arcsin(edge) + edge * np.sqrt(1 - edge**2)) == pytest.approx(part, rel=5 * MINDLIN)
+        assert 2 / np.pi * (np.arcsin(edge) + edge * np.sqrt(1 - edge**2)) == pytest.approx(
+            part, rel=5 * MINDLIN_TOLERANCE
+        )

@@ -1,4 +1,4 @@
-"""Completeness of the table of quantities, against results of all kinds."""
+"""Tests that the table of quantities is complete, compared with results of all kinds."""
 
 import math
 import re
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import Profile, Study, Surface, pair, resolution, run
-from stiction.mechanics.friction import RATIOS, SIX_SUMS, Sums, SurfaceValidity, Validity
+from stiction.mechanics.friction import SIX_SUMS, VALIDITY_RATIOS, Sums, SurfaceValidity, Validity
 from stiction.mechanics.quantities import (
     ADHESION,
     AREAL_VALIDITY,
@@ -27,8 +27,8 @@ from stiction.views.rows import summary_table
 from support.studies_of_files import pair_study
 
 LOADS = ["20 MPa", "40 MPa"]
-COMMON = {"effective_modulus": "10 GPa", "mu0": 0.2, "tau0": "50 MPa", "onset": 1, "load": LOADS}
-LAYOUT = {"statistic", "offset", "shear"}  # dimensions, which are not quantities
+PAIR_OPTIONS = {"effective_modulus": "10 GPa", "mu0": 0.2, "tau0": "50 MPa", "onset": 1, "load": LOADS}
+NON_QUANTITY_DIMENSIONS = {"statistic", "offset", "shear"}  # these names are dimensions, not quantities
 
 
 def heights(shape, seed, rms=0.1):
@@ -47,27 +47,27 @@ def maps():
     return tuple(Surface(heights((40, 40), seed), spacing=0.5) for seed in (3, 4))
 
 
-def generated(name, **changes):
+def generated_study(name, **changes):
     small = {"ensemble.repetitions": 2, "surfaces.fractal_dimension": [1.2, 1.4]}
     return Study.named(name).with_changes(small | changes)
 
 
 @pytest.fixture(scope="module")
 def results():
-    """Return datasets of members for all kinds of studies."""
+    """Return datasets of members of all kinds of studies."""
     areal = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
     result = {
-        "generated": run(generated("quick", **{"surfaces.points": 2000})).dataset,
-        "generated areas": run(generated("figure6-areal", **areal)).dataset,
-        "generated half-planes": run(generated("figure6-half-plane", **{"surfaces.points": 512})).dataset,
-        "generated onset": run(generated("presliding", **{"surfaces.points": 2000})).dataset,
-        "lines": pair(*lines(), **COMMON, mechanics="asperities", offsets=4).dataset,
-        "half-planes": pair(*lines(), **COMMON, mechanics="half-space", offsets=4, hardness="1 GPa").dataset,
-        "areas": pair(*maps(), **COMMON, mechanics="asperities", shifts=3, direction=[0, 180]).dataset,
-        "half-spaces": pair(*maps(), **COMMON | {"onset": 0}, **half_space).dataset,
+        "generated": run(generated_study("quick", **{"surfaces.points": 2000})).dataset,
+        "generated areas": run(generated_study("figure6-areal", **areal)).dataset,
+        "generated half-planes": run(generated_study("figure6-half-plane", **{"surfaces.points": 512})).dataset,
+        "generated onset": run(generated_study("presliding", **{"surfaces.points": 2000})).dataset,
+        "lines": pair(*lines(), **PAIR_OPTIONS, mechanics="asperities", offsets=4).dataset,
+        "half-planes": pair(*lines(), **PAIR_OPTIONS, mechanics="half-space", offsets=4, hardness="1 GPa").dataset,
+        "areas": pair(*maps(), **PAIR_OPTIONS, mechanics="asperities", shifts=3, direction=[0, 180]).dataset,
+        "half-spaces": pair(*maps(), **PAIR_OPTIONS | {"onset": 0}, **half_space).dataset,
         "adhesion": pair(
-            *maps(), **COMMON | {"onset": 0}, **half_space, work_of_adhesion="50 mJ/m^2", adhesion_range="20 nm"
+            *maps(), **PAIR_OPTIONS | {"onset": 0}, **half_space, work_of_adhesion="50 mJ/m^2", adhesion_range="20 nm"
         ).dataset,
     }
     return {name: dataset for name, dataset in result.items() if dataset is not None}
@@ -75,7 +75,7 @@ def results():
 
 @pytest.fixture(scope="module")
 def at_loads(results):
-    """Return the results at loads."""
+    """Return the results of these studies at loads."""
     return {name: at_load(result, loads(result)) for name, result in results.items()}
 
 
@@ -92,8 +92,8 @@ def list_variables(datasets):
             yield title, str(name), item
 
 
-def dims_of(name, dataset):
-    """Return the dimensions of a variable after cells and members, as listed in the table."""
+def expected_dims(name, dataset):
+    """Return the dimensions of a variable after cells and members, as listed in the table of quantities."""
     others = {"fractal_dimension", "amplitude", "cut_off", "repetition", "statistic"}
     step = {"approach": "step", "load": "step"}
     return {step.get(str(dim), str(dim)) for dim in dataset[name].dims} - others
@@ -101,7 +101,7 @@ def dims_of(name, dataset):
 
 def test_quantities_contain_every_variable_of_results_with_its_unit(results, at_loads):
     for title, name, item in list_variables(results | {f"{key} at a load": one for key, one in at_loads.items()}):
-        if name not in LAYOUT:
+        if name not in NON_QUANTITY_DIMENSIONS:
             assert name in QUANTITIES, f"{name} of {title}"
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
@@ -111,7 +111,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_of_the_table(results):
         for name in map(str, dataset.data_vars):
             quantity = QUANTITIES[name]
             along = {item for item in quantity.along if item not in ("sliding", "direction") or item in dataset.dims}
-            assert dims_of(name, dataset) == along, f"{name} of {title}"
+            assert expected_dims(name, dataset) == along, f"{name} of {title}"
             assert dataset[name].dtype == np.dtype(quantity.dtype), f"{name} of {title}"
             assert quantity.stored, f"{name} of {title}"
 
@@ -119,13 +119,16 @@ def test_stored_variables_have_the_dimensions_and_dtypes_of_the_table(results):
 def test_variables_at_a_load_have_the_dimensions_of_the_table(at_loads):
     for title, dataset in at_loads.items():
         for name in map(str, dataset.data_vars):
-            if name == "status":  # properties of the coefficient, not of the contact
-                assert dims_of(name, dataset) == dims_of("friction_coefficient", dataset)
+            if name == "status":  # this is a property of the coefficient, not of the contact
+                assert expected_dims(name, dataset) == expected_dims("friction_coefficient", dataset)
             else:
-                # The mean load of an ensemble depends on the rule, mu0 and tau0, and so do all quantities.
+                # The mean load of an ensemble depends on the rule, mu0 and tau0. Therefore all quantities at a load
+                # depend on them.
                 more = {"sliding", "mu0", "tau0"} if dataset.attrs["reading"] == "mean" else set()
                 missing = {"sliding", "direction"} - set(dataset.dims)
-                assert dims_of(name, dataset) - more == {*QUANTITIES[name].along} - more - missing, f"{name} of {title}"
+                assert expected_dims(name, dataset) - more == {*QUANTITIES[name].along} - more - missing, (
+                    f"{name} of {title}"
+                )
 
 
 def test_intervals_at_a_load_are_within_the_bounds_of_the_table(at_loads):
@@ -147,7 +150,7 @@ def test_values_of_members_are_quantities_of_the_table():
     values = {title: one.at(per_member=True) for title, one in result.items()}
     assert "lateral_load" in values["areas"]
     for title, name, item in list_variables(values):
-        if name not in LAYOUT:
+        if name not in NON_QUANTITY_DIMENSIONS:
             assert name in QUANTITIES, f"{name} of {title}"
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
@@ -164,7 +167,7 @@ def test_table_of_quantities_agrees_with_the_core_and_the_classes_of_sums():
     assert set(SIX_SUMS) < set(SUMS)
     assert {*SUMS} == {*Sums.__dataclass_fields__}
     assert {*VALIDITY} == {*Validity.__dataclass_fields__}
-    assert {*VALIDITY, *AREAL_VALIDITY} == {*SurfaceValidity.__dataclass_fields__} == {*RATIOS}
+    assert {*VALIDITY, *AREAL_VALIDITY} == {*SurfaceValidity.__dataclass_fields__} == {*VALIDITY_RATIOS}
     assert {*LOAD_FRACTION_FORMULAS} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
     assert ADHESION[0] == "contact_load"
     assert not {*HALF_SPACE_SUMS} & {*ADHESION}

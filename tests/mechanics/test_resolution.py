@@ -1,4 +1,5 @@
-"""Tests of results over cutoffs: the underlying half-space, effect of a hardness, limits, brackets and names."""
+"""Tests of results as functions of the cutoff: comparison with the half-space, effect of a hardness, limits and
+intervals."""
 
 import math
 
@@ -19,7 +20,7 @@ from stiction.mechanics.brackets import kappa_spread, max_area
 from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
-EDGES = 0.1  # relative uncertainty of the area due to cells at contact edges on a coarse grid
+EDGE_TOLERANCE = 0.1  # relative uncertainty of the area due to cells at contact edges on a coarse grid
 STEEL = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
 
 
@@ -29,16 +30,16 @@ def pair(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
 
 
 @pytest.fixture(scope="module")
-def seen():
-    """Return the result of a pair under 20 MPa at its own and coarser resolutions."""
+def resolved_pair():
+    """Return the result of a pair under 20 MPa at its own resolution and at coarser resolutions."""
     upper, lower = pair()
     load = 0.02 * 128**2 * 0.04**2
     lengths = [0.16, 0.32, 0.64]
     return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL)
 
 
-def test_resolution_equals_half_space_of_filtered_surfaces(seen):
-    upper, lower, load, result = seen
+def test_resolution_equals_half_space_of_filtered_surfaces(resolved_pair):
+    upper, lower, load, result = resolved_pair
     for length in result.cut_off.values:
         bodies = [cut_off(body, length, periodic=True) if length else body for body in (upper, lower)]
         for sliding in ("all", "opposing"):
@@ -59,11 +60,11 @@ def test_resolution_equals_half_space_of_filtered_surfaces(seen):
     again = resolution_friction(result, mu0=0.2, tau0=0.2)
     assert np.array_equal(again, result.friction_coefficient)
     smooth = resolution_friction(result, mu0=0.0)
-    assert abs(smooth.sel(sliding="all")).max() < 0.02  # slopes in both directions
+    assert abs(smooth.sel(sliding="all")).max() < 0.02  # slopes in both directions cancel
 
 
-def test_bracket_with_hardness_contains_finer_results(seen):
-    *_, load, result = seen
+def test_bracket_with_hardness_contains_finer_results(resolved_pair):
+    *_, load, result = resolved_pair
     area = result.contact_area_fraction[:, 0].values
     mu = result.friction_coefficient.sel(sliding="all")[:, 0].values
     assert result.load_fraction_at_hardness[0, 0] > 0.8
@@ -72,16 +73,16 @@ def test_bracket_with_hardness_contains_finer_results(seen):
     least, limit = float(result.plastic_area_fraction[0]), float(result.plastic_friction_coefficient[0])
     assert least == pytest.approx(load / 4.0 / (128 * 0.04) ** 2, rel=ROUND_OFF)
     assert limit == pytest.approx(0.2 + 0.2 / 4.0, rel=ROUND_OFF)
-    # Every finer result lies between the limit and the coarser one.
+    # Every finer result lies between the limit and the coarser result.
     for finer in range(area.size):
-        assert (area[finer] >= least * (1 - EDGES)).all()
-        assert (area[finer] <= area[finer:] * (1 + EDGES)).all()
+        assert (area[finer] >= least * (1 - EDGE_TOLERANCE)).all()
+        assert (area[finer] <= area[finer:] * (1 + EDGE_TOLERANCE)).all()
         assert (mu[finer] >= limit * (1 - 0.02)).all()
         assert (mu[finer] <= mu[finer:] * (1 + 0.02)).all()
 
 
-def test_bracket_contains_finer_results(seen):
-    result = seen[3]
+def test_bracket_contains_finer_results(resolved_pair):
+    result = resolved_pair[3]
     stretch = 1 + np.square(result.rms_gradient.values) / 8
     for name, of in (("area_fraction", "contact_area_fraction"), ("friction_coefficient", "friction_coefficient")):
         values = result[of].sel(sliding="all") if "sliding" in result[of].dims else result[of]
@@ -89,7 +90,7 @@ def test_bracket_contains_finer_results(seen):
         assert ends[:, 0] == pytest.approx(float(result[f"plastic_{name}"][0]), rel=ROUND_OFF)
         for finer in range(ends.shape[0]):
             assert (values[finer, 0].values <= ends[finer:, 1] * stretch[finer]).all()
-    # Two standard deviations of κ above the limit, squared; one for an elastic scan.
+    # Above the limit, the area may grow by two standard deviations of κ, squared. For an elastic scan the limit is one.
     count, least = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
     above = result.contact_area_fraction[:, 0].values - least
     assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
@@ -111,8 +112,8 @@ def test_bracket_of_few_contacts_allows_decreasing_area():
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
-def test_resolution_without_hardness_gives_plastic_wavelength(seen):
-    upper, lower, load, plastic = seen
+def test_resolution_without_hardness_gives_plastic_wavelength(resolved_pair):
+    upper, lower, load, plastic = resolved_pair
     result = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0
     )
@@ -123,14 +124,14 @@ def test_resolution_without_hardness_gives_plastic_wavelength(seen):
     assert result.contact_area[0, 0] < result.contact_area[1, 0]
     assert result.hardness.size > 3
     lengths = result.plastic_wavelength[:, 0].sel(statistic="value").values
-    assert (np.diff(lengths) <= 0).all()  # finer for a larger hardness
+    assert (np.diff(lengths) <= 0).all()  # the wavelength is shorter for a larger hardness
     at_four = float(plastic.plastic_wavelength.sel(statistic="value")[0, 0])
     harder, softer = (float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0))
     assert harder < at_four < softer
 
 
-def test_plastic_wavelength_is_where_slope_reaches_hardness(seen):
-    upper, lower, load, result = seen
+def test_plastic_wavelength_is_where_slope_reaches_hardness(resolved_pair):
+    upper, lower, load, result = resolved_pair
     kappa = float(result.elastic_kappa[0])
     assert kappa == pytest.approx(
         float(result.elastic_area_fraction[0]) * 115.0 * float(result.rms_gradient[0]) / (load / (128 * 0.04) ** 2)
@@ -140,7 +141,7 @@ def test_plastic_wavelength_is_where_slope_reaches_hardness(seen):
     value, low, high = result.plastic_wavelength[0, 0].values
     assert low <= value <= high
     assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)  # the scan contains it
-    # There are few contacts; κ agrees within a factor.
+    # There are few contacts, so κ agrees only within a factor.
     curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")
     within = float(kappa_spread(curve.contact_count)[0])
     assert 1.1 <= within <= math.exp(1)
@@ -148,7 +149,7 @@ def test_plastic_wavelength_is_where_slope_reaches_hardness(seen):
 
 
 def test_extrapolation_follows_power_law():
-    """Compare a filtered scan with the unfiltered one."""
+    """Compare an extrapolated filtered scan with the unfiltered scan."""
     upper, lower = pair(points=256, spacing=0.02)
     coarse = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
     load = [0.02 * (256 * 0.02) ** 2]
@@ -170,7 +171,7 @@ def test_extrapolation_follows_power_law():
 
 
 def test_extrapolated_interval_contains_friction_of_finer_scan():
-    """Compare pairs filtered at 16 points with the unfiltered pairs."""
+    """Compare pairs that are filtered at 16 points with the unfiltered pairs."""
     inside = 0
     for seed in range(6):
         rough = {"hurst_exponent": 0.6, "rms": 0.02, "shape": (256, 256), "spacing": 0.02, "shortest_wavelength": 0.08}
@@ -186,7 +187,7 @@ def test_extrapolated_interval_contains_friction_of_finer_scan():
         at = result.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
         truth = resolution(*fine, load, hardness=None, **options).friction_coefficient.sel(sliding="all")[0, 0]
         inside += bool(at.sel(statistic="lower") <= truth <= at.sel(statistic="upper"))
-    assert inside >= 5  # at 95 % coverage, two misses have a probability of 1 in 30
+    assert inside >= 5  # at a coverage of 95 %, two misses have a probability of 1 in 30
 
 
 def test_resolution_of_profiles_averages_both_directions():
@@ -213,8 +214,8 @@ def test_resolution_scales_with_size():
     assert ten.plastic_wavelength.values == pytest.approx(10 * one.plastic_wavelength.values, rel=1e-3)
 
 
-def test_resolution_dataset_has_units_and_is_written_to_netcdf(seen, tmp_path):
-    result = seen[3]
+def test_resolution_dataset_has_units_and_is_written_to_netcdf(resolved_pair, tmp_path):
+    result = resolved_pair[3]
     assert (result.instrument_limit_um, result.instrument_limit_reason) == (0.08, "pixels")
     for name, values in result.data_vars.items():
         assert values.attrs["units"], name
@@ -232,12 +233,12 @@ def test_unsolved_load_gives_nan_and_progress(monkeypatch):
     upper, lower = pair(points=32, spacing=0.16)
     own = module.half_space
 
-    def failing(upper, lower, loads, **options):
+    def failing_half_space(upper, lower, loads, **options):
         if max(loads) > 1:
             raise RuntimeError("no solution")
         return own(upper, lower, loads, **options)
 
-    monkeypatch.setattr(module, "half_space", failing)
+    monkeypatch.setattr(module, "half_space", failing_half_space)
     steps = []
     result = resolution(
         upper, lower, [0.5, 2.0], boundary="periodic", cut_offs=[0.64],

@@ -1,4 +1,4 @@
-"""Tests of the closed form over cutoffs: its terms, its limits, and the half-space model of the same surfaces."""
+"""Tests of the closed form as a function of the cutoff: its terms, its limits, and the half-space model."""
 
 import math
 
@@ -15,12 +15,12 @@ def pair(points=256):
     return rough_maps(6, hurst_exponent=0.6, rms=0.01, points=points, spacing=0.02, **waves)
 
 
-def both(bodies):
+def both_roughnesses(bodies):
     return [scale_dependent_roughness(body, periodic=True) for body in bodies]
 
 
 def test_spectral_resolution_uses_smaller_of_elastic_pressure_and_hardness():
-    upper, lower = both(pair())
+    upper, lower = both_roughnesses(pair())
     result = spectral_resolution(upper, lower, **OPTIONS)
     gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))
     assert result.rms_gradient.values == pytest.approx(gradient)
@@ -43,7 +43,7 @@ def test_spectral_resolution_uses_smaller_of_elastic_pressure_and_hardness():
 
 def test_spectral_resolution_agrees_with_half_space():
     bodies = pair()
-    upper, lower = both(bodies)
+    upper, lower = both_roughnesses(bodies)
     load = 0.05 * (256 * 0.02) ** 2
     solved = resolution(
         *bodies, [load], hardness=4.0, mu0=0.2, tau0=0.2, effective_modulus=115.0, boundary="periodic", cut_offs=[]
@@ -57,10 +57,10 @@ def test_spectral_resolution_agrees_with_half_space():
 
 
 def test_spectral_resolution_on_flat_uses_slopes_of_one_surface():
-    upper = both(pair(64))[0]
+    upper = both_roughnesses(pair(64))[0]
     result = spectral_resolution(upper, None, **OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
-    # A flat has no slope: contacts are level.
+    # The flat has no slope, so contacts on it are level.
     opposing, everything = (result.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all"))
     assert opposing == pytest.approx(everything / 2)
 
@@ -77,7 +77,7 @@ def test_spectral_resolution_on_flat_uses_slopes_of_one_surface():
     ],
 )
 def test_spectral_resolution_rejects_bad_arguments(changes, message):
-    upper, lower = both(pair(32))
+    upper, lower = both_roughnesses(pair(32))
     with pytest.raises(ValueError, match=message):
         spectral_resolution(upper, lower, **OPTIONS | changes)
     line = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))

@@ -3,18 +3,20 @@ import pytest
 from stiction import Profile, Surface, half_space
 from support.rough_surfaces import rough_maps
 
-OFF_CENTRE = 1e-4  # residual offset of the resultant, over the length
-LINEAR = 0.03  # relative error of a stiffness from loads ±2 % apart, between which points come into contact
-DENSE = 1e-5  # relative error against dense matrices
-BALL = 1e-3  # relative error of the tilt of a ball, which moves its summit to the middle
+MAX_OFFSET = 1e-4  # residual distance of the resultant from the centre, as a fraction of the length
+STIFFNESS_TOLERANCE = (
+    0.03  # relative error of a stiffness from loads ±2 % apart, between which points come into contact
+)
+DENSE_TOLERANCE = 1e-5  # relative error in comparison with dense matrices
+BALL_TOLERANCE = 1e-3  # relative error of the tilt of a ball, which moves its summit to the middle
 
 
-def pair_of(seed, shape=(48, 64)):
+def make_pair(seed, shape=(48, 64)):
     return rough_maps(seed, shape=shape)
 
 
 def resultant(curve, index, missing=None):
-    """Return the distance of the resultant from the middle of the measured area, over its length."""
+    """Return the distance of the resultant from the middle of the measured area, as a fraction of its length."""
     contact = curve.contact(index)
     present = np.ones(contact.pressure.shape) if missing is None else 1.0 * ~missing
     places = np.indices(contact.pressure.shape).reshape(contact.pressure.ndim, -1)
@@ -25,7 +27,7 @@ def resultant(curve, index, missing=None):
 @pytest.mark.parametrize("hardness", [None, 0.4])
 @pytest.mark.parametrize("holes", [False, True])
 def test_free_tilt_centres_resultant_and_changes_stiffness(hardness, holes):
-    upper, lower = pair_of(3)
+    upper, lower = make_pair(3)
     missing = np.zeros(lower.heights.shape, bool)
     if holes:
         missing[:, 50:] = True
@@ -33,20 +35,22 @@ def test_free_tilt_centres_resultant_and_changes_stiffness(hardness, holes):
     loads = [0.1, 0.98, 1.0, 1.02, 5.0]
     fixed, free = (half_space(upper, lower, loads, tilt=tilt, hardness=hardness) for tilt in ("fixed", "free"))
     assert np.abs([resultant(fixed, index, missing) for index in range(5)]).max() > 0.05
-    assert np.abs([resultant(free, index, missing) for index in range(5)]).max() < OFF_CENTRE
+    assert np.abs([resultant(free, index, missing) for index in range(5)]).max() < MAX_OFFSET
     assert not fixed.tilt.any()
     assert free.tilt.shape == (5, 2)
     area = (~missing).sum() * 0.01
     for curve in (fixed, free):
         rise = 0.04 / (curve.approach[3] - curve.approach[1])
-        assert curve.stiffness[2] == pytest.approx(rise, rel=LINEAR)
-        assert curve.closure_stiffness[2] == pytest.approx(0.04 / area / np.ptp(curve.closure[[1, 3]]), rel=LINEAR)
+        assert curve.stiffness[2] == pytest.approx(rise, rel=STIFFNESS_TOLERANCE)
+        assert curve.closure_stiffness[2] == pytest.approx(
+            0.04 / area / np.ptp(curve.closure[[1, 3]]), rel=STIFFNESS_TOLERANCE
+        )
     assert (free.stiffness < fixed.stiffness.max()).any()
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_closure_is_decrease_of_mean_gap(boundary):
-    upper, lower = pair_of(5)
+    upper, lower = make_pair(5)
     holed = Surface(lower.heights, spacing=lower.spacing, missing=np.arange(64) >= 50 + np.zeros((48, 1)))
     for below in (holed, lower):
         curve = half_space(upper, below, [0.5, 5.0, 5.001], boundary=boundary, tolerance=1e-8)
@@ -67,7 +71,7 @@ def test_closure_is_decrease_of_mean_gap(boundary):
 def test_tilt_response_agrees_with_dense_matrices():
     from stiction.mechanics.half_space_problem import TiltResponse, lever_arms
 
-    one = half_space(*pair_of(3, (24, 32)), [1.0]).at(0)
+    one = half_space(*make_pair(3, (24, 32)), [1.0]).at(0)
     problem, free = one.problem, one.on_grid(one.free)
     result, points = TiltResponse.solve(problem, free), np.flatnonzero(free)
     unit = np.eye(free.size).reshape(-1, *free.shape)
@@ -77,9 +81,9 @@ def test_tilt_response_agrees_with_dense_matrices():
     level = np.linalg.solve(whole, np.r_[np.zeros(points.size), free.size])
     turned = [np.linalg.solve(whole, np.r_[-arm, 0.0])[:-1] for arm in arms]
     turning = [[item @ arm / free.size for arm in arms] for item in turned]
-    assert result.approach == pytest.approx(level[-1], rel=DENSE)
-    np.testing.assert_allclose(result.moments, [level[:-1] @ arm / free.size for arm in arms], rtol=DENSE)
-    np.testing.assert_allclose(result.turning, turning, rtol=100 * DENSE)
+    assert result.approach == pytest.approx(level[-1], rel=DENSE_TOLERANCE)
+    np.testing.assert_allclose(result.moments, [level[:-1] @ arm / free.size for arm in arms], rtol=DENSE_TOLERANCE)
+    np.testing.assert_allclose(result.turning, turning, rtol=100 * DENSE_TOLERANCE)
 
 
 @pytest.mark.parametrize("areal", [True, False])
@@ -88,7 +92,7 @@ def test_free_tilt_moves_summit_of_ball_to_the_middle(areal):
     ball = -((x - 1.3) ** 2) / 40 - (x[:, np.newaxis] ** 2 / 40 if areal else 0)
     kind = Surface if areal else Profile
     curve = half_space(kind(0 * ball, spacing=0.1), kind(ball, spacing=0.1), [1e-2, 1.0], tilt="free")
-    np.testing.assert_allclose(curve.tilt[:, -1], 1.3 / 20, rtol=BALL)
+    np.testing.assert_allclose(curve.tilt[:, -1], 1.3 / 20, rtol=BALL_TOLERANCE)
     assert np.isfinite(curve.closure).all()
 
 
@@ -96,7 +100,7 @@ def test_free_tilt_balances_single_contact_point():
     x = (np.arange(65) - 32) * 0.1
     ball = Surface(-((x - 1.3) ** 2) / 40 - x[:, np.newaxis] ** 2 / 40, spacing=0.1)
     curve = half_space(Surface(0 * ball.heights, spacing=0.1), ball, [1e-9], tilt="free")
-    assert np.abs(resultant(curve, 0)).max() < OFF_CENTRE
+    assert np.abs(resultant(curve, 0)).max() < MAX_OFFSET
 
 
 @pytest.mark.parametrize(
@@ -110,4 +114,4 @@ def test_free_tilt_balances_single_contact_point():
 )
 def test_half_space_rejects_bad_tilt(arguments, message):
     with pytest.raises(ValueError, match=message):
-        half_space(*pair_of(1, (16, 16)), **({"loads": [1.0], "tilt": "free"} | arguments))
+        half_space(*make_pair(1, (16, 16)), **({"loads": [1.0], "tilt": "free"} | arguments))

@@ -60,7 +60,7 @@ def test_map_pairs_returns_the_overlap_of_shifted_maps():
     """Compare with the middle 48 by 48 points of the overlap, cut by hand."""
     upper, lower = surface_pair()
     pairs = MapPairs(upper, lower)
-    x, y = pairs.moved(2)
+    x, y = pairs.map_shift(2)
     rows, columns = round(y / 0.1), round(x / 0.1)
     top, left = max(0, rows) + (64 - abs(rows) - 48) // 2, columns + (64 - columns - 48) // 2
     upper_piece = Surface(
@@ -303,5 +303,5 @@ def test_pair_rejects_bad_input_of_maps(changes, pattern):
 
 def test_pair_rejects_small_maps():
     small = Surface(np.zeros((MIN_PIECE_POINTS, 30)), spacing=1.0)
-    with pytest.raises(ValueError, match="at least 16 rows and columns must lie above each other"):
+    with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
         pair_study(small, small, load=[0.1], mu0=0.3, effective_modulus=10.0)

@@ -1,4 +1,4 @@
-"""Tests of the Gaussian filter against its definition, its transmission, and its invariances."""
+"""Tests of the Gaussian filter against its definition, its transmission and its invariances."""
 
 import math
 
@@ -10,14 +10,16 @@ from support.rough_surfaces import rough_profile, self_affine_map
 
 ROUND_OFF = 1e-12
 
-WEIGHTS = 1e-6
-"""Error of heights: sampled Gaussian weights and a transform truncated at the Nyquist wavenumber differ by
-exp(-ln 2 (λ_c/2Δx)²), which is smaller for cutoffs of nine points or more."""
+WEIGHT_TOLERANCE = 1e-6
+"""Relative error of heights for cutoffs of nine points or more. Sampled Gaussian weights and a transform truncated at
+the Nyquist wavenumber differ by exp(-ln 2 (λ_c/2Δx)²)."""
 
-FEW_WEIGHTS = 1e-4  # of an amplitude: effect of truncated weights at wavelengths of two to five points
+TRUNCATION_TOLERANCE = (
+    1e-4  # relative error of an amplitude due to truncated weights at wavelengths of two to five points
+)
 
 
-def by_definition(heights, spacing, wavelength):
+def weighted_line_by_definition(heights, spacing, wavelength):
     """Return the least-squares line at each point, weighted by the Gaussian of ISO 16610-21."""
     alpha = math.sqrt(math.log(2) / math.pi)
     x = np.arange(heights.size) * spacing
@@ -35,15 +37,15 @@ def test_cut_off_equals_local_weighted_line(points):
     profile = rough_profile(points=200)
     wavelength = points * profile.spacing
     smooth = cut_off(profile, wavelength).heights
-    expected = by_definition(profile.heights, profile.spacing, wavelength)
-    tolerance = max(WEIGHTS, 2 ** -((points / 2) ** 2)) * np.ptp(profile.heights)
+    expected = weighted_line_by_definition(profile.heights, profile.spacing, wavelength)
+    tolerance = max(WEIGHT_TOLERANCE, 2 ** -((points / 2) ** 2)) * np.ptp(profile.heights)
     assert np.abs(smooth - expected).max() < tolerance
 
 
 def test_cut_off_filters_surface_along_both_axes():
     surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
-    along_x = np.array([by_definition(row, 0.25, 4.0) for row in surface.heights])
-    both = np.array([by_definition(column, 0.5, 4.0) for column in along_x.T]).T
+    along_x = np.array([weighted_line_by_definition(row, 0.25, 4.0) for row in surface.heights])
+    both = np.array([weighted_line_by_definition(column, 0.5, 4.0) for column in along_x.T]).T
     assert np.abs(cut_off(surface, 4.0).heights - both).max() < 2**-16 * np.ptp(surface.heights)  # of eight points
 
 
@@ -57,7 +59,7 @@ def test_cut_off_transmits_half_at_cutoff_and_gaussian_fraction_elsewhere(wavele
         middle = slice(700, 1300)
         amplitude = np.hypot(*np.linalg.lstsq(waves[middle], smooth[middle], rcond=None)[0])
         expected = math.exp(-math.log(2) * (wavelength / length) ** 2)
-        assert amplitude == pytest.approx(expected, abs=ROUND_OFF if periodic else FEW_WEIGHTS)
+        assert amplitude == pytest.approx(expected, abs=ROUND_OFF if periodic else TRUNCATION_TOLERANCE)
         assert transmission(2 * np.pi / length, wavelength) == pytest.approx(expected, rel=ROUND_OFF)
 
 

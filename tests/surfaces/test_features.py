@@ -1,4 +1,7 @@
-"""Tests of feature parameters: peaks, pits and Wolf pruning against literal merging of hills, and egg boxes."""
+"""Tests of feature parameters.
+
+Peaks, pits and Wolf pruning are compared with literal merging of hills and with egg boxes.
+"""
 
 import math
 
@@ -12,7 +15,7 @@ from support.rough_surfaces import self_affine_map
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("pruning", [0.0, 0.05, 0.2])
-def test_peaks_equal_those_of_a_literal_merge_of_hills(seed, pruning):
+def test_significant_peaks_equal_a_literal_merge_of_hills(seed, pruning):
     heights = self_affine_map(seed, 0.6, (22, 27)).heights
     for sign in (1, -1):
         threshold = pruning * float(np.ptp(heights))
@@ -30,8 +33,9 @@ def test_feature_parameters_equal_their_definitions(seed):
         assert getattr(result, name) == pytest.approx(value, rel=1e-9), name
 
 
-def test_egg_box_has_the_peaks_and_the_curvature_of_its_cosines():
-    # z = A (cos kx + cos ky)/2: peaks of A with curvature A k²/2, one in each square of a wavelength.
+def test_feature_parameters_of_an_egg_box_have_closed_forms():
+    # The heights are z = A (cos kx + cos ky)/2. They have one peak of height A and curvature A k²/2 in each square of a
+    # wavelength.
     points, amplitude, spacing = 40, 0.3, 0.05
     x = 2 * np.pi * (np.arange(5 * points) + points / 2 + 0.25) / points
     surface = Surface(amplitude / 2 * (np.cos(x)[:, np.newaxis] + np.cos(x)), spacing=spacing)
@@ -44,14 +48,14 @@ def test_egg_box_has_the_peaks_and_the_curvature_of_its_cosines():
     assert result.Ssw == pytest.approx(points * spacing)
 
 
-def test_plateaus_count_as_one_peak():
+def test_feature_parameters_count_a_plateau_as_one_peak():
     heights = np.zeros((12, 12))
     heights[2:5, 2:5], heights[7:10, 7:9] = 1.0, 2.0
     assert significant_peaks(heights, 0.1).size == 2
     assert significant_peaks(heights, 1.5).size == 1
 
 
-def test_few_peaks_have_no_five_point_height():
+def test_five_point_heights_are_nan_with_fewer_than_five_peaks():
     y, x = np.arange(20.0)[:, np.newaxis], np.arange(30.0)
     result = feature_parameters(-((x - 15) ** 2) - (y - 10) ** 2, (1.0, 1.0))
     assert math.isnan(result.peak_height)
@@ -59,7 +63,7 @@ def test_few_peaks_have_no_five_point_height():
     assert result.density == pytest.approx(1 / 600)
 
 
-def test_dominant_wavelength_is_that_of_the_largest_coefficient():
+def test_dominant_wavelength_belongs_to_the_largest_coefficient():
     surface = self_affine_map(3, 0.6, (18, 24), spacing=(0.5, 0.25))
     z = surface.heights - surface.heights.mean()
     assert surface_parameters(surface).Ssw == pytest.approx(slow.dominant_wavelength(z, surface.spacing), rel=1e-9)

@@ -1,4 +1,4 @@
-"""Tests of S- and L-filters (ISO 16610) against direct least squares, transmission of sinusoids, and limits."""
+"""Tests of S- and L-filters (ISO 16610): direct least squares, transmission of sinusoids, and limits."""
 
 import math
 
@@ -10,9 +10,9 @@ from support.rough_surfaces import rough_profile, self_affine_map
 
 ROUND_OFF = 1e-12
 
-SAMPLED = 1e-6
-"""Error relative to the total height: difference of sampled Gaussian weights and a truncated transform, for cutoffs of
-nine points or more."""
+SAMPLING_TOLERANCE = 1e-6
+"""Error relative to the total height for cutoffs of nine points or more. It is the difference of sampled Gaussian
+weights and a truncated transform."""
 
 
 def total_height(body):
@@ -25,7 +25,7 @@ class TestGaussian:
         profile = rough_profile(points=200)  # 2 µm long
         expected = mean_line(profile.heights, profile.spacing, cutoff)
         result = filtered(profile, cutoff=cutoff).heights
-        assert np.abs(result - expected).max() < SAMPLED * total_height(profile)
+        assert np.abs(result - expected).max() < SAMPLING_TOLERANCE * total_height(profile)
 
     def test_l_filter_is_the_deviation_from_the_s_filter(self):
         for body in (rough_profile(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
@@ -35,22 +35,23 @@ class TestGaussian:
             assert [part.history[-1][:8] for part in parts] == ["S-filter", "L-filter"]
 
     @pytest.mark.parametrize("ratio", [0.25, 0.5, 1.0, 2.0, 4.0])
-    def test_sinusoid_has_the_transmission_of_the_standard(self, ratio):
-        # exp(-π (α λc/λ)²), α = sqrt(ln 2/π), for the mean line; the rest for the roughness profile.
+    def test_filtered_sinusoid_has_the_transmission_of_the_standard(self, ratio):
+        # The transmission is exp(-π (α λc/λ)²), α = sqrt(ln 2/π), for the mean line, and the remainder for the
+        # roughness profile.
         wavelength, cutoff = 0.4, 0.4 * ratio
         wave = Profile(np.sin(2 * np.pi * np.arange(800) / 80), spacing=wavelength / 80)
         transmission = math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * ratio) ** 2)
-        middle = slice(360, 440)  # a wavelength away from ends that are beyond all weights
+        middle = slice(360, 440)  # the middle is at least a wavelength away from the ends, beyond all weights
         for kind, factor in (("S", transmission), ("L", 1 - transmission)):
             result = filtered(wave, cutoff=cutoff, kind=kind).heights[middle]
             assert np.abs(result - factor * wave.heights[middle]).max() < 1e-9
 
-    def test_straight_line_and_plane_have_no_roughness_up_to_the_ends(self):
+    def test_l_filter_of_lines_and_planes_is_zero_up_to_the_ends(self):
         x = 0.1 * np.arange(60)
         for body in (Profile(3 + 2 * x, spacing=0.1), Surface(3 + 2 * x + x[:, np.newaxis], spacing=0.1)):
             assert np.abs(filtered(body, cutoff=5.0, kind="L").heights).max() < ROUND_OFF * 100
 
-    def test_cut_off_is_the_s_filter(self):
+    def test_cut_off_equals_the_s_filter(self):
         for body in (rough_profile(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
             cutoff = 9 * min(body.spacings)
             assert np.array_equal(cut_off(body, cutoff).heights, filtered(body, cutoff=cutoff).heights)
@@ -66,7 +67,7 @@ class TestMissingPoints:
             for heights in (profile.heights, np.where(missing, 1e3, profile.heights))
         ]
         for result in results:
-            assert np.abs(result - expected)[~missing].max() < SAMPLED * total_height(profile)
+            assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(profile)
 
     def test_surface_filter_gives_missing_points_no_weight(self):
         surface, missing = self_affine_map(1, 0.7, (24, 30), spacing=(0.5, 0.25)), np.zeros((24, 30), bool)
@@ -75,9 +76,9 @@ class TestMissingPoints:
             surface.heights, surface.spacing, 6.0, [(0, 0), (0, 1), (1, 0), (1, 1)], (~missing).astype(float)
         )
         result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
-        assert np.abs(result - expected)[~missing].max() < SAMPLED * total_height(surface)
+        assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(surface)
 
-    def test_heights_stay_where_no_measured_point_is_in_reach(self):
+    def test_filtered_keeps_heights_without_measured_points_in_reach(self):
         missing = np.zeros(400, bool)
         missing[100:300] = True
         profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)
@@ -104,7 +105,7 @@ class TestRobust:
         scratched[:, 20:22] -= 1.0
         result = filtered(Surface(scratched, spacing=0.1), cutoff=2.0, robust=True).heights
         linear = filtered(Surface(scratched, spacing=0.1), cutoff=2.0).heights
-        assert np.abs(result - form).max() < 3e-3  # three deviations of the noise, at corners
+        assert np.abs(result - form).max() < 3e-3  # limit of three deviations of the noise, which occur at corners
         assert np.abs(linear - form).max() > 0.05
 
     def test_surface_filter_of_normal_heights_is_near_weighted_least_squares_of_second_degree(self):
@@ -128,12 +129,12 @@ class TestRobust:
         ({"cutoff": 1.0, "robust": True, "periodic": True}, "periodic must be False for a robust filter"),
     ],
 )
-def test_filter_rejects_bad_arguments(options, message):
+def test_filtered_rejects_bad_arguments(options, message):
     with pytest.raises(ValueError, match=message):
         filtered(rough_profile(points=300), **options)
 
 
-def test_filter_accepts_the_whole_length_as_cutoff():
+def test_filtered_accepts_the_complete_length_as_cutoff():
     assert filtered(rough_profile(points=300), cutoff=3.0, kind="L").heights.size == 300
 
 

@@ -1,21 +1,21 @@
-"""Tests of form removal: polynomials of any degree, circles, spheres and cylinders, against exact forms."""
+"""Tests of form removal: polynomials of any degree, circles, spheres and cylinders, compared with exact forms."""
 
 import numpy as np
 import pytest
 from stiction import Profile, Surface, levelled
 
-NOISE = 1e-3
+NOISE_RMS = 1e-3
 
 
 def grid(rows=60, columns=80, spacing=0.5):
     return spacing * np.arange(rows)[:, np.newaxis], spacing * np.arange(columns)
 
 
-def noise(shape, seed=1):
-    return NOISE * np.random.default_rng(seed).normal(size=shape)
+def noise_heights(shape, seed=1):
+    return NOISE_RMS * np.random.default_rng(seed).normal(size=shape)
 
 
-def radius(body):
+def radius_from_history(body):
     words = body.history[-1].split()
     return float(words[-2]), words[3]
 
@@ -44,34 +44,35 @@ def test_levelled_equals_direct_least_squares(trend):
 
 
 @pytest.mark.parametrize(("sign", "word"), [(1, "convex"), (-1, "concave")])
-def test_sphere_is_removed_up_to_the_noise(sign, word):
+def test_levelled_removes_a_sphere_up_to_the_noise(sign, word):
     y, x = grid()
     cap = sign * np.sqrt(300.0**2 - (x - 5) ** 2 - (y - 25) ** 2)
-    own = noise(cap.shape)
+    own = noise_heights(cap.shape)
     result = levelled(Surface(cap + own, spacing=0.5), "sphere")
-    assert radius(result) == (pytest.approx(300, rel=1e-3), word)
-    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)  # four parameters fitted to 4800 points
+    assert radius_from_history(result) == (pytest.approx(300, rel=1e-3), word)
+    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)  # four parameters are fitted to 4800 points
     assert result.heights.mean() == pytest.approx(0, abs=1e-12)
 
 
-def test_tilted_cylinder_is_removed_up_to_the_noise():
+def test_levelled_removes_a_tilted_cylinder_up_to_the_noise():
     y, x = grid()
     across, along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
-    own = noise((60, 80))
+    own = noise_heights((60, 80))
     result = levelled(Surface(np.sqrt(200.0**2 - across**2) + 0.02 * along + own, spacing=0.5), "cylinder")
-    assert radius(result)[0] == pytest.approx(200, rel=2e-3)  # of the vertical section, whose axis rises by 2 %
+    # radius of the vertical section, because the axis rises by 2 %
+    assert radius_from_history(result)[0] == pytest.approx(200, rel=2e-3)
     assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)
 
 
-def test_circle_is_removed_up_to_the_noise():
+def test_levelled_removes_a_circle_up_to_the_noise():
     x = np.arange(1000.0)
-    own = noise(1000)
+    own = noise_heights(1000)
     result = levelled(Profile(np.sqrt(2000.0**2 - (x - 700) ** 2) + own, spacing=1.0), "circle")
-    assert radius(result)[0] == pytest.approx(2000, rel=1e-4)
+    assert radius_from_history(result)[0] == pytest.approx(2000, rel=1e-4)
     assert result.heights.std() == pytest.approx(own.std(), rel=3e-3)
 
 
-def test_missing_points_have_no_weight_in_the_form():
+def test_levelled_form_ignores_missing_points():
     x = np.arange(400.0)
     heights, missing = np.sqrt(2000.0**2 - (x - 150) ** 2), np.zeros(400, bool)
     missing[50:80] = True
@@ -81,8 +82,8 @@ def test_missing_points_have_no_weight_in_the_form():
         assert np.abs(rest[~missing]).max() < 1e-5
 
 
-def test_form_of_noise_alone_changes_little():
-    own = noise((60, 80))
+def test_levelled_form_changes_pure_noise_little():
+    own = noise_heights((60, 80))
     for trend in ("sphere", "cylinder"):
         result = levelled(Surface(own, spacing=0.5), trend).heights
         assert result.std() == pytest.approx(own.std(), rel=5e-3)
@@ -92,4 +93,4 @@ def test_levelled_rejects_a_form_of_the_other_kind_of_body():
     with pytest.raises(ValueError, match="trend must be one of"):
         levelled(Profile(np.arange(9.0), spacing=1.0), "sphere")
     with pytest.raises(ValueError, match="trend must be one of"):
-        levelled(Surface(noise((9, 9)), spacing=1.0), "circle")
+        levelled(Surface(noise_heights((9, 9)), spacing=1.0), "circle")

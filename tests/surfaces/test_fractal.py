@@ -10,21 +10,21 @@ from stiction import (
     weierstrass_mandelbrot_surface,
 )
 
-# Relative to the total height: round-off of 1600 cosines and of a recurrence of 256 steps. Phases have 64 bits; long
-# double phases of the reference have errors of about 1e-10 rad at the highest frequency.
-AGREES_WITH_DIRECT_SUM = 1e-12
-SMALL = {"points": 3000, "extent": 2.0}
+# Tolerance relative to the total height, for the round-off of 1600 cosines and of a recurrence of 256 steps. Phases
+# have 64 bits; long double phases of the reference have errors of about 1e-10 rad at the highest frequency.
+DIRECT_SUM_TOLERANCE = 1e-12
+SMALL_GRID = {"points": 3000, "extent": 2.0}
 
 
-def hurst(dimension, convention):
+def hurst_of_dimension(dimension, convention):
     return 4 - 2 * dimension if convention == "paper" else 2 - dimension
 
 
 class TestPhases:
     def test_random_phases_match_reference_values(self):
-        # NumPy guarantees raw PCG64 words across versions; these are recorded values.
+        # The values are recorded. NumPy guarantees raw PCG64 words across versions.
         phases = random_phases(2016, repetition=7, side="upper", directions=2, frequencies=2)
-        assert phases.tolist() == PINNED
+        assert phases.tolist() == RECORDED_PHASES
 
     def test_random_phases_depend_only_on_seed_repetition_and_side(self):
         one = random_phases(1, repetition=2, side="upper")
@@ -47,7 +47,7 @@ class TestPhases:
             random_phases(**({"seed": 1} | bad))
 
 
-PINNED = [[5.314689153886981, 0.4447781159997328], [3.286748312852867, 5.168936610054548]]
+RECORDED_PHASES = [[5.314689153886981, 0.4447781159997328], [3.286748312852867, 5.168936610054548]]
 
 
 class TestProfile:
@@ -57,42 +57,49 @@ class TestProfile:
     def test_profile_equals_direct_sum_at_full_size(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
-        # Ends, the last points before a recurrence starts anew and the first after it, and some between.
+        # The points are both ends, the last points before a recurrence starts anew, the first points after it, and some
+        # between.
         ends = [np.arange(k - 3, k + 3) for k in (1024, 8192, 81_920)]
         at = np.unique(np.concatenate([np.arange(5), *ends, np.arange(7, 150_000, 3001), [149_999]]))
         expected = direct_sum.weierstrass_mandelbrot(
-            phases, hurst(dimension, convention), length_scale=1.0, gamma=1.5, extent=40.0, points=150_000, at=at,
+            phases,
+            hurst_of_dimension(dimension, convention),
+            length_scale=1.0,
+            gamma=1.5,
+            extent=40.0,
+            points=150_000,
+            at=at,
             nyquist=band_limit == "nyquist",
-        )  # fmt: skip
+        )
         error = np.abs(profile.heights[at] - expected).max() / np.ptp(profile.heights)
-        assert error < AGREES_WITH_DIRECT_SUM
+        assert error < DIRECT_SUM_TOLERANCE
 
     def test_profile_equals_direct_sum_for_any_parameters(self):
         for directions, gamma, length_scale in ((1, 1.5, 1.0), (2, 2.0, 0.3), (7, 1.1, 5.0), (40, 1.7, 2.0)):
             phases = random_phases(9, directions=directions, frequencies=12)
-            settings = {"length_scale": length_scale, "gamma": gamma, **SMALL}
+            settings = {"length_scale": length_scale, "gamma": gamma, **SMALL_GRID}
             profile = weierstrass_mandelbrot(phases, 1.4, **settings)
             expected = direct_sum.weierstrass_mandelbrot(phases, 1.2, **settings)
-            assert np.abs(profile.heights - expected).max() < AGREES_WITH_DIRECT_SUM * np.ptp(profile.heights)
+            assert np.abs(profile.heights - expected).max() < DIRECT_SUM_TOLERANCE * np.ptp(profile.heights)
 
     def test_profile_starts_at_zero(self):
-        assert weierstrass_mandelbrot(random_phases(1), 1.5, **SMALL).heights[0] == pytest.approx(0, abs=1e-13)
+        assert weierstrass_mandelbrot(random_phases(1), 1.5, **SMALL_GRID).heights[0] == pytest.approx(0, abs=1e-13)
 
     def test_classical_dimension_equals_paper_dimension_1_plus_half(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
-            classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL)
-            paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL)
+            classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL_GRID)
+            paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL_GRID)
             assert np.allclose(classical.heights, paper.heights, rtol=0, atol=1e-12)
 
     def test_family_equals_single_profiles_bit_for_bit(self):
         phases = random_phases(6)
         dimensions = [1.0, 1.2, 1.65]
-        family = weierstrass_mandelbrot_family(phases, dimensions, **SMALL)
+        family = weierstrass_mandelbrot_family(phases, dimensions, **SMALL_GRID)
         assert family.shape == (3, 3000)
         for row, dimension in zip(family, dimensions, strict=True):
-            assert np.array_equal(row, weierstrass_mandelbrot(phases, dimension, **SMALL).heights)
-        assert weierstrass_mandelbrot_family(phases, [], **SMALL).shape == (0, 3000)
+            assert np.array_equal(row, weierstrass_mandelbrot(phases, dimension, **SMALL_GRID).heights)
+        assert weierstrass_mandelbrot_family(phases, [], **SMALL_GRID).shape == (0, 3000)
 
     @pytest.mark.parametrize(
         "bad",
@@ -136,19 +143,25 @@ class TestSurface:
         random = np.random.default_rng(2)
         at = np.vstack([[(0, 0), (59, 89), (0, 89), (59, 0)], random.integers(self.SHAPE, size=(40, 2))])
         expected = direct_sum.weierstrass_mandelbrot_surface(
-            phases, hurst(dimension, convention), length_scale=1.0, gamma=1.5, extents=self.EXTENT, shape=self.SHAPE,
-            at=at, nyquist=band_limit == "nyquist",
-        )  # fmt: skip
+            phases,
+            hurst_of_dimension(dimension, convention),
+            length_scale=1.0,
+            gamma=1.5,
+            extents=self.EXTENT,
+            shape=self.SHAPE,
+            at=at,
+            nyquist=band_limit == "nyquist",
+        )
         ours = surface.heights[tuple(np.transpose(at))]
-        assert np.abs(ours - expected).max() < AGREES_WITH_DIRECT_SUM * np.ptp(surface.heights)
+        assert np.abs(ours - expected).max() < DIRECT_SUM_TOLERANCE * np.ptp(surface.heights)
 
     def test_first_row_of_surface_equals_profile(self):
         phases = random_phases(8)
         surface = weierstrass_mandelbrot_surface(phases, 1.5, shape=(5, 3000), extent=(1.0, 2.0), length_scale=0.7)
-        profile = weierstrass_mandelbrot(phases, 1.5, length_scale=0.7, **SMALL)
+        profile = weierstrass_mandelbrot(phases, 1.5, length_scale=0.7, **SMALL_GRID)
         row = surface.row(0)
         assert row.spacing == profile.spacing
-        assert np.abs(row.heights - profile.heights).max() < AGREES_WITH_DIRECT_SUM * np.ptp(profile.heights)
+        assert np.abs(row.heights - profile.heights).max() < DIRECT_SUM_TOLERANCE * np.ptp(profile.heights)
 
     def test_band_limit_accepts_unresolvable_frequencies(self):
         phases = random_phases(8, frequencies=100)
@@ -156,11 +169,11 @@ class TestSurface:
         fewer = weierstrass_mandelbrot_surface(phases[:, :20], 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist")
         assert np.allclose(limited.heights, fewer.heights, rtol=0, atol=1e-12)
 
-    def test_long_strip_equals_direct_sum(self):
+    def test_surface_on_a_long_strip_equals_direct_sum(self):
         phases = random_phases(8)
         strip = weierstrass_mandelbrot_surface(phases, 1.5, shape=(2, 50_000), extent=(0.1, 4.0))
         profile = weierstrass_mandelbrot(phases, 1.5, points=50_000, extent=4.0)
-        assert np.abs(strip.heights[0] - profile.heights).max() < AGREES_WITH_DIRECT_SUM * np.ptp(profile.heights)
+        assert np.abs(strip.heights[0] - profile.heights).max() < DIRECT_SUM_TOLERANCE * np.ptp(profile.heights)
 
     @pytest.mark.parametrize(
         ("bad", "match"),
@@ -184,13 +197,15 @@ class TestSurface:
 
 
 def test_height_variance_equals_that_of_harmonics():
-    # Half the sum of squared amplitudes: m and M - m have independent phases; m = M/2 has no harmonic.
+    # The variance is half the sum of squared amplitudes: directions m and M - m have independent phases, and m = M/2
+    # has no harmonic.
     dimension, gamma = 1.2, 1.5
-    weights = math.log(gamma) * gamma ** (-np.arange(40) * hurst(dimension, "paper"))
+    weights = math.log(gamma) * gamma ** (-np.arange(40) * hurst_of_dimension(dimension, "paper"))
     expected = 0.5 * 39 * np.square(weights).sum()
     measured = [
         np.var(weierstrass_mandelbrot(random_phases(8, repetition=r), dimension, points=20_000).heights)
         for r in range(60)
     ]
-    # The lowest frequencies of 40 directions dominate: about 10 % scatter each, 1.3 % of the mean of 60.
+    # The lowest frequencies of 40 directions dominate. They scatter by about 10 % each, so the mean of 60 scatters by
+    # 1.3 %.
     assert np.mean(measured) == pytest.approx(expected, rel=0.05)

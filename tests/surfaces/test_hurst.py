@@ -19,35 +19,36 @@ from stiction import (
 from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
 BAND = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
-ALWAYS = (False, BAND, False)
-"""Case outside the stress suite: periodic or not, band, and whether the band is specified."""
+DEFAULT_CASE = (False, BAND, False)
+"""Case that also runs outside the stress suite: whether the profile is periodic, its band, and whether the band is
+specified."""
 
 
 class TestProfileExponent:
-    # A 95 % interval misses 3 of 60 cases on average; more than 8 misses have a probability of 1 in 500.
-    CASES, MOST_MISSES = 60, 8
+    # A 95 % interval misses 3 of 60 cases on average. More than 8 misses have a probability of 1 in 500.
+    NUM_CASES, MAX_MISSES = 60, 8
 
     @pytest.mark.parametrize(
         ("periodic", "band", "arguments"),
         [
-            case if case == ALWAYS else pytest.param(*case, marks=pytest.mark.soak)
+            case if case == DEFAULT_CASE else pytest.param(*case, marks=pytest.mark.soak)
             for case in product((True, False), ({}, BAND), (True, False))
         ],
     )
     def test_interval_covers_true_exponent(self, periodic, band, arguments):
         misses, errors = 0, []
-        for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
+        for case, hurst in enumerate(np.linspace(0.3, 0.9, self.NUM_CASES)):
             profile = rough_profile(11, repetition=case, hurst_exponent=hurst, points=4096, periodic=periodic, **band)
             limits = band.get("shortest_wavelength", 0.02), band.get("longest_wavelength", profile.extent)
             result = estimate_hurst_exponent(profile, band=limits if arguments else None, periodic=periodic)
             misses += not result.lower <= hurst <= result.upper
             errors.append((result.value - hurst) / ((result.upper - result.lower) / 3.92))
             assert result.lower < result.value < result.upper
-        assert misses <= self.MOST_MISSES
-        # The mean of 60 standardised errors scatters by 0.13; an estimated band may include part of a roll-off.
+        assert misses <= self.MAX_MISSES
+        # The mean of 60 standardised errors scatters by 0.13. An estimated band may include part of a roll-off.
         assert abs(np.mean(errors)) < (0.5 if arguments else 0.8)
 
-    def test_exact_power_law_gives_exact_exponent(self):
+    def test_estimate_of_an_exact_power_law_is_exact(self):
         profile = rough_profile(hurst_exponent=0.6, periodic=True, amplitudes="fixed")
         result = estimate_hurst_exponent(profile, periodic=True)
         assert result.value == pytest.approx(0.6, abs=1e-9)
@@ -60,7 +61,7 @@ class TestProfileExponent:
     def test_band_ends_at_roll_off_and_cut_off(self):
         profile = rough_profile(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
         result = estimate_hurst_exponent(profile)
-        # One bin (a fifth) is omitted where the pieces meet, at the edge of a bin.
+        # One bin, which is a fifth of the wavelength, is omitted at the edge where the pieces meet.
         assert 0.1 <= result.shortest_wavelength < 0.1 * 1.5
         assert 10.0 / 2 < result.longest_wavelength < 10.0 * 1.5
         assert result.lower < 0.8 < result.upper
@@ -73,7 +74,7 @@ class TestProfileExponent:
         assert result.lower < 0.8 < result.upper
 
     def test_band_excludes_gradual_noise(self):
-        # With all wavelengths, the mean H is 0.20, and one of forty intervals covers the true value.
+        # With all wavelengths, the mean H is 0.20, and only one of forty intervals covers the true value.
         result, stored = [], 0
         for repetition in range(30):
             options = {"points": 4096, "repetition": repetition, "longest_wavelength": 10.0}
@@ -97,11 +98,11 @@ class TestProfileExponent:
             other = estimate_hurst_exponent(Profile(heights, spacing=spacing))
             assert other.value == pytest.approx(one.value, abs=1e-9)
             assert other.longest_wavelength / spacing == pytest.approx(one.longest_wavelength / 0.01)
-        # Reversing moves the window by one point.
+        # Reversal of the profile moves the window by one point.
         reversed_one = estimate_hurst_exponent(Profile(profile.heights[::-1], spacing=0.01))
         assert reversed_one.value == pytest.approx(one.value, abs=0.2 * (one.upper - one.lower))
 
-    def test_given_band_is_used(self):
+    def test_estimate_uses_the_given_band(self):
         result = estimate_hurst_exponent(rough_profile(), band=(0.05, 2.0))
         assert 0.05 <= result.shortest_wavelength < result.longest_wavelength <= 2.0 * (1 + 1e-9)
 
@@ -113,7 +114,8 @@ class TestProfileExponent:
             assert result.dispersion > 1  # a spectrum of lines
 
     def test_band_of_eq_1_contains_dense_harmonics_only(self):
-        # At the longest wavelengths; below about 0.04 µm the harmonics of the 40 directions are separate lines.
+        # Only the longest wavelengths are used. Below about 0.04 µm the harmonics of the 40 directions are separate
+        # lines.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
         result = estimate_hurst_exponent(profile)
         assert result.longest_wavelength > 0.5
@@ -147,7 +149,7 @@ class TestProfileExponent:
                 estimate_hurst_exponent(Profile(heights, spacing=1.0))
 
     def test_estimate_rejects_zigzag(self):
-        # All power is at the Nyquist wavenumber, which is not fitted.
+        # All power is at the Nyquist wavenumber, which is not part of the fit.
         with pytest.raises(ValueError, match="no self-affine band"):
             estimate_hurst_exponent(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
 
@@ -174,8 +176,8 @@ def test_caution_reports_wide_interval_and_exponents_outside_0_to_1():
 
 
 class TestSurfaceExponent:
-    # 95 % of 60; more than 8 misses would be a chance of 1 in 500.
-    CASES, MOST_MISSES = 60, 8
+    # A 95 % interval misses 3 of 60 cases on average. More than 8 misses have a probability of 1 in 500.
+    NUM_CASES, MAX_MISSES = 60, 8
 
     @pytest.mark.parametrize(
         ("longest", "arguments"),
@@ -189,11 +191,11 @@ class TestSurfaceExponent:
     )
     def test_interval_covers_true_exponent(self, longest, arguments):
         misses = 0
-        for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
+        for case, hurst in enumerate(np.linspace(0.3, 0.9, self.NUM_CASES)):
             surface = self_affine_map(case, hurst, longest=longest, whole=2)
             result = estimate_hurst_exponent(surface, band=(1.0, min(longest, 30.0)) if arguments else None)
             misses += not result.lower <= hurst <= result.upper
-        assert misses <= self.MOST_MISSES
+        assert misses <= self.MAX_MISSES
 
     def test_surface_estimate_uses_given_band_and_is_invariant_under_scale_and_tilt(self):
         surface = self_affine_map(5, 0.7, whole=2)
@@ -203,7 +205,7 @@ class TestSurfaceExponent:
         tilted = surface.heights * 1e-4 + 0.3 * surface.x + 0.1 * surface.y[:, np.newaxis] + 7
         other = estimate_hurst_exponent(Surface(tilted, spacing=0.5), band=(1.5, 15.0))
         assert other.value == pytest.approx(one.value, abs=1e-9)
-        # The line goes through the radial spectrum.
+        # The fitted power law passes through the radial spectrum.
         radial = surface_spectrum(levelled(surface, "plane")).radial(20)
         inside = (radial.wave_number > 2 * np.pi / 15) & (radial.wave_number < 2 * np.pi / 1.5)
         ratio = radial.density[inside] / one.density(radial.wave_number[inside])

@@ -1,4 +1,4 @@
-"""Tests of combined spectra: simulated scans of a generated surface with a known spectrum."""
+"""Tests of combined spectra from simulated scans of a generated surface with a known spectrum."""
 
 import math
 
@@ -7,30 +7,32 @@ import pytest
 from stiction import Profile, Surface, joined_spectrum, scale_dependent_roughness, self_affine_surface, surface_spectrum
 
 POINTS, SPACING = 1024, 0.01
-SCATTER = 0.1  # relative error of a bin with at least a hundred Fourier coefficients, for a few pieces of the surface
+BIN_TOLERANCE = (
+    0.1  # relative error of a bin with at least a hundred Fourier coefficients, for a few pieces of the surface
+)
 
 
 @pytest.fixture(scope="module")
-def whole():
+def complete_surface():
     return self_affine_surface(
         7, hurst_exponent=0.8, rms=0.03, shape=(POINTS, POINTS), spacing=SPACING, longest_wavelength=1.28
     )
 
 
-def instruments(whole, noise=1e-5):
-    """Return scans by a coarse instrument, with pixel averages and noise, and of pieces by finer instruments."""
+def scans_of_instruments(complete_surface, noise=1e-5):
+    """Return scans of a coarse instrument, with pixel averages and noise, and scans of pieces by finer instruments."""
     random = np.random.default_rng(1)
-    means = whole.heights.reshape(POINTS // 8, 8, POINTS // 8, 8).mean((1, 3))
+    means = complete_surface.heights.reshape(POINTS // 8, 8, POINTS // 8, 8).mean((1, 3))
     coarse = Surface(means + noise * random.normal(size=means.shape), spacing=8 * SPACING)
     fine = [
-        Surface(whole.heights[row : row + 512, column : column + 512], spacing=SPACING)
+        Surface(complete_surface.heights[row : row + 512, column : column + 512], spacing=SPACING)
         for row in (0, 512) for column in (0, 512)
     ]  # fmt: skip
     return [coarse, *fine]
 
 
-def truth(whole, wave_number, per_decade):
-    q, _, density = surface_spectrum(whole, periodic=True).waves()
+def true_spectrum(complete_surface, wave_number, per_decade):
+    q, _, density = surface_spectrum(complete_surface, periodic=True).waves()
     half = 10 ** (0.5 / per_decade)
     bins = [(q >= middle / half) & (q < middle * half) for middle in wave_number]
     return np.array([
@@ -38,13 +40,13 @@ def truth(whole, wave_number, per_decade):
     ])  # fmt: skip
 
 
-def test_joined_spectrum_matches_spectrum_and_slope_of_surface(whole):
-    joined = joined_spectrum(instruments(whole), per_decade=5)
+def test_joined_spectrum_matches_spectrum_and_slope_of_surface(complete_surface):
+    joined = joined_spectrum(scans_of_instruments(complete_surface), per_decade=5)
     sure = joined.count > 300
     assert sure.sum() > 5
-    expected = truth(whole, joined.wave_number, 5)
-    assert joined.density[sure] == pytest.approx(expected[sure], rel=SCATTER)
-    own, known = joined.roughness(), scale_dependent_roughness(whole, periodic=True)
+    expected = true_spectrum(complete_surface, joined.wave_number, 5)
+    assert joined.density[sure] == pytest.approx(expected[sure], rel=BIN_TOLERANCE)
+    own, known = joined.roughness(), scale_dependent_roughness(complete_surface, periodic=True)
     for length in (0.3, 0.15, 0.1):
         assert float(own.gradient_at(length)) == pytest.approx(float(known.gradient_at(length)), rel=0.05)
     assert joined.reasons == ("pixels",) * 5
@@ -54,21 +56,22 @@ def test_joined_spectrum_matches_spectrum_and_slope_of_surface(whole):
     assert np.all(np.abs(np.log(joined.disagreement)) < 0.4)
 
 
-def test_disagreement_detects_wrong_calibration(whole):
-    scans = instruments(whole)
+def test_disagreement_detects_wrong_calibration(complete_surface):
+    scans = scans_of_instruments(complete_surface)
     wrong = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
     assert 2.5 < wrong.disagreement[0] < 6  # heights squared
     assert np.log(wrong.disagreement[0]) > 2 * wrong.chance[0]
     few = joined_spectrum([scans[0], Surface(scans[1].heights[:256, :256], spacing=SPACING)])
-    assert few.chance[1] > wrong.chance[0]  # a small piece contains few of the common wavelengths
+    # a small piece contains few of the common wavelengths, so its expected scatter is larger
+    assert few.chance[1] > wrong.chance[0]
     alone = joined_spectrum(scans[:1])
     assert np.isnan(alone.chance).all()
     assert math.isnan(alone.disagreement[0])
     assert (alone.ratio == pytest.approx(1.0)) or np.isnan(alone.ratio).any()
 
 
-def test_joined_spectrum_excludes_tip_and_noise(whole):
-    coarse, fine = instruments(whole, noise=0.02)[:2]
+def test_joined_spectrum_excludes_tip_and_noise(complete_surface):
+    coarse, fine = scans_of_instruments(complete_surface, noise=0.02)[:2]
     blunt = joined_spectrum([coarse, fine], tip_radii=[None, 0.05])
     assert blunt.reasons[1] == "tip"
     curvature = scale_dependent_roughness(fine).curvature_at(blunt.bands[1][0] * 1.2)
@@ -79,8 +82,8 @@ def test_joined_spectrum_excludes_tip_and_noise(whole):
     assert arguments.reasons == ("given",)
 
 
-def test_gap_between_scans_follows_power_law(whole):
-    coarse, fine = instruments(whole)[:2]
+def test_gap_between_scans_follows_power_law(complete_surface):
+    coarse, fine = scans_of_instruments(complete_surface)[:2]
     joined = joined_spectrum([coarse, fine], shortest_wavelengths=[1.5, None], per_decade=20)
     piece = joined_spectrum([coarse, fine], shortest_wavelengths=[2.5, None], per_decade=10)
     assert (joined.density > 0).all()
@@ -89,15 +92,15 @@ def test_gap_between_scans_follows_power_law(whole):
     assert (np.diff(joined.wave_number) > 0).all()
 
 
-def test_profile_is_converted_to_isotropic_surface(whole):
-    lines = [Profile(whole.heights[row], spacing=SPACING) for row in (0, 300, 600, 900)]
+def test_profile_is_converted_to_isotropic_surface(complete_surface):
+    lines = [Profile(complete_surface.heights[row], spacing=SPACING) for row in (0, 300, 600, 900)]
     joined = joined_spectrum(lines, per_decade=5)
-    known = scale_dependent_roughness(whole, periodic=True)
+    known = scale_dependent_roughness(complete_surface, periodic=True)
     assert float(joined.roughness().gradient_at(0.1)) == pytest.approx(float(known.gradient_at(0.1)), rel=0.3)
 
 
-def test_generated_surface_has_the_spectrum(whole):
-    joined = joined_spectrum(instruments(whole))
+def test_generated_surface_has_the_spectrum(complete_surface):
+    joined = joined_spectrum(scans_of_instruments(complete_surface))
     body = joined.surface(3, shape=(512, 512), spacing=0.04)
     again = joined.surface(3, shape=(512, 512), spacing=0.04)
     assert np.array_equal(body.heights, again.heights)
@@ -120,6 +123,6 @@ def test_generated_surface_has_the_spectrum(whole):
         ([Surface(np.ones((9, 9)), spacing=1.0)], {}, "flat surface"),
     ],
 )
-def test_joined_spectrum_rejects_bad_arguments(whole, scans, options, message):
+def test_joined_spectrum_rejects_bad_arguments(complete_surface, scans, options, message):
     with pytest.raises(ValueError, match=message):
-        joined_spectrum([whole] if scans is None else scans, **options)
+        joined_spectrum([complete_surface] if scans is None else scans, **options)

@@ -1,4 +1,4 @@
-"""Tests of instrument layouts in several encodings, separators, decimal marks and languages."""
+"""Tests of instrument layouts with several encodings, separators, decimal marks and languages."""
 
 import io
 import itertools
@@ -16,22 +16,22 @@ random = np.random.default_rng(8)
 ROWS, COLUMNS = 7, 9
 HEIGHTS = np.round(
     0.3 * random.normal(size=(ROWS, COLUMNS)).cumsum(axis=1), 4
-)  # all lines differ, and there is no symmetry
-HOLED = HEIGHTS.copy()
-HOLED[0, :2] = HOLED[3, 4] = np.nan
-LINE = np.round(0.3 * random.normal(size=60).cumsum(), 4)
+)  # all lines of the map differ, and the map has no symmetry
+HEIGHTS_WITH_HOLES = HEIGHTS.copy()
+HEIGHTS_WITH_HOLES[0, :2] = HEIGHTS_WITH_HOLES[3, 4] = np.nan
+LINE_HEIGHTS = np.round(0.3 * random.normal(size=60).cumsum(), 4)
 
 
-def digits(value, comma=False, missing="", form=".4f"):
+def format_number(value, comma=False, missing="", form=".4f"):
     text = missing if np.isnan(value) else f"{value:{form}}"
     return text.replace(".", ",") if comma else text
 
 
-def rows(heights, separator="\t", **how):
-    return [separator.join(digits(value, **how) for value in row) for row in heights]
+def format_rows(heights, separator="\t", **how):
+    return [separator.join(format_number(value, **how) for value in row) for row in heights]
 
 
-GWYDDION = {
+GWYDDION_WORDS = {
     "en": ("Channel:", "Width:", "Height:", "Value units:"),
     "de": ("Kanal:", "Breite:", "Höhe:", "Einheiten:"),
     "fr": ("Canal :", "Largeur :", "Hauteur :", "Unités :"),
@@ -41,14 +41,19 @@ GWYDDION = {
 }
 
 
-def gwyddion(language="en", comma=False, missing="nan", unit="µm", minus="-"):
-    channel, width, height, units = GWYDDION[language]
-    size = (digits(4.5, comma, form=".3f"), digits(3.5, comma, form=".3f"))
+def gwyddion_text(language="en", comma=False, missing="nan", unit="µm", minus="-"):
+    channel, width, height, units = GWYDDION_WORDS[language]
+    size = (format_number(4.5, comma, form=".3f"), format_number(3.5, comma, form=".3f"))
     head = [f"# {channel} Topo", f"# {width} {size[0]} µm", f"# {height} {size[1]} µm", f"# {units} {unit}"]
-    return "\n".join(head + [line.replace("-", minus) for line in rows(HOLED, comma=comma, missing=missing)]) + "\n"
+    return (
+        "\n".join(
+            head + [line.replace("-", minus) for line in format_rows(HEIGHTS_WITH_HOLES, comma=comma, missing=missing)]
+        )
+        + "\n"
+    )
 
 
-KEYENCE = {
+KEYENCE_WORDS = {
     "en": ("Data type", "XY Calibration", "Horizontal", "Vertical", "Unit", "Output image data", "Height"),
     "de": ("Dateityp", "XY-Justierung", "Horizont.", "Vertikal", "Einheit", "Bilddatenausg.", "Höhe"),
     "ja": ("データ種類", "XYキャリブレーション", "水平", "垂直", "単位", "出力画像データ", "高さ"),
@@ -56,28 +61,37 @@ KEYENCE = {
 }
 
 
-def keyence(language="en", separator=",", comma=False, unit="um", quoted=True):
-    kind, pixel, across, down, units, output, height = KEYENCE[language]
+def keyence_text(language="en", separator=",", comma=False, unit="um", quoted=True):
+    kind, pixel, across, down, units, output, height = KEYENCE_WORDS[language]
     head = [
-        ["Model", "VK-X3000 Series"], [kind, "ImageDataCsv"], [pixel, digits(500.0, comma, form=".3f"), "nm"],
-        [output, height], [across, str(COLUMNS)], [down, str(ROWS)], ["Minimum", digits(-9.0, comma, form=".3f")],
-        [units, unit], ["Reference", ""],
-    ]  # fmt: skip
-    body = [[digits(value, comma) for value in row] for row in HOLED]
+        ["Model", "VK-X3000 Series"],
+        [kind, "ImageDataCsv"],
+        [pixel, format_number(500.0, comma, form=".3f"), "nm"],
+        [output, height],
+        [across, str(COLUMNS)],
+        [down, str(ROWS)],
+        ["Minimum", format_number(-9.0, comma, form=".3f")],
+        [units, unit],
+        ["Reference", ""],
+    ]
+    body = [[format_number(value, comma) for value in row] for row in HEIGHTS_WITH_HOLES]
     lines = [*head, [], [height], *body]
     quote = '"' if quoted else ""
     return "\r\n".join(separator.join(f"{quote}{cell}{quote}" for cell in line) for line in lines) + "\r\n"
 
 
-def olympus(separator=",", comma=False, missing=""):
+def olympus_text(separator=",", comma=False, missing=""):
     names = ["DataLine", *(f"POS = {at + 1}" for at in range(COLUMNS))]
-    resolution = digits(0.5, comma, form=".3f")
+    resolution = format_number(0.5, comma, form=".3f")
     head = [["Model", "OLS5000"], *([f"{axis} Resolution[um]", resolution] for axis in "XY"), ["Z Resolution[um]", "1"]]
-    body = [[str(at + 1), *(digits(value, comma, missing) for value in row)] for at, row in enumerate(HOLED)]
+    body = [
+        [str(at + 1), *(format_number(value, comma, missing) for value in row)]
+        for at, row in enumerate(HEIGHTS_WITH_HOLES)
+    ]
     return "\r\n".join(separator.join(line) for line in [*head, names, *body]) + "\r\n"
 
 
-def zygo(order=1, separator=" ", origin=0, end=True):
+def zygo_text(order=1, separator=" ", origin=0, end=True):
     head = ["Zygo XYZ Data File - Format 1", '0 8 0 0 "x"', "0 0 0 0 0 0", f"{origin} {origin} {COLUMNS} {ROWS}"]
     head += [
         '"a"',
@@ -91,130 +105,140 @@ def zygo(order=1, separator=" ", origin=0, end=True):
         "1 0",
     ]
     points = [
-        separator.join([str(column + origin), str(row + origin), digits(HOLED[row, column], missing="No Data")])
+        separator.join(
+            [str(column + origin), str(row + origin), format_number(HEIGHTS_WITH_HOLES[row, column], missing="No Data")]
+        )
         for row, column in np.ndindex(ROWS, COLUMNS)
     ]
     return "\n".join([*head, "#", *points[::order], *["#"] * end]) + "\n"
 
 
-def wyko(real=1, intensity=True, missing="Bad", aspect=False, comma=False):
+def wyko_text(real=1, intensity=True, missing="Bad", aspect=False, comma=False):
     head = [f"Wyko ASCII Data File Format 0\t{real}\t1", f"X Size\t{COLUMNS}", f"Y Size\t{ROWS}"]
     head += ["Block Name\tType\tLength\tValue", "Pixel_size\t7\t4\t0.0005", "Wavelength\t7\t4\t500", "Mult\t7\t4\t2"]
     head += ["Aspect\t7\t4\t1"] * aspect
     scale = 1000 if real else 1000 / 250
-    body = rows(HOLED.T * scale, missing=missing, form=".6f", comma=comma)
-    more = ["Intensity\t6\t320", *rows(np.abs(HEIGHTS.T))] if intensity else []
+    body = format_rows(HEIGHTS_WITH_HOLES.T * scale, missing=missing, form=".6f", comma=comma)
+    more = ["Intensity\t6\t320", *format_rows(np.abs(HEIGHTS.T))] if intensity else []
     return "\n".join([*head, "RAW_DATA\t3\t320", *body, *more]) + "\n"
 
 
-def esri(case=str, code="-9999", separator=" ", size="cellsize 0.5", comma=False):
+def esri_text(case=str, code="-9999", separator=" ", size="cellsize 0.5", comma=False):
     head = [f"ncols {COLUMNS}", f"nrows {ROWS}", "xllcorner 0", "yllcorner 0", size, f"NODATA_value {code}"]
     head = [case(line) for line in head]
-    return "\n".join([*head, *rows(HOLED[::-1], separator, missing=code, comma=comma)]) + "\n"
+    return "\n".join([*head, *format_rows(HEIGHTS_WITH_HOLES[::-1], separator, missing=code, comma=comma)]) + "\n"
 
 
-def spip(unit="# z-unit = µm", factor=1.0, missing="nan", separator="\t", lengths=("4500", "3500")):
+def spip_text(unit="# z-unit = µm", factor=1.0, missing="nan", separator="\t", lengths=("4500", "3500")):
     head = ["# File Format = ASCII", f"# x-pixels = {COLUMNS}", f"# y-pixels = {ROWS}"]
     head += [f"# x-length = {lengths[0]}", f"# y-length = {lengths[1]}", unit, "# Start of Data:"]
-    return "\n".join([*head, *rows(HOLED / factor, separator, missing=missing, form=".6f")]) + "\n"
+    return "\n".join([*head, *format_rows(HEIGHTS_WITH_HOLES / factor, separator, missing=missing, form=".6f")]) + "\n"
 
 
-def sdf(magic="aISO-1.0", profiles=ROWS, missing="BAD", break_after=COLUMNS, space=" = "):
-    points, values = (COLUMNS, HOLED.ravel()) if profiles > 1 else (LINE.size, LINE)
+def sdf_text(magic="aISO-1.0", profiles=ROWS, missing="BAD", break_after=COLUMNS, space=" = "):
+    points, values = (COLUMNS, HEIGHTS_WITH_HOLES.ravel()) if profiles > 1 else (LINE_HEIGHTS.size, LINE_HEIGHTS)
     texts = {"ManufacID": "OWN", "NumPoints": points, "NumProfiles": profiles, "Xscale": "5.0E-7",
             "Yscale": "5.0E-7" if profiles > 1 else "0", "Zscale": "1.0E-6", "DataType": 7}  # fmt: skip
-    cells = [digits(value, missing=missing) for value in values]
+    cells = [format_number(value, missing=missing) for value in values]
     lines = [" ".join(cells[at : at + break_after]) for at in range(0, len(cells), break_after)]
     return (
         "\n".join([magic, *(f"{key}{space}{value}" for key, value in texts.items()), "*", *lines, "*", "", "*"]) + "\n"
     )
 
 
-def tencor(numbered=True, separator="\t", pad=""):
+def tencor_text(numbered=True, separator="\t", pad=""):
     head = ["Data\tPLATE", f"Number of Points\t{COLUMNS}", f"Number of Traces\t{ROWS}", "X-Resolution\t0.500000"]
     head += ["Y-Resolution\t0.500000", "", "Trace\tData"]
     body = [
         separator.join(
-            [*([str(at + 1)] if numbered else []), *(pad + digits(1e4 * value, form=".1f") for value in row)]
+            [*([str(at + 1)] if numbered else []), *(pad + format_number(1e4 * value, form=".1f") for value in row)]
         )
         for at, row in enumerate(HEIGHTS)
     ]
     return "\r\n".join([*head, *body]) + "\r\n"
 
 
-def triplets(order=1, separator=" ", head="", missing=None, comma=False, jitter=0.0):
-    places = [(y, x) for y, x in np.ndindex(ROWS, COLUMNS) if missing is not None or not np.isnan(HOLED[y, x])]
+def triplet_text(order=1, separator=" ", head="", missing=None, comma=False, jitter=0.0):
+    places = [
+        (y, x) for y, x in np.ndindex(ROWS, COLUMNS) if missing is not None or not np.isnan(HEIGHTS_WITH_HOLES[y, x])
+    ]
     lines = []
     for at, (y, x) in enumerate(places):
         off = jitter * ((at % 3) - 1)
-        cells = [digits(0.5 * x + off, comma), digits(0.5 * y - off, comma), digits(HOLED[y, x], comma, missing or "")]
+        cells = [
+            format_number(0.5 * x + off, comma),
+            format_number(0.5 * y - off, comma),
+            format_number(HEIGHTS_WITH_HOLES[y, x], comma, missing or ""),
+        ]
         lines.append(separator.join(cells))
     return "\n".join([*[head] * bool(head), *lines[::order]]) + "\n"
 
 
-def labelled(separator=",", corner="", comma=False, missing="", form=".2f"):
-    head = separator.join([corner, *(digits(0.5 * x, comma, form=form) for x in range(COLUMNS))])
+def labelled_matrix_text(separator=",", corner="", comma=False, missing="", form=".2f"):
+    head = separator.join([corner, *(format_number(0.5 * x, comma, form=form) for x in range(COLUMNS))])
     body = [
-        separator.join([digits(0.5 * y, comma, form=form), line])
-        for y, line in enumerate(rows(HOLED, separator, comma=comma, missing=missing))
+        separator.join([format_number(0.5 * y, comma, form=form), line])
+        for y, line in enumerate(format_rows(HEIGHTS_WITH_HOLES, separator, comma=comma, missing=missing))
     ]
     return "\n".join([head, *body]) + "\n"
 
 
 def profile(separator=";", comma=True, head="x (µm);z (µm)", minus="-", end="\n"):
-    lines = [f"{digits(0.5 * at, comma)}{separator}{digits(z, comma)}" for at, z in enumerate(LINE)]
+    lines = [
+        f"{format_number(0.5 * at, comma)}{separator}{format_number(z, comma)}" for at, z in enumerate(LINE_HEIGHTS)
+    ]
     return end.join([head, *lines]).replace("-", minus) + end
 
 
-MAP, MAP_UM = {"missing": "mask"}, {"missing": "mask", "unit": "um"}
-CASES = {
+MASK_OPTION, MASK_AND_UNIT = {"missing": "mask"}, {"missing": "mask", "unit": "um"}
+EXPORTS = {
     "gwyddion": (
-        gwyddion, MAP,
-        [{"language": language, "comma": comma} for language, comma in itertools.product(GWYDDION, (False, True))]
+        gwyddion_text, MASK_OPTION,
+        [{"language": language, "comma": comma} for language, comma in itertools.product(GWYDDION_WORDS, (False, True))]
         + [{"minus": "\u2212"}, {"missing": "***"}, {"missing": "NaN"}],
     ),
     "keyence": (
-        keyence, MAP,
+        keyence_text, MASK_OPTION,
         [{}, {"language": "de", "separator": ";", "comma": True}, {"language": "ja"}, {"language": "zh", "unit": "μm"},
          {"language": "de", "comma": True}, {"language": "en", "separator": "\t"}, {"quoted": False},
          {"language": "de", "separator": ";", "comma": True, "quoted": False}],
     ),
     "olympus": (
-        olympus, MAP,
+        olympus_text, MASK_OPTION,
         [{}, {"separator": ";"}, {"separator": ";", "comma": True}, {"separator": "\t"}, {"missing": "nan"}],
     ),
-    "zygo": (zygo, MAP, [{}, {"order": -1}, {"separator": "\t"}, {"origin": 10}, {"end": False}]),
+    "zygo": (zygo_text, MASK_OPTION, [{}, {"order": -1}, {"separator": "\t"}, {"origin": 10}, {"end": False}]),
     "wyko": (
-        wyko, MAP,
+        wyko_text, MASK_OPTION,
         [{}, {"real": 0}, {"intensity": False}, {"aspect": True}, {"missing": "BAD"}, {"comma": True},
          {"missing": "nan"}],
     ),
     "esri": (
-        esri, {**MAP_UM, "spacing": "0.5 um"},
+        esri_text, {**MASK_AND_UNIT, "spacing": "0.5 um"},
         [{}, {"case": str.upper}, {"code": "1e+30"}, {"size": "dx 0.5\ndy 0.5"}, {"separator": "\t"},
          {"code": "-32768"}],
     ),
     "spip": (
-        spip, MAP,
+        spip_text, MASK_OPTION,
         [{}, {"unit": "# Bit2nm = 1000", "factor": 1.0}, {"unit": "# z-unit = nm", "factor": 1e-3}, {"separator": " "},
          {"missing": "***"}, {"unit": "# Bit2nm = 2.5", "factor": 2.5e-3}],
     ),
     "sdf": (
-        sdf, MAP,
+        sdf_text, MASK_OPTION,
         [{}, {"magic": "aNPL-V1.0"}, {"magic": "aBCR-1.0"}, {"break_after": 4}, {"space": "   = "}, {"break_after": 1}],
     ),
     "tencor": (
-        tencor, {"unit": "Å", "spacing": ("0.5 um", "0.5 um")},
+        tencor_text, {"unit": "Å", "spacing": ("0.5 um", "0.5 um")},
         [{}, {"numbered": False}, {"pad": "   "}, {"separator": ","}, {"separator": ";"}],
     ),
     "triplets": (
-        triplets, MAP_UM,
+        triplet_text, MASK_AND_UNIT,
         [{}, {"order": -1}, {"separator": ";", "comma": True}, {"separator": ",", "head": "x (um),y (um),z (um)"},
          {"separator": "\t", "head": "X\tY\tZ"}, {"missing": "nan"}, {"separator": ",", "missing": "nan"},
          {"jitter": 0.02}],
     ),
     "labelled": (
-        labelled, MAP_UM,
+        labelled_matrix_text, MASK_AND_UNIT,
         [{}, {"separator": ";", "comma": True}, {"separator": "\t"}, {"corner": "y/x"}, {"missing": "nan"},
          {"form": ".1f"}],
     ),
@@ -222,8 +246,8 @@ CASES = {
 ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252", "cp932", "gb18030", "cp1251", "cp1250")
 
 
-def read(path, **options):
-    """Return the scan in a file, or None if it is rejected; caveats are ignored."""
+def read_or_none(path, **options):
+    """Return the scan in a file, or None if the file is rejected. Caveats are ignored."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FormatWarning)
         try:
@@ -232,10 +256,10 @@ def read(path, **options):
             return None
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", EXPORTS)
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_instrument_maps_are_read_or_rejected_in_all_variants(tmp_path, name, encoding):
-    write, options, variants = CASES[name]
+    write, options, variants = EXPORTS[name]
     accepted = 0
     for variant in variants:
         try:
@@ -244,12 +268,12 @@ def test_instrument_maps_are_read_or_rejected_in_all_variants(tmp_path, name, en
             continue
         path = tmp_path / "map.txt"
         path.write_bytes(data)
-        body = read(path, **options)
+        body = read_or_none(path, **options)
         if body is None:
             continue
         accepted += 1
         heights = body.heights if body.missing is None else np.where(body.missing, np.nan, body.heights)
-        expected = HEIGHTS if name == "tencor" else HOLED
+        expected = HEIGHTS if name == "tencor" else HEIGHTS_WITH_HOLES
         assert heights.shape == expected.shape, (variant, body.history)
         assert np.allclose(heights, expected, rtol=0, atol=1e-6, equal_nan=True), (variant, body.history)
         assert body.spacing == pytest.approx((0.5, 0.5), rel=1e-2 if variant.get("jitter") else 1e-6)
@@ -272,15 +296,15 @@ def test_profiles_are_read_or_rejected_in_all_variants(tmp_path, variant, encodi
     except UnicodeEncodeError:
         pytest.skip("no such characters")
     (tmp_path / "line.csv").write_bytes(data)
-    body = read(tmp_path / "line.csv")
+    body = read_or_none(tmp_path / "line.csv")
     assert body is not None or encoding in ("cp1251", "cp1250", "gb18030")
     if body is not None:
-        assert body.heights.tolist() == LINE.tolist()
+        assert body.heights.tolist() == LINE_HEIGHTS.tolist()
         assert body.spacing == pytest.approx(0.5)
 
 
 def test_layouts_recognise_only_their_own_files():
-    texts = {name: write(**variant) for name, (write, _, variants) in CASES.items() for variant in variants[:1]}
+    texts = {name: write(**variant) for name, (write, _, variants) in EXPORTS.items() for variant in variants[:1]}
     for name, text in texts.items():
         result = [layout.name for layout in LAYOUTS if layout.recognise(decode(text.encode()))]
         assert len(result) == (name not in ("triplets", "labelled")), (name, result)
@@ -289,9 +313,9 @@ def test_layouts_recognise_only_their_own_files():
 @pytest.mark.parametrize(
     ("text", "options"),
     [
-        (gwyddion(unit="V"), {"unit": "nm"}),
-        (gwyddion(unit="deg"), {}),
-        (keyence(unit="%"), {"unit": "nm"}),
+        (gwyddion_text(unit="V"), {"unit": "nm"}),
+        (gwyddion_text(unit="deg"), {}),
+        (keyence_text(unit="%"), {"unit": "nm"}),
         ("x(mm)\tSlope (urad)\n" + "".join(f"{x}\t{x % 7}.5\n" for x in range(40)), {"unit": ("mm", "um")}),
         (
             "#x-position [mm]; y-slope [urad]\n" + "".join(f"{x}.0\t{x % 7}.5\n" for x in range(40)),
@@ -303,10 +327,10 @@ def test_layouts_recognise_only_their_own_files():
 )
 def test_units_other_than_length_contradict_the_option(tmp_path, text, options):
     (tmp_path / "a.txt").write_text(text, encoding="utf-8")
-    assert read(tmp_path / "a.txt", **options) is None
+    assert read_or_none(tmp_path / "a.txt", **options) is None
 
 
-def table(columns, head="", form=".4f"):
+def table_text(columns, head="", form=".4f"):
     lines = [" ".join(f"{value:{form}}" for value in row) for row in np.transpose(columns)]
     return "\n".join([*[head] * bool(head), *lines]) + "\n"
 
@@ -322,20 +346,20 @@ def test_positions_in_wide_tables_are_not_heights(tmp_path):
         [x, profiles[0], x, profiles[1]],
         [np.arange(60), *profiles],
     ):
-        path.write_text(table(columns))
-        assert read(path, **options) is None
+        path.write_text(table_text(columns))
+        assert read_or_none(path, **options) is None
         if columns[0] is not measured:
-            assert np.allclose(read(path, columns=(0, 1), unit="um").heights, columns[1], atol=1e-4)
-    path.write_text(table(np.transpose([x, *profiles])))  # positions in the first line
-    assert read(path, **options) is None
-    path.write_text(table(profiles))
-    assert read(path, **options).heights.shape == (60, 12)
+            assert np.allclose(read_or_none(path, columns=(0, 1), unit="um").heights, columns[1], atol=1e-4)
+    path.write_text(table_text(np.transpose([x, *profiles])))  # the first line contains the positions
+    assert read_or_none(path, **options) is None
+    path.write_text(table_text(profiles))
+    assert read_or_none(path, **options).heights.shape == (60, 12)
 
 
 def test_counts_and_sizes_in_headers_are_not_heights(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
-    column = "".join(f"{z:.4f}\n" for z in LINE)
-    pairs = "".join(f"{0.5 * at:.4f}, {z:.4f}\n" for at, z in enumerate(LINE))
+    column = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
+    pairs = "".join(f"{0.5 * at:.4f}, {z:.4f}\n" for at, z in enumerate(LINE_HEIGHTS))
     for text in (
         f"60\n{column}",
         f"60 (Data size)\n{column}",
@@ -344,28 +368,31 @@ def test_counts_and_sizes_in_headers_are_not_heights(tmp_path):
         f"60\n{pairs}",
     ):
         path.write_text(text, encoding="utf-8")
-        assert read(path, **(options if text.endswith(column) else {"unit": "um"})).heights.tolist() == LINE.tolist()
-    path.write_text(f"{COLUMNS} {ROWS}\n" + "\n".join(rows(HEIGHTS, " ")))
-    assert np.array_equal(read(path, **options).heights, HEIGHTS)
+        assert (
+            read_or_none(path, **(options if text.endswith(column) else {"unit": "um"})).heights.tolist()
+            == LINE_HEIGHTS.tolist()
+        )
+    path.write_text(f"{COLUMNS} {ROWS}\n" + "\n".join(format_rows(HEIGHTS, " ")))
+    assert np.array_equal(read_or_none(path, **options).heights, HEIGHTS)
     flat = "".join(f"{z:.4f}\n" for z in HEIGHTS.ravel())
     for text in (f"0.5\n60\n{column}", f"{COLUMNS}\n{ROWS}\n{flat}"):
         path.write_text(text)
-        assert read(path, **options) is None
+        assert read_or_none(path, **options) is None
 
 
 def test_first_number_with_fewer_decimals_is_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
-    path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE))
+    path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS))
     with pytest.warns(FormatWarning, match="first-number"):
         read_measurement(path, **options)
     assert not load_reading(path, **options, accept="first-number").caveats
-    path.write_text("0.5\n" + "".join(f"{z:g}\n" for z in LINE))
+    path.write_text("0.5\n" + "".join(f"{z:g}\n" for z in LINE_HEIGHTS))
     assert not load_reading(path, **options).caveats
 
 
-def test_lines_as_wide_as_the_data_are_data(tmp_path):
+def test_lines_with_as_many_cells_as_the_data_are_data(tmp_path):
     path = tmp_path / "a.csv"
-    lines = [f"{0.5 * at},{z}" for at, z in enumerate(LINE)]
+    lines = [f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)]
     for place in (0, 30, 59):
         changed = lines.copy()
         changed[place] = changed[place].split(",")[0] + ",Err"
@@ -381,7 +408,7 @@ def test_lines_as_wide_as_the_data_are_data(tmp_path):
 def test_codes_for_missing_points_are_named_and_masked(tmp_path):
     path = tmp_path / "a.csv"
     for code in ("-9999", "-32768", "99999.0", "0.000"):
-        body = [f"{0.5 * at},{code if at in (7, 8, 33) else z + 500}" for at, z in enumerate(LINE)]
+        body = [f"{0.5 * at},{code if at in (7, 8, 33) else z + 500}" for at, z in enumerate(LINE_HEIGHTS)]
         path.write_text("x (um),z (um)\n" + "\n".join(body))
         reading = load_reading(path)
         assert "repeated-extreme" in [caveat.name for caveat in reading.caveats]
@@ -396,7 +423,7 @@ def test_codes_for_missing_points_are_named_and_masked(tmp_path):
 
 
 def test_flag_columns_mask_points(tmp_path):
-    lines = [f"{0.5 * at};{-30 if at in (4, 5) else z};{int(at not in (4, 5))}" for at, z in enumerate(LINE)]
+    lines = [f"{0.5 * at};{-30 if at in (4, 5) else z};{int(at not in (4, 5))}" for at, z in enumerate(LINE_HEIGHTS)]
     for head in ("X;Y;valid\n[um];[um];[1/0]", "x (um);z (um);Valid"):
         (tmp_path / "a.hfm").write_text("\n".join([head, *lines]))
         body = read_measurement(tmp_path / "a.hfm", missing="mask")
@@ -406,27 +433,27 @@ def test_flag_columns_mask_points(tmp_path):
 def test_adjacent_profiles_are_selected_by_columns(tmp_path):
     path = tmp_path / "a.csv"
     for end in (";", ""):
-        lines = [f"{0.5 * at};{z};" + (f"{0.25 * at};{-z}" if at < 40 else end) for at, z in enumerate(LINE)]
+        lines = [f"{0.5 * at};{z};" + (f"{0.25 * at};{-z}" if at < 40 else end) for at, z in enumerate(LINE_HEIGHTS)]
         path.write_text("x;y;x;y\num;um;um;um\n" + "\n".join(lines))
-        assert read_measurement(path, columns=(0, 1)).heights.tolist() == LINE.tolist()
+        assert read_measurement(path, columns=(0, 1)).heights.tolist() == LINE_HEIGHTS.tolist()
         second = read_measurement(path, columns=(2, 3))
-        assert second.heights.tolist() == (-LINE[:40]).tolist()
+        assert second.heights.tolist() == (-LINE_HEIGHTS[:40]).tolist()
         assert second.spacing == 0.25
-        assert read(path) is None
+        assert read_or_none(path) is None
 
 
 def test_ambiguous_commas_are_resolved_by_names_or_rejected(tmp_path):
-    lines = [f"{digits(0.5 * at, True)},{digits(z, True)}" for at, z in enumerate(LINE)]
+    lines = [f"{format_number(0.5 * at, True)},{format_number(z, True)}" for at, z in enumerate(LINE_HEIGHTS)]
     path = tmp_path / "a.csv"
     path.write_text("x (um),z (um)\n" + "\n".join(lines))
-    assert read_measurement(path).heights.tolist() == LINE.tolist()
+    assert read_measurement(path).heights.tolist() == LINE_HEIGHTS.tolist()
     path.write_text("\n".join(lines))
-    assert read(path, unit="um", spacing="0.5 um") is None
+    assert read_or_none(path, unit="um", spacing="0.5 um") is None
 
 
 def test_blocks_of_one_width_are_channels(tmp_path):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join(["Height", *rows(HEIGHTS), "Phase", *rows(2 * HEIGHTS)]))
+    path.write_text("\n".join(["Height", *format_rows(HEIGHTS), "Phase", *format_rows(2 * HEIGHTS)]))
     with pytest.raises(FormatError, match=r"contains 0 \(Height\), 1 \(Phase\); choose one by channel"):
         read_measurement(path, unit="um", spacing="0.5 um")
     body = read_measurement(path, unit="um", spacing="9 um", channel="Phase")
@@ -435,22 +462,22 @@ def test_blocks_of_one_width_are_channels(tmp_path):
 
 def test_blocks_of_one_line_are_all_read(tmp_path):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(rows(HEIGHTS))))
+    path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(format_rows(HEIGHTS))))
     with pytest.raises(FormatError, match=rf"contains 0 \(Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"):
         read_measurement(path, unit="um", spacing="0.5 um")
 
 
 def test_matrices_with_short_last_line_are_rejected(tmp_path):
     path = tmp_path / "a.txt"
-    cells = [digits(value) for value in HEIGHTS.ravel()]
+    cells = [format_number(value) for value in HEIGHTS.ravel()]
     path.write_text("\n".join(" ".join(cells[at : at + 10]) for at in range(0, len(cells), 10)))
     with pytest.raises(FormatError, match=r"line 7 .* has fewer cells than the lines above it"):
-        read_measurement(path, **MAP_UM, spacing="1 um")
+        read_measurement(path, **MASK_AND_UNIT, spacing="1 um")
 
 
-def test_missing_facts_are_listed_in_one_message(tmp_path):
+def test_missing_units_and_spacings_are_listed_in_one_message(tmp_path):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join(rows(HEIGHTS)))
+    path.write_text("\n".join(format_rows(HEIGHTS)))
     with pytest.raises(FormatError, match=r"unit.*spacing.*--unit um --spacing"):
         read_measurement(path)
 
@@ -458,7 +485,7 @@ def test_missing_facts_are_listed_in_one_message(tmp_path):
 def test_declared_factors_and_sizes_are_applied(tmp_path):
     path = tmp_path / "a.txt"
     head = f"h={ROWS} w={COLUMNS}\npixel size=5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2e-008\n"
-    path.write_text(head + "\n".join(rows(HEIGHTS, " ")))
+    path.write_text(head + "\n".join(format_rows(HEIGHTS, " ")))
     body = read_measurement(path)
     assert np.allclose(body.heights, 0.02 * HEIGHTS)
     assert body.spacing == pytest.approx((0.5, 0.5))
@@ -469,7 +496,7 @@ def test_declared_factors_and_sizes_are_applied(tmp_path):
 def test_reading_reports_layout_units_and_points(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
-        "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE)) + "\nend\n"
+        "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS)) + "\nend\n"
     )
     reading = load_reading(path)
     record = reading.record()
@@ -502,14 +529,14 @@ def test_map_is_equal_in_all_formats(tmp_path):
     (tmp_path / "b.csv").write_text(stream.getvalue())
     arguments = {"a.txt": {"unit": "um", "spacing": ("2 um", "0.5 um")}, "b.csv": {"unit": "um"}}
     for name in ("a.csv", "a.npy", "a.nc", "a.txt", "a.gwy", "a.x3p", "a.xyz", "b.csv"):
-        body = read(tmp_path / name, **arguments.get(name, {}))
+        body = read_or_none(tmp_path / name, **arguments.get(name, {}))
         assert np.allclose(body.heights, HEIGHTS, atol=1e-6), name
         assert body.spacing == pytest.approx((2.0, 0.5)), name
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", EXPORTS)
 def test_damaged_exports_are_read_or_rejected(tmp_path, name):
-    write, options, _ = CASES[name]
+    write, options, _ = EXPORTS[name]
     source = np.random.default_rng(len(name))
     path = tmp_path / "a.txt"
     for at in range(60):
@@ -517,7 +544,7 @@ def test_damaged_exports_are_read_or_rejected(tmp_path, name):
         for _ in range(2):
             fuzzing.scramble_bytes(source, data)
         path.write_bytes(data)
-        body = read(path, **(options if at % 2 else {}))  # any error but a FormatError fails
+        body = read_or_none(path, **(options if at % 2 else {}))  # the test fails with any error other than FormatError
         assert body is None or np.isfinite(body.heights).all()
 
 
@@ -526,14 +553,14 @@ def test_numbers_are_rounded_correctly(tmp_path):
     for form in (repr, "{:.6f}".format, "{:.3e}".format, "{:.18e}".format):
         texts = [form(float(value)) for value in values]
         (tmp_path / "a.txt").write_text("\n".join(texts))
-        body = read(tmp_path / "a.txt", unit="um", spacing="100 um")
+        body = read_or_none(tmp_path / "a.txt", unit="um", spacing="100 um")
         assert body.heights.tolist() == [float(text) for text in texts]
 
 
-def test_digits_are_needed_for_rounded_positions_alone(tmp_path):
+def test_printed_digits_are_computed_only_for_rounded_positions(tmp_path):
     path = tmp_path / "a.csv"
     for step, form in ((0.5, ".1f"), (0.156245, ".1f"), (0.156245, ".6f")):
-        lines = [f"{step * at:{form}},{z}" for at, z in enumerate(np.tile(LINE, 20))]
+        lines = [f"{step * at:{form}},{z}" for at, z in enumerate(np.tile(LINE_HEIGHTS, 20))]
         path.write_text("x (um),z (um)\n" + "\n".join(lines))
         assert read_measurement(path).spacing == pytest.approx(step, rel=1e-3)
     lines[500] = lines[500].replace(lines[500].split(",")[0], f"{step * 500 + 0.05:.6f}")
@@ -545,8 +572,8 @@ def test_digits_are_needed_for_rounded_positions_alone(tmp_path):
 # ---- Facts in headers of every shape ---------------------------------------------------------------------------------
 
 
-def shaped(shape, heights):
-    """Return the lines of a map, or of its first profile, in one of the shapes of tables; positions are 0.5 apart."""
+def shaped_lines(shape, heights):
+    """Return the lines of a map, or of its first profile, in one of the shapes of tables. Positions are 0.5 apart."""
     count, width = heights.shape
     if shape == "column":
         return [f"{value:.4f}" for value in heights.ravel()]
@@ -556,13 +583,13 @@ def shaped(shape, heights):
         return [f"{0.5 * x:.1f} {0.5 * y:.1f} {heights[y, x]:.4f}" for y, x in np.ndindex(count, width)]
     if shape == "labelled":
         labels = "\t".join(["", *(f"{0.5 * x:.1f}" for x in range(width))])
-        return [labels, *("\t".join([f"{0.5 * y:.1f}", line]) for y, line in enumerate(rows(heights)))]
-    return rows(heights)
+        return [labels, *("\t".join([f"{0.5 * y:.1f}", line]) for y, line in enumerate(format_rows(heights)))]
+    return format_rows(heights)
 
 
 @pytest.mark.parametrize("shape", ["column", "positions", "triplets", "labelled", "matrix"])
 @pytest.mark.parametrize("fact", ["factor", "code", "unit", "spacing", "scale", "count"])
-def test_declared_facts_are_applied_to_every_shape_of_table(tmp_path, shape, fact):
+def test_header_declarations_apply_to_every_shape_of_table(tmp_path, shape, fact):
     heights = HEIGHTS.copy()
     heights[2, 3:5] = {"code": 77.25, "count": 0.0}.get(fact, 1.0)
     line = {
@@ -575,7 +602,7 @@ def test_declared_facts_are_applied_to_every_shape_of_table(tmp_path, shape, fac
     if not has_positions and fact != "spacing":
         options["spacing"] = "0.5 um"
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([line, *shaped(shape, heights)]), encoding="utf-8")
+    path.write_text("\n".join([line, *shaped_lines(shape, heights)]), encoding="utf-8")
     reading = load_reading(path, **options)
     body, flat = reading.body, shape in ("column", "positions")
     expected = heights.ravel() if flat else heights
@@ -592,9 +619,9 @@ def test_declared_facts_are_applied_to_every_shape_of_table(tmp_path, shape, fac
 
 @pytest.mark.parametrize("shape", ["triplets", "labelled"])
 @pytest.mark.parametrize("line", ["Z unit: nm", "Heights in nm", "Height [nm]"])
-def test_unit_of_heights_differs_from_that_of_positions(tmp_path, shape, line):
+def test_heights_and_positions_may_have_different_units(tmp_path, shape, line):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([line, *shaped(shape, HEIGHTS)]))
+    path.write_text("\n".join([line, *shaped_lines(shape, HEIGHTS)]))
     with pytest.raises(FormatError, match="the unit of its positions"):
         read_measurement(path)
     body = read_measurement(path, unit=("um", "nm"))
@@ -606,7 +633,7 @@ def test_unit_of_heights_differs_from_that_of_positions(tmp_path, shape, line):
 @pytest.mark.parametrize("shape", ["triplets", "labelled"])
 def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, fact):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([fact, *shaped(shape, HEIGHTS)]))
+    path.write_text("\n".join([fact, *shaped_lines(shape, HEIGHTS)]))
     with pytest.raises(FormatError, match="but its positions"):
         read_measurement(path, unit="um")
 
@@ -621,7 +648,7 @@ def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, fact
 )  # fmt: skip
 def test_scale_is_a_factor_only_with_evidence_of_a_conversion(tmp_path, line, factor):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([line, *rows(HEIGHTS)]))
+    path.write_text("\n".join([line, *format_rows(HEIGHTS)]))
     if factor is None:
         with pytest.raises(FormatError, match="the unit of its heights"):
             read_measurement(path, spacing="0.5 um")
@@ -637,16 +664,16 @@ def test_positions_are_not_heights_with_declared_spacings(tmp_path):
     path = tmp_path / "a.txt"
     head = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
     for first in (0.5 * np.arange(ROWS), 3 + 0.5 * np.arange(ROWS)):
-        path.write_text("\n".join([*head, *rows(np.column_stack([first, HEIGHTS]))]))
+        path.write_text("\n".join([*head, *format_rows(np.column_stack([first, HEIGHTS]))]))
         body = load_reading(path, unit="um", accept="tall").body
         assert np.array_equal(body.heights, HEIGHTS)
         assert body.spacing == (0.5, 0.25)
         assert "the first column removed: positions 0.5 um apart, as its header declares" in body.history
     for first in (np.arange(ROWS), 1 + np.arange(ROWS), 0.3 * np.arange(ROWS), -0.5 * np.arange(ROWS)):
-        path.write_text("\n".join([*head, *rows(np.column_stack([first, HEIGHTS]))]))
+        path.write_text("\n".join([*head, *format_rows(np.column_stack([first, HEIGHTS]))]))
         with pytest.raises(FormatError, match="first column has equal steps"):
             read_measurement(path, unit="um")
-    path.write_text("\n".join([*head, *rows(np.vstack([0.25 * np.arange(COLUMNS), HEIGHTS]))]))
+    path.write_text("\n".join([*head, *format_rows(np.vstack([0.25 * np.arange(COLUMNS), HEIGHTS]))]))
     with pytest.raises(FormatError, match="first row has equal steps"):
         read_measurement(path, unit="um")
 
@@ -654,12 +681,12 @@ def test_positions_are_not_heights_with_declared_spacings(tmp_path):
 def test_short_rows_above_a_matrix_are_rejected(tmp_path):
     path = tmp_path / "a.txt"
     for count in (1, 2):
-        lines = rows(HEIGHTS)
+        lines = format_rows(HEIGHTS)
         lines[:count] = [line.rsplit("\t", 1)[0] for line in lines[:count]]
         path.write_text("\n".join(lines))
         with pytest.raises(FormatError, match=r"line 1 .* has 8 cells, but most lines have 9"):
             read_measurement(path, unit="um", spacing="0.5 um")
-    path.write_text("\n".join([f"{COLUMNS} {ROWS}", *rows(HEIGHTS, " ")]))
+    path.write_text("\n".join([f"{COLUMNS} {ROWS}", *format_rows(HEIGHTS, " ")]))
     body = read_measurement(path, unit="um", spacing="0.5 um")
     assert np.array_equal(body.heights, HEIGHTS)
     assert f"line 1 ('{COLUMNS} {ROWS}') skipped as a count or a size" in body.history
@@ -673,22 +700,22 @@ def test_counts_of_missing_points_are_not_codes(tmp_path):
         (f"Bad pixels: {number}", False), (f"Missing points: {number}", False), (f"Invalid data: {number}", False),
         (f"No data value: {number}", True), (f"Missing value = {number}", True), (f"Bad pixel code: {number}", True),
     ):  # fmt: skip
-        path.write_text("\n".join([line, *rows(whole, form=".0f")]))
-        missing = read(path, **options).missing
+        path.write_text("\n".join([line, *format_rows(whole, form=".0f")]))
+        missing = read_or_none(path, **options).missing
         assert (missing is not None) == is_code, line
         assert not is_code or np.array_equal(missing, whole == number)
-    coded = np.where(np.isnan(HOLED), 32767, HOLED)
-    path.write_text("\n".join(["No data: 32767", *rows(coded)]))
-    assert np.array_equal(read(path, **options).missing, np.isnan(HOLED))
+    coded = np.where(np.isnan(HEIGHTS_WITH_HOLES), 32767, HEIGHTS_WITH_HOLES)
+    path.write_text("\n".join(["No data: 32767", *format_rows(coded)]))
+    assert np.array_equal(read_or_none(path, **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
 
 
-def test_flags_of_an_unknown_sense_are_rejected(tmp_path):
+def test_flag_columns_without_a_meaning_are_rejected(tmp_path):
     path, flagged = tmp_path / "a.txt", (4, 5, 33)
     for name, flag, is_read in (
         ("flag", 1, False), ("status", 0, False), ("z ok [0/1]", 1, False), ("invalid", 1, True), ("valid", 0, True),
         ("flag [1/0]", 0, True),
     ):  # fmt: skip
-        body = [f"{0.5 * at};{z};{flag if at in flagged else 1 - flag}" for at, z in enumerate(LINE)]
+        body = [f"{0.5 * at};{z};{flag if at in flagged else 1 - flag}" for at, z in enumerate(LINE_HEIGHTS)]
         path.write_text("\n".join([f"x (um);z (um);{name}", *body]))
         if is_read:
             assert np.flatnonzero(read_measurement(path, missing="mask").missing).tolist() == list(flagged)
@@ -696,14 +723,16 @@ def test_flags_of_an_unknown_sense_are_rejected(tmp_path):
             with pytest.raises(FormatError, match=r'name the column "valid" .* or "invalid"'):
                 read_measurement(path, missing="mask")
     for value in (0, 1):
-        path.write_text("\n".join(["x (um);z (um);flag", *(f"{0.5 * at};{z};{value}" for at, z in enumerate(LINE))]))
-        assert read_measurement(path).heights.tolist() == LINE.tolist()
+        path.write_text(
+            "\n".join(["x (um);z (um);flag", *(f"{0.5 * at};{z};{value}" for at, z in enumerate(LINE_HEIGHTS))])
+        )
+        assert read_measurement(path).heights.tolist() == LINE_HEIGHTS.tolist()
 
 
 def word_table(separator=",", words=("OK", "NG"), place=2, names=True):
-    """Return a profile of LINE with a column of words, of which the second marks points 4, 5 and 33."""
-    lines = [["x(um)", "z(um)"]] * names + [[f"{0.5 * at:.1f}", f"{z}"] for at, z in enumerate(LINE)]
-    flags = ["judgment"] * names + [words[at in (4, 5, 33)] for at in range(LINE.size)]
+    """Return a profile of LINE_HEIGHTS with a column of words, of which the second marks points 4, 5 and 33."""
+    lines = [["x(um)", "z(um)"]] * names + [[f"{0.5 * at:.1f}", f"{z}"] for at, z in enumerate(LINE_HEIGHTS)]
+    flags = ["judgment"] * names + [words[at in (4, 5, 33)] for at in range(LINE_HEIGHTS.size)]
     return "\n".join(
         separator.join([*cells[:place], word, *cells[place:]]) for cells, word in zip(lines, flags, strict=True)
     )
@@ -721,7 +750,7 @@ def test_table_with_words_names_their_column(tmp_path, separator, words, place):
     with pytest.raises(FormatError, match=rf"column {place} \(judgment\).*'{words[1]}' \(3\).*--columns {numbers}\)"):
         read_measurement(path)
     chosen = read_measurement(path, columns=[index for index in range(3) if index != place])
-    assert chosen.heights.tolist() == LINE.tolist()
+    assert chosen.heights.tolist() == LINE_HEIGHTS.tolist()
     assert any("ignored" in step for step in chosen.history)
     masked = read_measurement(path, missing_value=words[1], missing="mask")
     assert np.flatnonzero(masked.missing).tolist() == [4, 5, 33]
@@ -733,28 +762,30 @@ def test_columns_ignores_words_of_a_table_without_names(tmp_path, words):
     path.write_text(word_table(";", words, names=False))
     with pytest.raises(FormatError, match=r"words in column 2: 'OK'"):
         read_measurement(path, unit="um")
-    assert read_measurement(path, unit="um", columns=[0, 1]).heights.tolist() == LINE.tolist()
+    assert read_measurement(path, unit="um", columns=[0, 1]).heights.tolist() == LINE_HEIGHTS.tolist()
 
 
 def test_column_of_unreadable_heights_is_not_a_column_of_flags(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(word_table(",", ("Err", "Err")))
-    assert read_measurement(path, columns=[0, 1], missing_value="Err").heights.tolist() == LINE.tolist()
+    assert read_measurement(path, columns=[0, 1], missing_value="Err").heights.tolist() == LINE_HEIGHTS.tolist()
 
 
 def test_words_of_a_single_line_are_not_a_column_of_words(tmp_path):
     path = tmp_path / "a.csv"
-    path.write_text("\n".join(["x (um),z (um)", *(f"{0.5 * at},{z}" for at, z in enumerate(LINE)), "7.0,Err"]))
+    path.write_text("\n".join(["x (um),z (um)", *(f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)), "7.0,Err"]))
     with pytest.raises(FormatError, match="'Err' is not a number"):
         read_measurement(path)
 
 
 def test_columns_ignores_flags_of_an_unknown_meaning(tmp_path):
     path = tmp_path / "a.csv"
-    path.write_text("\n".join(["x (um),z (um),flag", *(f"{0.5 * at},{z},{at % 2}" for at, z in enumerate(LINE))]))
+    path.write_text(
+        "\n".join(["x (um),z (um),flag", *(f"{0.5 * at},{z},{at % 2}" for at, z in enumerate(LINE_HEIGHTS))])
+    )
     with pytest.raises(FormatError, match=r"--columns"):
         read_measurement(path)
-    assert read_measurement(path, columns=[0, 1]).heights.tolist() == LINE.tolist()
+    assert read_measurement(path, columns=[0, 1]).heights.tolist() == LINE_HEIGHTS.tolist()
 
 
 @pytest.mark.parametrize("count", ["inf", "nan", "1e999", "-3", "2.5", "1e12", "abc", "", "0"])
@@ -764,7 +795,7 @@ def test_columns_ignores_flags_of_an_unknown_meaning(tmp_path):
      ("esri", "ncols "), ("esri", "nrows "), ("spip", "# x-pixels = "), ("spip", "# y-pixels = ")],
 )  # fmt: skip
 def test_counts_in_headers_must_be_whole_numbers(tmp_path, name, key, count):
-    write, options, _ = CASES[name]
+    write, options, _ = EXPORTS[name]
     lines = [f"{key}{count}" if line.startswith(key) else line for line in write().split("\n")]
     (tmp_path / "a.txt").write_text("\n".join(lines))
     with pytest.raises(FormatError) as error:
@@ -779,23 +810,23 @@ def test_counts_in_headers_must_be_whole_numbers(tmp_path, name, key, count):
         ("Pitch,0,25,um", None), ("Pitch,0.25,um,0.5", None), ("Pitch,0.25,Standard", None),
     ],
 )  # fmt: skip
-def test_spacing_is_read_with_its_unit_in_a_cell_of_its_own(tmp_path, line, spacing):
+def test_spacing_is_read_if_its_unit_is_in_a_separate_cell(tmp_path, line, spacing):
     path = tmp_path / "a.csv"
-    path.write_text("\n".join([line, "Unit,um", *(f"{value:.4f}" for value in LINE)]), encoding="utf-8")
+    path.write_text("\n".join([line, "Unit,um", *(f"{value:.4f}" for value in LINE_HEIGHTS)]), encoding="utf-8")
     if spacing is None:
         with pytest.raises(FormatError, match="spacing"):
             read_measurement(path)
     else:
-        profile = read(path)
+        profile = read_or_none(path)
         assert profile.spacing == pytest.approx(spacing)
-        assert np.array_equal(profile.heights, LINE)
+        assert np.array_equal(profile.heights, LINE_HEIGHTS)
 
 
 def test_amplitudes_along_x_and_y_are_the_size_of_a_map(tmp_path):
     path = tmp_path / "a.txt"
     head = "WSxM file copyright UAM\nWSxM ASCII Matrix file\nX Amplitude: 4500 nm\nY Amplitude: 3.5 µm\n\n"
-    path.write_text(head + "\n".join(rows(HEIGHTS)), encoding="utf-8")
-    surface = read(path, unit="nm")
+    path.write_text(head + "\n".join(format_rows(HEIGHTS)), encoding="utf-8")
+    surface = read_or_none(path, unit="nm")
     assert surface.spacing == pytest.approx((0.5, 0.5))
     assert surface.heights == pytest.approx(1e-3 * HEIGHTS)
 
@@ -803,8 +834,10 @@ def test_amplitudes_along_x_and_y_are_the_size_of_a_map(tmp_path):
 @pytest.mark.parametrize("line", ["Stylus,Radius: 2.5 µm", "Tip radius (µm): 2.5", "Stylus radius;2,5 µm"])
 def test_tip_radius_of_a_header_is_in_the_history(tmp_path, line):
     path = tmp_path / "a.csv"
-    path.write_text("\n".join([line, "x (µm);z (µm)", *(f"{0.5 * at};{z}" for at, z in enumerate(LINE))]), "utf-8")
-    assert "its header gives a tip radius of 2.5 µm (--tip)" in read(path).history
+    path.write_text(
+        "\n".join([line, "x (µm);z (µm)", *(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS))]), "utf-8"
+    )
+    assert "its header gives a tip radius of 2.5 µm (--tip)" in read_or_none(path).history
 
 
 @pytest.mark.parametrize("step", [0.25, 0.333, 0.2, 1.26])
@@ -817,7 +850,7 @@ def test_rounded_points_are_read_if_steps_are_two_digits_or_more(tmp_path, step)
         lines = (f"{a:.{digits_of_position}f} {b:.{digits_of_position}f} {c}" for a, b, c in zip(x, y, z, strict=True))
         path.write_text("\n".join(lines))
         if can_be_read:
-            surface = read(path, unit="um")
+            surface = read_or_none(path, unit="um")
             assert np.array_equal(surface.heights, HEIGHTS)
             assert surface.spacing == pytest.approx((step, step), abs=0.1 / (ROWS - 1))
         else:
@@ -834,16 +867,16 @@ def test_points_off_a_grid_by_more_than_rounding_are_rejected(tmp_path):
         read_measurement(path, unit="um")
 
 
-def test_status_column_of_an_olympus_map_is_no_height(tmp_path):
+def test_status_column_of_an_olympus_map_is_not_a_height(tmp_path):
     path = tmp_path / "a.csv"
-    lines = olympus().splitlines()
+    lines = olympus_text().splitlines()
     first = next(at for at, line in enumerate(lines) if line.startswith("DataLine"))
     lines[first] += ",Status"
     alike = [*lines[: first + 1], *(f"{line},1" for line in lines[first + 1 :])]
     path.write_text("\n".join(alike))
     plain = tmp_path / "b.csv"
-    plain.write_text(olympus())
-    assert np.array_equal(read(path, missing="mask").heights, read(plain, missing="mask").heights)
+    plain.write_text(olympus_text())
+    assert np.array_equal(read_or_none(path, missing="mask").heights, read_or_none(plain, missing="mask").heights)
     path.write_text("\n".join([*alike[:-1], alike[-1][:-1] + "0"]))
     with pytest.raises(FormatError, match="without a meaning"):
         read_measurement(path, missing="mask")

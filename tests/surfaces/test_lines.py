@@ -1,4 +1,4 @@
-"""Tests of roughness over the lines of a surface, against single lines."""
+"""Tests of the roughness of the lines of a surface, compared with the roughness of single lines."""
 
 import numpy as np
 import pytest
@@ -18,8 +18,8 @@ from stiction.surfaces.lines import MAX_FITTED_LINES, lines_along_both
 ROUND_OFF = 1e-12
 
 
-def stack(hurst, lines=40, points=600, **changes):
-    """Return a surface of independent self-affine rows, tilted along both axes."""
+def stacked_rows(hurst, lines=40, points=600, **changes):
+    """Return a surface of independent self-affine rows that are tilted along both axes."""
     rows = [
         self_affine(9, hurst_exponent=hurst, rms=0.1, points=points, spacing=0.02, repetition=row, **changes).heights
         for row in range(lines)
@@ -29,7 +29,7 @@ def stack(hurst, lines=40, points=600, **changes):
 
 
 def test_line_roughness_equals_that_of_single_lines():
-    surface = stack(0.6)
+    surface = stacked_rows(0.6)
     result = line_roughness(surface, "x", band=(0.1, 2.0))
     x = np.arange(600)
     rows = [Profile(z - np.polyval(np.polyfit(x, z, 1), x), spacing=0.02) for z in surface.heights]
@@ -46,7 +46,7 @@ def test_line_roughness_equals_that_of_single_lines():
 
 
 def test_roughness_along_y_equals_that_of_transposed_rows():
-    surface = stack(0.6, lines=12, points=300)
+    surface = stacked_rows(0.6, lines=12, points=300)
     on_its_side = Surface(surface.heights.T, spacing=(0.02, 0.5))
     for one, other in (("x", "y"), ("y", "x")):
         result, again = line_roughness(surface, one), line_roughness(on_its_side, other)
@@ -57,29 +57,29 @@ def test_roughness_along_y_equals_that_of_transposed_rows():
 
 
 def test_line_roughness_is_invariant_under_levelling():
-    surface = stack(0.6, lines=12, points=300)
+    surface = stacked_rows(0.6, lines=12, points=300)
     for along in ("x", "y"):
         result, again = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
         assert again.Pq == pytest.approx(result.Pq, rel=1e-9)
         assert again.hurst_exponents == pytest.approx(result.hurst_exponents, abs=1e-6)
 
 
-def test_lines_are_fitted_in_a_common_band():
+def test_line_roughness_fits_all_lines_in_a_common_band():
     hurst = 0.6
-    result = line_roughness(stack(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
+    result = line_roughness(stacked_rows(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
     assert result.fitted == MAX_FITTED_LINES == result.hurst_exponents.size
     assert result.with_band > 0.9 * result.fitted
     shortest, longest = result.band
     assert shortest < 0.1
     assert 1.5 < longest < 6
     mean, spread = result.hurst_exponents.mean(), result.hurst_exponents.std()
-    # For independent lines; the roll-off slightly bends the spectrum at the end of the band.
+    # The tolerance is that of independent lines. The roll-off slightly bends the spectrum at the end of the band.
     assert mean == pytest.approx(hurst, abs=3 * spread / np.sqrt(result.fitted) + 0.02)
     assert spread < 0.1
 
 
 def test_flat_lines_contribute_to_height_without_exponent():
-    heights = np.array(stack(0.6, lines=40).heights)
+    heights = np.array(stacked_rows(0.6, lines=40).heights)
     heights[::2] = 3.0 + 0.01 * np.arange(600)  # constant lines
     result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
     assert result.Pq == pytest.approx(
@@ -92,7 +92,7 @@ def test_flat_lines_contribute_to_height_without_exponent():
     assert (result.Pq, result.Pdq, result.band, result.hurst_exponents.size, result.with_band) == (0, 0, None, 0, 0)
 
 
-def test_band_is_none_if_few_lines_have_one():
+def test_line_roughness_has_no_band_if_few_lines_have_a_band():
     waves = np.sin(np.arange(700) / 20) + np.arange(9)[:, np.newaxis]
     result = line_roughness(Surface(waves, spacing=1.0), "x")
     assert result.band is None
@@ -104,9 +104,9 @@ def test_band_is_none_if_few_lines_have_one():
     [
         (Surface(np.ones((9, 9)), spacing=1.0), {"along": "x"}, "a flat surface has no roughness"),
         (Surface(np.eye(9)[:5], spacing=1.0), {"along": "y"}, "lines along y must have at least 7 points, got 5"),
-        (stack(0.6, lines=8), {"along": "z"}, "along must be one of 'x', 'y', got 'z'"),
-        (stack(0.6, lines=8), {"along": "x", "band": (0.1, 0.1001)}, "band must hold at least 8 harmonics"),
-        (stack(0.6, lines=8), {"along": "x", "band": 3}, "band must be a shortest and a longest wavelength"),
+        (stacked_rows(0.6, lines=8), {"along": "z"}, "along must be one of 'x', 'y', got 'z'"),
+        (stacked_rows(0.6, lines=8), {"along": "x", "band": (0.1, 0.1001)}, "band must hold at least 8 harmonics"),
+        (stacked_rows(0.6, lines=8), {"along": "x", "band": 3}, "band must be a shortest and a longest wavelength"),
     ],
 )
 def test_line_roughness_rejects_bad_arguments(surface, options, message):
@@ -117,8 +117,8 @@ def test_line_roughness_rejects_bad_arguments(surface, options, message):
 # ---- Both directions ------------------------------------------------------------------------------------------------
 
 
-def two_scales(seed=1, points=160):
-    """Return a surface whose rows have a power law up to 16 µm and whose columns have one up to 160 µm (H = 0.8)."""
+def two_scale_surface(seed=1, points=160):
+    """Return a surface with a power law (H = 0.8) up to 16 µm along rows and up to 160 µm along columns."""
     white = np.random.default_rng(seed).normal(size=(2 * points, 2 * points))
     q = 2 * np.pi * np.fft.fftfreq(2 * points)
     across = np.hypot(np.maximum(np.abs(q), 0.4), q[:, np.newaxis])
@@ -128,10 +128,10 @@ def two_scales(seed=1, points=160):
 
 def test_lines_along_both_axes_share_a_band(monkeypatch):
     monkeypatch.setattr(lines, "MAX_FITTED_LINES", 24)
-    surface = two_scales()
+    surface = two_scale_surface()
     along_x, along_y = lines_along_both(surface)
     assert along_x.band == along_y.band
-    # Each line with a specified band.
+    # Each single line is fitted in the specified band.
     again = line_roughness(surface, "y", band=along_y.band)
     assert np.array_equal(again.hurst_exponents, along_y.hurst_exponents)
     assert (again.with_band, again.misfit) == (along_y.with_band, along_y.misfit)
@@ -156,6 +156,7 @@ def test_misfit_is_1_for_a_power_law_and_increases_with_a_bend():
         ],
         spacing=1.0,
     )  # fmt: skip
-    assert line_roughness(straight, "x", band=(3.0, 60.0)).misfit < 1.15  # a window's leakage, and 40 lines of chance
-    bent = stack(0.7, points=512, longest_wavelength=0.3)
+    # the misfit contains leakage of the window and the scatter of 40 lines
+    assert line_roughness(straight, "x", band=(3.0, 60.0)).misfit < 1.15
+    bent = stacked_rows(0.7, points=512, longest_wavelength=0.3)
     assert line_roughness(bent, "x", band=(0.05, 3.0)).misfit > 1.5

@@ -1,4 +1,4 @@
-"""Tests of the material ratio curve: ratios, heights, volumes and core against definitions and known distributions."""
+"""Tests of the material ratio curve, whose values are compared with definitions and known distributions."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 from reference import roughness as slow
 from scipy.stats import norm
 from stiction import Surface, material_ratio, roughness_parameters, section_parameters, surface_parameters
-from stiction.surfaces.material_ratio import core_parameters, heights_at, volumes
+from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios, material_volumes
 from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from support.rough_surfaces import rough_profile, self_affine_map
 
@@ -21,25 +21,25 @@ def heights():
 def test_heights_and_ratios_equal_their_definitions(heights):
     z = heights.ravel().tolist()
     for ratio in (0.0, 0.025, 0.1, 0.5, 0.8, 1.0):
-        assert heights_at(heights, ratio) == pytest.approx(slow.height_at_material_ratio(z, ratio), rel=1e-12)
+        assert heights_at_ratios(heights, ratio) == pytest.approx(slow.height_at_material_ratio(z, ratio), rel=1e-12)
     levels = [-10.0, -0.5, 0.0, 0.7, 10.0]
     expected = [slow.material_ratio_at_height(z, level) for level in levels]
     assert material_ratio(Surface(heights, spacing=1.0), levels) == pytest.approx(expected, abs=1e-12)
     assert material_ratio(rough_profile(), [100.0]) == 0
 
 
-def test_core_equals_its_definition(heights):
+def test_core_parameters_equal_their_definition(heights):
     result, expected = core_parameters(heights), slow.stratified_parameters(heights.ravel().tolist())
     assert result == pytest.approx([expected[name] for name in ("k", "pk", "vk", "mrk1", "mrk2")], rel=1e-9)
 
 
 def test_volumes_equal_integrals_of_the_curve(heights):
-    result, expected = volumes(heights), slow.material_and_void_volumes(heights.ravel().tolist())
+    result, expected = material_volumes(heights), slow.material_and_void_volumes(heights.ravel().tolist())
     assert result == pytest.approx([expected[name] for name in ("Vmp", "Vmc", "Vvc", "Vvv")], rel=1e-3)
 
 
 def test_parameters_of_equally_distributed_heights_have_closed_forms():
-    # Heights from -1 to 1: c(p) = 1 - 2 p, so the volume above ratio p is p².
+    # Heights are uniform from -1 to 1, so c(p) = 1 - 2 p, and the volume above ratio p is p².
     even = Surface(np.random.default_rng(1).permutation(np.linspace(-1, 1, 40_000)).reshape(200, 200), spacing=1.0)
     result = surface_parameters(even)
     expected = {
@@ -54,21 +54,21 @@ def test_parameters_of_normally_distributed_heights_have_closed_forms():
     z = norm.isf((np.arange(250_000) + 0.5) / 250_000)
     result = surface_parameters(Surface(np.random.default_rng(2).permutation(z).reshape(500, 500), spacing=1.0))
 
-    def material(ratio):
+    def material_volume(ratio):
         return norm.pdf(norm.isf(ratio)) - norm.isf(ratio) * ratio
 
     assert result.Sxp == pytest.approx(norm.isf(0.025), rel=1e-3)
     assert result.Sdc == pytest.approx(norm.isf(0.1) - norm.isf(0.8), rel=1e-3)
-    assert result.Vmp == pytest.approx(material(0.1), rel=2e-3)
-    assert result.Vmc == pytest.approx(material(0.8) - material(0.1), rel=2e-3)
-    assert result.Vvv == pytest.approx(material(0.2), rel=2e-3)  # by symmetry
-    assert result.Vvc == pytest.approx(material(0.9) - material(0.2), rel=2e-3)
+    assert result.Vmp == pytest.approx(material_volume(0.1), rel=2e-3)
+    assert result.Vmc == pytest.approx(material_volume(0.8) - material_volume(0.1), rel=2e-3)
+    assert result.Vvv == pytest.approx(material_volume(0.2), rel=2e-3)  # by symmetry
+    assert result.Vvc == pytest.approx(material_volume(0.9) - material_volume(0.2), rel=2e-3)
 
 
-def test_volumes_add_up(heights):
-    # Material and void volumes add up to the slab between the two heights.
-    result = volumes(heights)
-    upper, lower = heights_at(heights, [0.1, 0.8])
+def test_material_and_void_volumes_add_up(heights):
+    # The material volume and the void volume add up to the slab between the two heights.
+    result = material_volumes(heights)
+    upper, lower = heights_at_ratios(heights, [0.1, 0.8])
     assert result.core_material + result.core_void == pytest.approx(upper - lower, rel=1e-12)
 
 
@@ -84,13 +84,13 @@ def test_parameter_set_shows_units_and_missing_values():
     assert list(roughness_parameters(rough_profile()).values) == ["Pa", "Pq", "Pt", "Psk", "Pku", "Pdq"]
 
 
-def test_values_and_units_are_those_of_the_table_of_parameters():
+def test_parameter_values_scale_with_the_units_of_the_table():
     surface = self_affine_map(2, 0.6, (30, 40))
     assert tuple(surface_parameters(surface).values) == tuple(parameter.name for parameter in SURFACE_PARAMETERS)
     result = section_parameters(rough_profile(points=4000), lc=8.0)
     assert tuple(result.values) == tuple(parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter])
     assert len(PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))  # names are unique
-    # Heights ten times as large, in units of the table.
+    # Heights become ten times as large. The table gives the power of this factor for each unit.
     power = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}
     lateral = {"Sal": 0, "Ssw": 0, "Sdq": 1, "Sdr": 2}
     large = surface_parameters(Surface(10 * surface.heights, spacing=(500.0, 500.0)))

@@ -45,8 +45,8 @@ def file(tmp_path):
     return write
 
 
-def refusal(path, read=read_profile, **options):
-    """Return the error of a file: one sentence that begins with its name."""
+def error_message(path, read=read_profile, **options):
+    """Return the error message of a file. It is one sentence that begins with the name of the file."""
     with pytest.raises(FormatError) as caught:
         read(path, **options)
     message = str(caught.value)
@@ -57,7 +57,7 @@ def refusal(path, read=read_profile, **options):
 
 # ---- Text -----------------------------------------------------------------------------------------------------------
 
-TEXTS = {
+TEXT_FORMATS = {
     "comma": "x (um),z (um)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n",
     "brackets, nm": "x [µm], z [nm]\n0,500\n0.1,-250\n0.2,1e3\n0.3,1.25E+2\n0.4,2000\n",
     "semicolon": "x (um);z (um)\n0;0.5\n0.1;-.25\n0.2;1.\n0.3;0.125\n0.4;2\n",
@@ -85,7 +85,7 @@ TEXTS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS.keys())
+@pytest.mark.parametrize("text", TEXT_FORMATS.values(), ids=TEXT_FORMATS.keys())
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
 def test_profile_is_equal_in_many_text_formats(file, text, encoding):
     if encoding == "latin-1":
@@ -96,16 +96,16 @@ def test_profile_is_equal_in_many_text_formats(file, text, encoding):
     assert profile.history[0] == "read from scan.csv"
 
 
-def test_reader_requires_facts_that_the_file_lacks(file):
+def test_reader_requires_units_and_spacings_that_the_file_lacks(file):
     bare = file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
-    assert 'does not contain the unit of its heights; give the unit, as in "um"' in refusal(bare)
+    assert 'does not contain the unit of its heights; give the unit, as in "um"' in error_message(bare)
     assert read_profile(bare, unit="um").heights.tolist() == HEIGHTS
     assert read_profile(bare, unit=("mm", "um")).spacing == pytest.approx(100)
     half = file("x,z (um)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
-    assert "the unit of its positions" in refusal(half)
+    assert "the unit of its positions" in error_message(half)
     assert read_profile(half, unit="um").spacing == pytest.approx(0.1)
     column = file("0.5\n-0.25\n1\n0.125\n2\n")
-    assert 'give the spacing of its points, as in "0.5 um"' in refusal(column, unit="um")
+    assert 'give the spacing of its points, as in "0.5 um"' in error_message(column, unit="um")
     assert read_profile(column, unit="um", spacing="100 nm").spacing == 0.1
 
 
@@ -118,28 +118,28 @@ def test_reader_requires_facts_that_the_file_lacks(file):
 )  # fmt: skip
 def test_units_in_other_places_do_not_apply_to_columns(file, above):
     data = "0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n"
-    assert "does not contain the unit of its heights" in refusal(file(above + data))
+    assert "does not contain the unit of its heights" in error_message(file(above + data))
     if "z (um)" not in above:
         column = "\n".join(line.split(",")[1] for line in data.split())
-        message = refusal(file(above + column), spacing="1 um")
+        message = error_message(file(above + column), spacing="1 um")
         assert "does not contain the unit of its heights" in message
 
 
 def test_reader_rejects_options_that_contradict_the_file(file):
-    path = file(TEXTS["brackets, nm"])
-    assert "declares its heights in nm, but unit is um" in refusal(path, unit="um")
+    path = file(TEXT_FORMATS["brackets, nm"])
+    assert "declares its heights in nm, but unit is um" in error_message(path, unit="um")
     assert read_profile(path, unit=("um", "nm")).heights.tolist() == HEIGHTS
-    assert "has positions with a spacing of 0.1 µm, but spacing is 0.2 um" in refusal(path, spacing="0.2 um")
+    assert "has positions with a spacing of 0.1 µm, but spacing is 0.2 um" in error_message(path, spacing="0.2 um")
     assert read_profile(path, spacing="100 nm").spacing == 0.1
-    column = file(TEXTS["one column"])
-    assert "declares a spacing of 0.1 µm, but spacing is 0.3 um" in refusal(column, spacing="0.3 um")
+    column = file(TEXT_FORMATS["one column"])
+    assert "declares a spacing of 0.1 µm, but spacing is 0.3 um" in error_message(column, spacing="0.3 um")
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "is empty"),
-        (" \n\r\n", "nothing but blanks"),
+        (" \n\r\n", "only blanks"),
         ("x (um),z (um)\n", "no numbers were found"),
         ("a text\nwithout numbers\n", "no numbers were found"),
         ("x (um),z (um)\n0,1\n0.1,2\n", "contains too few points, 2: a profile needs at least 4, a map two rows"),
@@ -176,7 +176,7 @@ def test_reader_rejects_options_that_contradict_the_file(file):
     ],
 )
 def test_texts_without_a_profile_are_rejected(file, text, message):
-    assert message in refusal(file(text))
+    assert message in error_message(file(text))
 
 
 @pytest.mark.parametrize("rows", [(0,), (1, 3)])
@@ -200,7 +200,7 @@ def test_positions_are_uniform_within_their_printed_digits(file):
         assert abs(profile.spacing - 0.156245) < 0.1 / 9599
     printed = [f"{x:.1f}" for x in true]
     printed[5000] = f"{float(printed[5000]) + 0.2:.1f}"
-    assert "point 5000, counted from 0, is at" in refusal(
+    assert "point 5000, counted from 0, is at" in error_message(
         file("x (um),z (um)\n" + "".join(f"{x},1.5\n" for x in printed))
     )
 
@@ -230,24 +230,28 @@ def test_text_matrix_is_a_surface(file):
     surface = read_surface(path, spacing=("2 um", "0.5 um"))
     assert surface.heights.tolist() == [[0.001, 0.002, 0.003, 0], [0.004, 0.005, 0.006, 0]]
     assert surface.spacing == (2.0, 0.5)
-    assert "contains no spacing" in refusal(path, read_surface)
+    assert "contains no spacing" in error_message(path, read_surface)
     for table in (
         "x (um),y (um),z (um)\n" + "0,1,2\n" * 5,
         "0,1,2\n" * 5,
         "x (um),a (um),b (um),c (um)\n" + "0,1,2,3\n" * 5,
     ):
-        assert "may be positions and several heights" in refusal(file(table), read_surface, unit="um", spacing="1 um")
-    assert "read_profile() reads profiles" in refusal(file(TEXTS["comma"]), read_surface)
+        assert "may be positions and several heights" in error_message(
+            file(table), read_surface, unit="um", spacing="1 um"
+        )
+    assert "read_profile() reads profiles" in error_message(file(TEXT_FORMATS["comma"]), read_surface)
 
 
 def test_read_measurement_returns_profile_or_surface(file):
-    profile = read_measurement(file(TEXTS["brackets, nm"]), spacing=("100 nm", "0.1 um"))
+    profile = read_measurement(file(TEXT_FORMATS["brackets, nm"]), spacing=("100 nm", "0.1 um"))
     assert isinstance(profile, Profile)
     assert profile.heights.tolist() == HEIGHTS
-    assert "which has one spacing, but two are given" in refusal(
-        file(TEXTS["comma"]), read_measurement, spacing=("1 um", "0.1 um")
+    assert "which has one spacing, but two are given" in error_message(
+        file(TEXT_FORMATS["comma"]), read_measurement, spacing=("1 um", "0.1 um")
     )
-    surface = read_measurement(file(npy(np.arange(6.0).reshape(2, 3)), "a.npy"), unit="nm", spacing=("2 um", "1 um"))
+    surface = read_measurement(
+        file(npy_bytes(np.arange(6.0).reshape(2, 3)), "a.npy"), unit="nm", spacing=("2 um", "1 um")
+    )
     assert isinstance(surface, Surface)
     assert surface.heights.tolist() == [[0, 0.001, 0.002], [0.003, 0.004, 0.005]]
     assert surface.spacing == (2.0, 1.0)
@@ -255,10 +259,10 @@ def test_read_measurement_returns_profile_or_surface(file):
 
 @pytest.mark.parametrize("shape", [(5, 1), (1, 5)])
 def test_matrix_of_one_row_or_column_is_a_profile(file, shape):
-    path = file(npy(np.reshape(HEIGHTS, shape)), "a.npy")
+    path = file(npy_bytes(np.reshape(HEIGHTS, shape)), "a.npy")
     for read in (read_profile, read_measurement):
         assert read(path, unit="um", spacing="1 um").heights.tolist() == HEIGHTS
-    assert "contains a profile of 5 points" in refusal(path, read_surface, unit="um", spacing="1 um")
+    assert "contains a profile of 5 points" in error_message(path, read_surface, unit="um", spacing="1 um")
 
 
 def test_matrix_columns_are_not_taken_for_positions(file):
@@ -274,24 +278,24 @@ def test_matrix_columns_are_not_taken_for_positions(file):
             "of which the first row and column have equal steps, like positions; leave only heights in the file",
         ),
     ):
-        assert message in refusal(file(npy(matrix), "a.npy"), **options)
+        assert message in error_message(file(npy_bytes(matrix), "a.npy"), **options)
         text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in matrix)
         if matrix.shape[1] > 3:
-            assert message in refusal(file(text, "a.txt"), **options)
+            assert message in error_message(file(text, "a.txt"), **options)
     above = heights.copy()
     above[0] = x
-    assert "of which the first row has equal steps" in refusal(file(npy(above), "a.npy"), **options)
+    assert "of which the first row has equal steps" in error_message(file(npy_bytes(above), "a.npy"), **options)
     lost = heights.copy()
     lost[0] = 0.5
-    tilted = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]  # as measured, before it is levelled
+    tilted = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]  # heights as measured, before they are levelled
     for matrix in (heights, lost, tilted, x + y[:, np.newaxis]):
-        assert np.array_equal(read_surface(file(npy(matrix), "a.npy"), unit="um", spacing="1 um").heights, matrix)
+        assert np.array_equal(read_surface(file(npy_bytes(matrix), "a.npy"), unit="um", spacing="1 um").heights, matrix)
 
 
 def test_declared_spacing_of_matrix_must_match_option(file):
     path = file("Spacing: 0.5 um\nheights in nm\n1 2 3 0\n4 5 6 0\n", "map.txt")
     assert read_surface(path, spacing=("2 um", "500 nm")).spacing == (2.0, 0.5)
-    assert "declares a spacing of 0.5 µm, but 2 µm and 1 µm are given" in refusal(
+    assert "declares a spacing of 0.5 µm, but 2 µm and 1 µm are given" in error_message(
         path, read_surface, spacing=("2 um", "1 um")
     )
 
@@ -303,9 +307,9 @@ def test_gwyddion_size_gives_spacing(file):
     assert surface.spacing == pytest.approx((0.12, 0.15), rel=1e-15)
     assert surface.heights[0].tolist() == [0.001, 0.002, 0.003, 0]
     assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y (header)"
-    # 0.600 may be 0.6004; a specified spacing is not rounded.
+    # The position 0.600 may stand for 0.6004. A specified spacing is not rounded.
     assert read_surface(path, spacing=("0.12 um", "0.1501 um")).spacing == (0.12, 0.1501)
-    assert "a size with a spacing of 0.15 µm, but spacing is 0.16 um" in refusal(
+    assert "a size with a spacing of 0.15 µm, but spacing is 0.16 um" in error_message(
         path, read_surface, spacing=("0.12 um", "0.16 um")
     )
 
@@ -315,14 +319,14 @@ def test_gwyddion_size_gives_spacing(file):
 X = [0, 0.1, 0.2, 0.3, 0.4]
 
 
-def columns_of(*columns, header=""):
+def columns_text(*columns, header=""):
     return header + "".join(",".join(f"{value}" for value in row) + "\n" for row in zip(*columns, strict=True))
 
 
 def test_columns_are_selected_by_name_or_number(file):
-    text = columns_of([0.5, 1, 1.5, 2, 2.5], X, [7] * 5, HEIGHTS, header="t (s),x (um),F (mN),z (um)\n")
+    text = columns_text([0.5, 1, 1.5, 2, 2.5], X, [7] * 5, HEIGHTS, header="t (s),x (um),F (mN),z (um)\n")
     path = file(text)
-    message = refusal(path, read_measurement)
+    message = error_message(path, read_measurement)
     assert "has 4 columns of numbers that may be positions and several heights: 0 (t (s)), 1 (x (um)), 2" in message
     for columns in (("x", "z"), ("X (um)", 3), (1, 3), ["1", "3"]):
         profile = read_measurement(path, columns=columns)
@@ -336,20 +340,22 @@ def test_columns_are_selected_by_name_or_number(file):
         (("t", "z"), "has positions in 's', which is not a supported unit of length"),
         (("x", "F"), "has heights in 'mN', which is not a supported unit of length"),
     ):
-        assert wrong in refusal(path, columns=columns)
-    twice = file(columns_of(X, HEIGHTS, HEIGHTS, header="x (um),z (um),z (nm)\n"))
-    assert "has more than one column 'z'; give its number: 0 (x (um))," in refusal(twice, columns=("x", "z"))
+        assert wrong in error_message(path, columns=columns)
+    twice = file(columns_text(X, HEIGHTS, HEIGHTS, header="x (um),z (um),z (nm)\n"))
+    assert "has more than one column 'z'; give its number: 0 (x (um))," in error_message(twice, columns=("x", "z"))
     assert read_profile(twice, columns=("x", "Z (um)")).heights.tolist() == HEIGHTS
-    assert "has no columns to choose from" in refusal(file(x3p(METRES), "a.x3p"), columns=("x", "z"))
+    assert "has no columns to choose from" in error_message(
+        file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p"), columns=("x", "z")
+    )
 
 
 def test_column_has_its_printed_digits(file):
-    # Positions with one decimal after a column with many: uniform within their digits, in any column.
+    # Positions with one decimal follow a column with many decimals. They are uniform within their digits in any column.
     true = 0.156245 * np.arange(900)
     lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true))
     profile = read_profile(file(lines), columns=(1, 2), unit="um")
     assert profile.spacing == pytest.approx(0.156245, rel=1e-3)
-    assert "is not uniform" in refusal(file(lines.replace(",31.2,", ",31.5,")), columns=(1, 2), unit="um")
+    assert "is not uniform" in error_message(file(lines.replace(",31.2,", ",31.5,")), columns=(1, 2), unit="um")
 
 
 @pytest.mark.parametrize("separator", [",", ";", "|", "\t"])
@@ -358,7 +364,7 @@ def test_index_column_of_pandas_is_ignored(file, separator):
     frame = pandas.DataFrame({"x (um)": X, "z (um)": [*HEIGHTS[:4], np.nan]})
     for table in (frame, frame.rename_axis("index")):
         path = file(table.to_csv(sep=separator))
-        assert "misses 1 of 5 points, the first at point 4, counted from 0" in refusal(path)
+        assert "misses 1 of 5 points, the first at point 4, counted from 0" in error_message(path)
         profile = read_profile(path, missing="interpolate")
         assert profile.heights.tolist() == HEIGHTS[:4]
         assert profile.history[1] == "the first column, which numbers the rows, removed"
@@ -366,23 +372,25 @@ def test_index_column_of_pandas_is_ignored(file, separator):
     surface = read_surface(file(pandas.DataFrame(heights).to_csv(sep=separator)), unit="um", spacing="1 um")
     assert np.array_equal(surface.heights, heights)
     assert surface.history[1] == "the first row and column, which number columns and rows, removed"
-    # A first column that does not number the rows is data.
-    assert "has 3 columns" in refusal(file(columns_of(X, X, HEIGHTS, header="index,x (um),z (um)\n")))
+    # If the first column does not number the rows, it contains data.
+    assert "has 3 columns" in error_message(file(columns_text(X, X, HEIGHTS, header="index,x (um),z (um)\n")))
 
 
 def test_array_of_two_columns_has_positions_and_heights(file):
-    path = file(npy(np.c_[X, HEIGHTS]), "a.npy")
+    path = file(npy_bytes(np.c_[X, HEIGHTS]), "a.npy")
     for read in (read_profile, read_measurement):
         profile = read(path, unit=("mm", "nm"))
         assert profile.spacing == pytest.approx(100)
         assert profile.heights.tolist() == pytest.approx([z / 1000 for z in HEIGHTS])
     assert read_profile(path, unit="um", columns=1, spacing="1 um").heights.tolist() == HEIGHTS
-    uneven = file(npy(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy")  # possibly a map with two columns
+    uneven = file(
+        npy_bytes(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy"
+    )  # the array may be a map with two columns
     assert read_measurement(uneven, unit="um", spacing="1 um").heights.shape == (5, 2)
-    assert "is not uniform: point 2, counted from 0" in refusal(uneven, unit="um", columns=(0, 1))
+    assert "is not uniform: point 2, counted from 0" in error_message(uneven, unit="um", columns=(0, 1))
 
 
-def workbook(*sheets, **changes):
+def workbook_bytes(*sheets, **changes):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
     book.remove(book.active)
@@ -395,48 +403,48 @@ def workbook(*sheets, **changes):
     return stream.getvalue()
 
 
-ROWS = [["points", 5], ["made by", "a gauge"], [], [None, "x (um)", "z (um)"]]
-ROWS += [[None, x, z, "ok"] for x, z in zip(X, HEIGHTS, strict=True)]
+SHEET_HEAD = [["points", 5], ["made by", "a gauge"], [], [None, "x (um)", "z (um)"]]
+SHEET_HEAD += [[None, x, z, "ok"] for x, z in zip(X, HEIGHTS, strict=True)]
 
 
 def test_workbooks_are_read(file):
-    profile = read_profile(file(workbook(("one", ROWS), ("empty", [])), "a.xlsx"))
+    profile = read_profile(file(workbook_bytes(("one", SHEET_HEAD), ("empty", [])), "a.xlsx"))
     assert profile.heights.tolist() == HEIGHTS
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[0] == "read from a.xlsx"
-    two = file(workbook(("raw", ROWS), ("Filtered", [[*row[1:3], 5] for row in ROWS])), "b.xlsx")
-    assert "contains 0 (raw), 1 (Filtered); choose one by channel" in refusal(two)
+    two = file(workbook_bytes(("raw", SHEET_HEAD), ("Filtered", [[*row[1:3], 5] for row in SHEET_HEAD])), "b.xlsx")
+    assert "contains 0 (raw), 1 (Filtered); choose one by channel" in error_message(two)
     assert read_profile(two, channel="raw").history[1] == "channel 0 (raw) of 0 (raw), 1 (Filtered)"
-    assert "has no channel 'rough', but 0 (raw), 1 (Filtered)" in refusal(two, channel="rough")
+    assert "has no channel 'rough', but 0 (raw), 1 (Filtered)" in error_message(two, channel="rough")
     heights = np.random.default_rng(3).normal(size=(6, 9))
-    area = read_surface(file(workbook(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
-    assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # of which openpyxl writes 16 digits
-    gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(ROWS)]
-    assert "misses 1 of 5 points, the first at point 2, counted from 0" in refusal(
-        file(workbook(("one", gaps)), "d.xlsx")
+    area = read_surface(file(workbook_bytes(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
+    assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # openpyxl writes only 16 digits
+    gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(SHEET_HEAD)]
+    assert "misses 1 of 5 points, the first at point 2, counted from 0" in error_message(
+        file(workbook_bytes(("one", gaps)), "d.xlsx")
     )
 
 
 def test_damaged_workbooks_are_rejected(file, monkeypatch):
-    data = workbook(("one", ROWS))
-    assert "is a workbook without a column of numbers" in refusal(file(workbook(("one", [])), "a.xlsx"))
-    assert "is a damaged workbook" in refusal(file(data[:-60], "a.xlsx"))
-    assert "is a damaged workbook" in refusal(file(x3p(METRES), "a.xlsx"))
-    assert "is named .xlsx, but its content is not a zip archive" in refusal(file("1,2\n", "a.xlsx"))
+    data = workbook_bytes(("one", SHEET_HEAD))
+    assert "is a workbook without a column of numbers" in error_message(file(workbook_bytes(("one", [])), "a.xlsx"))
+    assert "is a damaged workbook" in error_message(file(data[:-60], "a.xlsx"))
+    assert "is a damaged workbook" in error_message(file(x3p_bytes(HEIGHTS_IN_METRES), "a.xlsx"))
+    assert "is named .xlsx, but its content is not a zip archive" in error_message(file("1,2\n", "a.xlsx"))
     monkeypatch.setattr(excel, "MAX_TAGS", 300_000)
     large = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(data)) as source, zipfile.ZipFile(large, "w", zipfile.ZIP_DEFLATED) as copy:
         for name in source.namelist():
             copy.writestr(name, source.read(name).replace(b"<sheetData>", b"<sheetData>" + b"<row>" * 300_000))
-    assert "XML tags" in refusal(file(large.getvalue(), "a.xlsx"))
+    assert "XML tags" in error_message(file(large.getvalue(), "a.xlsx"))
     monkeypatch.setattr(excel, "MAX_TEXT_BYTES", 5000)
-    assert "at most" in refusal(file(data, "a.xlsx"))
+    assert "at most" in error_message(file(data, "a.xlsx"))
     monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
-    assert "pip install openpyxl" in refusal(file(data, "a.xlsx"))
+    assert "pip install openpyxl" in error_message(file(data, "a.xlsx"))
 
 
 def test_formats_without_channels_reject_the_option(file):
-    assert "has no channels to choose from, but channel is 1" in refusal(file(TEXTS["comma"]), channel=1)
+    assert "has no channels to choose from, but channel is 1" in error_message(file(TEXT_FORMATS["comma"]), channel=1)
 
 
 def test_channel_of_instrument_file_is_selected(measured):
@@ -447,8 +455,8 @@ def test_channel_of_instrument_file_is_selected(measured):
     assert surface.history[1] == f"channel 0 (ZSensor) of {channels}"
     assert np.array_equal(read_surface(path, channel="zsensor").heights, surface.heights)
     assert read_surface(path, channel=1).history[1] == f"channel 1 (AmplitudeError) of {channels}"
-    assert "a channel 2 (Phase) that does not contain heights" in refusal(path, read_surface, channel="Phase")
-    assert "has no channel 3; they are numbered from 0 to 2" in refusal(path, read_surface, channel=3)
+    assert "a channel 2 (Phase) that does not contain heights" in error_message(path, read_surface, channel="Phase")
+    assert "has no channel 3; they are numbered from 0 to 2" in error_message(path, read_surface, channel=3)
 
 
 def test_registered_reader_reads_its_format(file, monkeypatch):
@@ -486,7 +494,8 @@ def test_written_surface_is_read_without_loss(tmp_path, name):
         assert again.history == (f"read from {name}", "ground", "levelled by a plane")
     with pytest.raises(FormatError, match="but spacing is"):
         read_surface(tmp_path / name, spacing="2 um")
-    plane = Surface(0.1 * np.arange(20.0).reshape(4, 5), spacing=1.0)  # whose rows increase like positions
+    # the rows increase in equal steps, like positions
+    plane = Surface(0.1 * np.arange(20.0).reshape(4, 5), spacing=1.0)
     write_surface(plane, tmp_path / f"plane-{name}")
     assert np.array_equal(read_surface(tmp_path / f"plane-{name}").heights, plane.heights)
     assert isinstance(read_measurement(tmp_path / name), Surface)
@@ -502,21 +511,21 @@ def test_narrow_surface_is_rejected_by_formats_that_cannot_store_it(tmp_path):
 
 def test_trailing_data_of_array_is_read_only_if_written_by_stiction(file):
     spacing = np.array((0.5, 0.25), dtype=[("spacing_y_um", float), ("spacing_x_um", float)])
-    ours = npy(np.eye(4)) + npy(spacing) + npy(np.array(["made up\x1b[31m"]))
+    ours = npy_bytes(np.eye(4)) + npy_bytes(spacing) + npy_bytes(np.array(["made up\x1b[31m"]))
     assert read_surface(file(ours, "a.npy")).history == ("read from a.npy", "made up\\x1b[31m")
     for others in (
-        npy(np.eye(4)) + npy(spacing),
-        npy(np.eye(4)) + npy(np.eye(2)) + npy(np.array(["no"])),
-        npy(np.eye(4)) + npy(spacing) + npy(np.arange(3)),
-        npy(np.eye(4)) + b"anything",
-        npy(np.arange(9.0)) + npy(spacing) + npy(np.array(["of another shape"])),
+        npy_bytes(np.eye(4)) + npy_bytes(spacing),
+        npy_bytes(np.eye(4)) + npy_bytes(np.eye(2)) + npy_bytes(np.array(["no"])),
+        npy_bytes(np.eye(4)) + npy_bytes(spacing) + npy_bytes(np.arange(3)),
+        npy_bytes(np.eye(4)) + b"anything",
+        npy_bytes(np.arange(9.0)) + npy_bytes(spacing) + npy_bytes(np.array(["of another shape"])),
         ours[:-3],
     ):
         with pytest.raises(FormatError, match="neither the unit of its heights"):
             read_measurement(file(others, "b.npy"))
-    negative = npy(np.array((-0.5, 0.25), dtype=spacing.dtype))
+    negative = npy_bytes(np.array((-0.5, 0.25), dtype=spacing.dtype))
     with pytest.raises(FormatError, match="has a spacing of -0"):
-        read_surface(file(npy(np.eye(4)) + negative + npy(np.array([""])), "c.npy"))
+        read_surface(file(npy_bytes(np.eye(4)) + negative + npy_bytes(np.array([""])), "c.npy"))
 
 
 def test_writing_neither_replaces_nor_leaves_partial_files(tmp_path, monkeypatch):
@@ -538,7 +547,7 @@ def test_writing_neither_replaces_nor_leaves_partial_files(tmp_path, monkeypatch
     assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
 
 
-def npy(array):
+def npy_bytes(array):
     stream = io.BytesIO()
     np.save(stream, array)
     return stream.getvalue()
@@ -547,43 +556,43 @@ def npy(array):
 @pytest.mark.parametrize(
     ("content", "name", "message"),
     [
-        (npy(np.zeros(9)), "a.npy", "neither the unit of its heights"),
-        (npy(np.array([1, None])), "a.npy", "damaged .npy file, or contains objects"),
-        (npy(np.ones((1, 9))).replace(b"(1, 9), }   ", b"(True, 9), }"), "a.npy", "damaged .npy file"),
-        (npy(np.zeros(9))[:-5], "a.npy", "damaged"),
-        (npy(np.zeros(9, complex)), "a.npy", "array of complex128"),
-        (npy(np.zeros((2, 2, 2))), "a.npy", "shape (2, 2, 2)"),
-        (npy(np.zeros((5, 5))), "a.npy", "5 rows of 5 columns"),
-        (npy(np.zeros(9)), "a.csv", "is named .csv, but its content is a NumPy array (.npy)"),
+        (npy_bytes(np.zeros(9)), "a.npy", "neither the unit of its heights"),
+        (npy_bytes(np.array([1, None])), "a.npy", "damaged .npy file, or contains objects"),
+        (npy_bytes(np.ones((1, 9))).replace(b"(1, 9), }   ", b"(True, 9), }"), "a.npy", "damaged .npy file"),
+        (npy_bytes(np.zeros(9))[:-5], "a.npy", "damaged"),
+        (npy_bytes(np.zeros(9, complex)), "a.npy", "array of complex128"),
+        (npy_bytes(np.zeros((2, 2, 2))), "a.npy", "shape (2, 2, 2)"),
+        (npy_bytes(np.zeros((5, 5))), "a.npy", "5 rows of 5 columns"),
+        (npy_bytes(np.zeros(9)), "a.csv", "is named .csv, but its content is a NumPy array (.npy)"),
         (b"0,1\n", "a.npy", "is named .npy, but its content is not a NumPy array (.npy)"),
         (b"0,1\n", "a.x3p", "is named .x3p, but its content is not a zip archive"),
         (bytes(range(256)) * 9, "a.csv", "is binary, not text"),
         (b"\x93NUMPY\x01\x00" + b"\xff" * 300, "a.npy", "damaged"),
         (b"\x93NUMPY\x01\x00" + (9002).to_bytes(2, "little") + b"(" * 9000 + b" \n", "a.npy", "damaged"),
-        (npy(np.zeros(9)).replace(b"(9,)", b"(-9,)").replace(b" \n", b"\n"), "a.npy", "damaged"),
+        (npy_bytes(np.zeros(9)).replace(b"(9,)", b"(-9,)").replace(b" \n", b"\n"), "a.npy", "damaged"),
         (b"PK\x03\x04" + b"\xff" * 300, "a.x3p", "damaged X3P"),
         (b"no such format", "a.abc", "a known format"),
     ],
 )
 def test_files_with_wrong_content_are_rejected(file, content, name, message):
-    assert message in refusal(file(content, name))
+    assert message in error_message(file(content, name))
 
 
 def test_unreadable_files_are_rejected(tmp_path):
-    assert "No such file" in refusal(tmp_path / "none.csv")
-    assert "is a directory" in refusal(tmp_path)
+    assert "No such file" in error_message(tmp_path / "none.csv")
+    assert "is a directory" in error_message(tmp_path)
     os.mkfifo(tmp_path / "pipe.csv")  # reading it would block
-    assert "is not a file" in refusal(tmp_path / "pipe.csv")
+    assert "is not a file" in error_message(tmp_path / "pipe.csv")
 
 
 def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
     for name, size in (("a.csv", raw.MAX_TEXT_BYTES + 1), ("a.npy", raw.MAX_BYTES + 1)):
         with (tmp_path / name).open("wb") as file:
             file.truncate(size)  # of holes
-        assert f"has {size} bytes" in refusal(tmp_path / name)
+        assert f"has {size} bytes" in error_message(tmp_path / name)
     monkeypatch.setattr(npy_files, "MAX_POINTS", 8)
-    (tmp_path / "b.npy").write_bytes(npy(np.zeros(9)))
-    assert "contains 9 points; at most 8" in refusal(tmp_path / "b.npy")
+    (tmp_path / "b.npy").write_bytes(npy_bytes(np.zeros(9)))
+    assert "contains 9 points; at most 8" in error_message(tmp_path / "b.npy")
 
 
 @pytest.mark.parametrize("separator", [",", ", ", ";", "|", "\t", " "])
@@ -592,8 +601,8 @@ def test_text_with_too_many_cells_is_rejected_before_parsing(file, monkeypatch, 
     monkeypatch.setattr(split_files, "MAX_CELLS", 10)
     wide = separator.join(["1.5"] * 5) + "\n"
     assert read_surface(file(20 * wide), unit="um", spacing="1 um").heights.shape == (20, 5)
-    assert "has 21 lines; at most 20" in refusal(file("1.5\n" * 21))
-    assert "cells; at most 10 can be read" in refusal(file(separator.join(["1.5"] * 11)))
+    assert "has 21 lines; at most 20" in error_message(file("1.5\n" * 21))
+    assert "cells; at most 10 can be read" in error_message(file(separator.join(["1.5"] * 11)))
 
 
 @pytest.mark.parametrize(
@@ -614,22 +623,22 @@ def test_text_with_too_many_cells_is_rejected_before_parsing(file, monkeypatch, 
 def test_readers_reject_bad_arguments(file, options, message):
     for read in (read_profile, read_measurement, *([] if "columns" in options else [read_surface])):
         with pytest.raises(ValueError, match=message) as caught:
-            read(file(TEXTS["comma"]), **options)
+            read(file(TEXT_FORMATS["comma"]), **options)
         assert not isinstance(caught.value, FormatError)
 
 
 def test_missing_instrument_package_is_reported_with_install_command(file, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "SurfaceTopography", None)
-    assert "pip install SurfaceTopography" in refusal(file(b"?File list", "a.di"), read_surface)
+    assert "pip install SurfaceTopography" in error_message(file(b"?File list", "a.di"), read_surface)
 
 
 # ---- X3P ------------------------------------------------------------------------------------------------------------
 
 
-def x3p(
+def x3p_bytes(
     heights, *, spacing=(2e-6, 1e-6), stored="D", increment=1.0, valid=None, positions=None, listed=False, change=()
 ):
-    """Return an X3P file with heights in metres, as defined in the standard."""
+    """Return an X3P file with heights in metres, as the standard defines it."""
     heights = np.atleast_2d(heights)
     rows, columns = heights.shape
     form = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}[stored]
@@ -669,30 +678,32 @@ def x3p(
     return stream.getvalue()
 
 
-METRES = 1e-6 * np.random.default_rng(5).normal(size=(6, 9))
+HEIGHTS_IN_METRES = 1e-6 * np.random.default_rng(5).normal(size=(6, 9))
 
 
 @pytest.mark.parametrize(("stored", "off"), [("D", 1e-15), ("F", 1e-6), ("L", 1e-6), ("I", 1e-3)])
 def test_x3p_surfaces_and_profiles_are_read(file, stored, off):
     options = {"stored": stored, "increment": {"L": 1e-12, "I": 1e-9}.get(stored, 1.0)}
-    surface = read_surface(file(x3p(METRES, **options), "a.x3p"))
-    assert np.abs(surface.heights - 1e6 * METRES).max() <= off
+    surface = read_surface(file(x3p_bytes(HEIGHTS_IN_METRES, **options), "a.x3p"))
+    assert np.abs(surface.heights - 1e6 * HEIGHTS_IN_METRES).max() <= off
     assert surface.spacing == pytest.approx((2.0, 1.0))
-    profile = read_profile(file(x3p(METRES[0], **options), "b.x3p"), unit="m", spacing="1 um")
-    assert np.abs(profile.heights - 1e6 * METRES[0]).max() <= off
+    profile = read_profile(file(x3p_bytes(HEIGHTS_IN_METRES[0], **options), "b.x3p"), unit="m", spacing="1 um")
+    assert np.abs(profile.heights - 1e6 * HEIGHTS_IN_METRES[0]).max() <= off
     x = 3e-6 + 5e-7 * np.arange(9)
-    with_positions = read_profile(file(x3p(METRES[0], positions=x, **options), "c.x3p"))
+    with_positions = read_profile(file(x3p_bytes(HEIGHTS_IN_METRES[0], positions=x, **options), "c.x3p"))
     assert np.array_equal(with_positions.heights, profile.heights)
     assert with_positions.spacing == pytest.approx(0.5)
 
 
 def test_x3p_increments_multiply_whole_numbers(file):
-    whole = x3p(METRES, stored="I", increment=1e-9, change=[("<Increment>1e-09</Increment>", "")])
-    assert "has integers for Z, but no Increment" in refusal(file(whole, "a.x3p"), read_surface)
+    whole = x3p_bytes(HEIGHTS_IN_METRES, stored="I", increment=1e-9, change=[("<Increment>1e-09</Increment>", "")])
+    assert "has integers for Z, but no Increment" in error_message(file(whole, "a.x3p"), read_surface)
     of_a_namespace = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]  # all elements
-    for increment in ("", "<Increment>0.0</Increment>"):  # which numbers with decimals do not need
-        path = file(x3p(METRES, change=[("<Increment>1.0</Increment>", increment), *of_a_namespace]), "a.x3p")
-        assert np.abs(read_surface(path).heights - 1e6 * METRES).max() < 1e-15
+    for increment in ("", "<Increment>0.0</Increment>"):  # numbers with decimals need no increment
+        path = file(
+            x3p_bytes(HEIGHTS_IN_METRES, change=[("<Increment>1.0</Increment>", increment), *of_a_namespace]), "a.x3p"
+        )
+        assert np.abs(read_surface(path).heights - 1e6 * HEIGHTS_IN_METRES).max() < 1e-15
 
 
 def test_x3p_profiles_not_along_x_are_rejected(file):
@@ -701,18 +712,18 @@ def test_x3p_profiles_not_along_x_are_rejected(file):
     points = "".join(
         f"<Datum>{1e-6 * i!r};{y!r};{z!r}</Datum>" for i, (y, z) in enumerate((1e-6 * np.eye(9)[:, :2]).tolist())
     )
-    data = x3p(METRES[0], listed=True, positions=np.arange(9.0), change=[(old, along_y)])
+    data = x3p_bytes(HEIGHTS_IN_METRES[0], listed=True, positions=np.arange(9.0), change=[(old, along_y)])
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         main = archive.read("main.xml").decode()
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr("main.xml", main[: main.index("<Datum>")] + points + main[main.index("</DataList>") :])
-    assert "points also move along y" in refusal(file(stream.getvalue(), "a.x3p"))
+    assert "points also move along y" in error_message(file(stream.getvalue(), "a.x3p"))
 
 
 def test_x3p_agrees_with_another_reader(file):
     topography = pytest.importorskip("SurfaceTopography")
-    path = file(x3p(METRES), "a.x3p")
+    path = file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p")
     with topography.open_topography(str(path)) as reader:
         other = reader.topography()
     surface = read_surface(path)
@@ -722,21 +733,23 @@ def test_x3p_agrees_with_another_reader(file):
 
 
 def test_x3p_missing_points_are_masked(file):
-    valid = np.ones(METRES.shape, dtype=bool)
+    valid = np.ones(HEIGHTS_IN_METRES.shape, dtype=bool)
     valid[2, 4] = False
-    path = file(x3p(METRES, valid=valid.ravel()), "a.x3p")
-    assert "misses 1 of 54 points, the first at row 2, column 4, counted from 0" in refusal(path, read_surface)
+    path = file(x3p_bytes(HEIGHTS_IN_METRES, valid=valid.ravel()), "a.x3p")
+    assert "misses 1 of 54 points, the first at row 2, column 4, counted from 0" in error_message(path, read_surface)
     surface = read_surface(path, missing="interpolate")
-    assert surface.heights[2, 4] == pytest.approx(1e6 * (METRES[2, 3] + METRES[2, 5]) / 2)
+    assert surface.heights[2, 4] == pytest.approx(1e6 * (HEIGHTS_IN_METRES[2, 3] + HEIGHTS_IN_METRES[2, 5]) / 2)
     assert surface.history[-1].startswith(
         "1 missing points interpolated, 1.9 % of all points; the largest gap has 1 point, at x "
     )
-    gaps = np.where(np.arange(9) == 4, np.nan, METRES[0])
-    for data in (x3p(gaps), x3p(gaps, listed=True)):
+    gaps = np.where(np.arange(9) == 4, np.nan, HEIGHTS_IN_METRES[0])
+    for data in (x3p_bytes(gaps), x3p_bytes(gaps, listed=True)):
         profile = read_profile(file(data, "b.x3p"), missing="interpolate")
-        assert profile.heights[4] == pytest.approx(1e6 * (METRES[0, 3] + METRES[0, 5]) / 2)
-    corner = np.where(np.arange(54).reshape(6, 9) == 0, np.nan, METRES)
-    assert "1 missing points at its edges" in refusal(file(x3p(corner), "c.x3p"), read_surface, missing="interpolate")
+        assert profile.heights[4] == pytest.approx(1e6 * (HEIGHTS_IN_METRES[0, 3] + HEIGHTS_IN_METRES[0, 5]) / 2)
+    corner = np.where(np.arange(54).reshape(6, 9) == 0, np.nan, HEIGHTS_IN_METRES)
+    assert "1 missing points at its edges" in error_message(
+        file(x3p_bytes(corner), "c.x3p"), read_surface, missing="interpolate"
+    )
 
 
 @pytest.mark.parametrize(
@@ -758,11 +771,11 @@ def test_x3p_missing_points_are_masked(file):
     ],
 )
 def test_x3p_with_contradictions_is_rejected(file, change, message):
-    path = file(x3p(METRES, change=[change]), "a.x3p")
+    path = file(x3p_bytes(HEIGHTS_IN_METRES, change=[change]), "a.x3p")
     if message is None:
         read_surface(path)
     else:
-        assert message in refusal(path, read_surface)
+        assert message in error_message(path, read_surface)
 
 
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------
@@ -777,7 +790,7 @@ def test_stylus_profile_is_read(measured):
     assert profile.history[2] == "spacing 0.1562454 µm from its positions, declared as 0.156 µm"
     assert np.std(levelled(profile, "line").heights) == pytest.approx(0.0942, abs=5e-5)
     assert read_profile(path, spacing="0.15625 um").extent == 1500.0
-    assert "0.1562454 µm, but spacing is 0.156 um" in refusal(path, spacing="0.156 um")
+    assert "0.1562454 µm, but spacing is 0.156 um" in error_message(path, spacing="0.156 um")
 
 
 def test_surface_of_atomic_force_microscope_is_read(measured):
@@ -794,10 +807,13 @@ def test_surface_of_atomic_force_microscope_is_read(measured):
 @pytest.mark.parametrize("count", [300, pytest.param(1500, marks=pytest.mark.soak)])
 def test_damaged_files_are_read_or_rejected_in_one_sentence(tmp_path, count):
     pristine = {
-        "a.csv": "".join([TEXTS["text above"], *(f"{i / 10},{i % 7}.5,\n" for i in range(5, 40))]).encode(),
-        "b.txt": TEXTS["decimal comma and tab"].encode(), "c.npy": npy(np.arange(20.0)), "d.x3p": x3p(METRES[0]),
-        "e.x3p": x3p(METRES[0], listed=True), "f.x3p": x3p(METRES[0], positions=1e-6 * np.arange(9)),
-        "g.xlsx": workbook(("one", ROWS)),
+        "a.csv": "".join([TEXT_FORMATS["text above"], *(f"{i / 10},{i % 7}.5,\n" for i in range(5, 40))]).encode(),
+        "b.txt": TEXT_FORMATS["decimal comma and tab"].encode(),
+        "c.npy": npy_bytes(np.arange(20.0)),
+        "d.x3p": x3p_bytes(HEIGHTS_IN_METRES[0]),
+        "e.x3p": x3p_bytes(HEIGHTS_IN_METRES[0], listed=True),
+        "f.x3p": x3p_bytes(HEIGHTS_IN_METRES[0], positions=1e-6 * np.arange(9)),
+        "g.xlsx": workbook_bytes(("one", SHEET_HEAD)),
     }  # fmt: skip
     outcomes = Counter()
     for index in range(count):
@@ -811,7 +827,7 @@ def test_damaged_files_are_read_or_rejected_in_one_sentence(tmp_path, count):
 # ---- Archives of strangers ------------------------------------------------------------------------------------------
 
 
-def archive_of(main, data=bytes(432), method=zipfile.ZIP_DEFLATED):
+def x3p_archive(main, data=bytes(432), method=zipfile.ZIP_DEFLATED):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", method) as archive:
         archive.writestr("main.xml", main)
@@ -819,15 +835,15 @@ def archive_of(main, data=bytes(432), method=zipfile.ZIP_DEFLATED):
     return stream.getvalue()
 
 
-def main_of(data):
+def main_xml(data):
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         return archive.read("main.xml").decode()
 
 
-PLAIN = main_of(x3p(METRES)).replace("MD5ChecksumPointData>", "Sum>")
+X3P_WITHOUT_CHECKSUM = main_xml(x3p_bytes(HEIGHTS_IN_METRES)).replace("MD5ChecksumPointData>", "Sum>")
 
 
-def peak(call):
+def peak_memory(call):
     tracemalloc.start()
     try:
         call()
@@ -841,36 +857,37 @@ def peak(call):
     "kind", ['<!DOCTYPE a [<!ENTITY b "SUR">]>', '<!DOCTYPE a SYSTEM "file:///etc/passwd">', "<!DOCTYPE a>"]
 )
 def test_x3p_with_document_type_is_rejected_in_any_encoding(file, code, kind):
-    main = PLAIN.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
-    assert "document type in main" in refusal(file(archive_of(main.encode(code)), "a.x3p"), read_surface)
+    main = X3P_WITHOUT_CHECKSUM.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
+    assert "document type in main" in error_message(file(x3p_archive(main.encode(code)), "a.x3p"), read_surface)
 
 
 def test_x3p_unpacks_at_most_the_declared_points(file):
-    # 50 MB instead of 432 bytes; one archive declares the true size, the other a false one.
-    honest = archive_of(PLAIN, bytes(50_000_000))
+    # Two archives unpack to 50 MB instead of 432 bytes. One declares the true size, and the other declares a false
+    # size.
+    honest = x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
     lying = honest.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
     assert lying != honest
     for data, said in ((honest, "54 points of 8 bytes, but has 50000000 bytes"), (lying, "damaged X3P file (BadZip")):
         path = file(data, "a.x3p")
-        assert peak(lambda path=path, said=said: said in refusal(path, read_surface)) < 5_000_000
-        assert said in refusal(path, read_surface)
-    assert "method other than deflate" in refusal(
-        file(archive_of(PLAIN, method=zipfile.ZIP_BZIP2), "a.x3p"), read_surface
+        assert peak_memory(lambda path=path, said=said: said in error_message(path, read_surface)) < 5_000_000
+        assert said in error_message(path, read_surface)
+    assert "method other than deflate" in error_message(
+        file(x3p_archive(X3P_WITHOUT_CHECKSUM, method=zipfile.ZIP_BZIP2), "a.x3p"), read_surface
     )
 
 
 @pytest.mark.parametrize("number", ["1_0e-6", "١e-6", "0x1p-3", "1e", "1,5", "infinity", "--1", "1e-6e"])
 def test_x3p_numbers_follow_xml_schema(file, number):
-    main = PLAIN.replace("<Increment>1e-06<", f"<Increment>{number}<")
-    assert main != PLAIN
-    assert "instead of a number" in refusal(file(archive_of(main), "a.x3p"), read_surface)
+    main = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{number}<")
+    assert main != X3P_WITHOUT_CHECKSUM
+    assert "instead of a number" in error_message(file(x3p_archive(main), "a.x3p"), read_surface)
     for fine in (" 1E-6 ", "+.000001", "1.e-06"):
-        main = PLAIN.replace("<Increment>1e-06<", f"<Increment>{fine}<")
-        assert read_surface(file(archive_of(main), "a.x3p")).spacing[1] == pytest.approx(1.0)
+        main = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{fine}<")
+        assert read_surface(file(x3p_archive(main), "a.x3p")).spacing[1] == pytest.approx(1.0)
 
 
 def test_very_long_lines_are_read(file):
-    # Each line is scanned once, for any number of possible separators.
+    # Each line is scanned only once, whatever the number of possible separators.
     path = file("\n".join([",".join(["1.5", "2", "0"] * 10_000)] * 4), "a.csv")
     began = time.process_time()
     assert read_surface(path, unit="um", spacing="1 um").heights.shape == (4, 30_000)
@@ -878,15 +895,15 @@ def test_very_long_lines_are_read(file):
 
 
 def test_x3p_metadata_size_is_limited(file):
-    few, many, deep = (PLAIN.replace("</p:ISO", f"{words}</p:ISO") for words in (
+    few, many, deep = (X3P_WITHOUT_CHECKSUM.replace("</p:ISO", f"{words}</p:ISO") for words in (
         "<x/>" * 1000, "<x/>" * 150_000, f"<x>{' ' * 5_000_000}</x>"
     ))  # fmt: skip
-    assert read_surface(file(archive_of(few), "a.x3p")).heights.shape == (6, 9)
-    assert "more than 100000 elements in main.xml" in refusal(file(archive_of(many), "a.x3p"), read_surface)
-    assert "too many for its points" in refusal(file(archive_of(deep), "a.x3p"), read_surface)
-    # Listed points may need more memory than a matrix, but not more than their number.
-    listed = main_of(x3p(np.zeros(40_000), listed=True)).replace("<Datum>0.0<", f"<Datum>{'0' * 100}<")
+    assert read_surface(file(x3p_archive(few), "a.x3p")).heights.shape == (6, 9)
+    assert "more than 100000 elements in main.xml" in error_message(file(x3p_archive(many), "a.x3p"), read_surface)
+    assert "too many for its points" in error_message(file(x3p_archive(deep), "a.x3p"), read_surface)
+    # Listed points may need more memory than a matrix. Their memory is limited by the number of points.
+    listed = main_xml(x3p_bytes(np.zeros(40_000), listed=True)).replace("<Datum>0.0<", f"<Datum>{'0' * 100}<")
     assert len(listed) > 4_000_000
-    assert len(read_profile(file(archive_of(listed), "b.x3p"))) == 40_000
+    assert len(read_profile(file(x3p_archive(listed), "b.x3p"))) == 40_000
     longer = listed.replace("40000</SizeX>", "4</SizeX>")
-    assert "too many for its points" in refusal(file(archive_of(longer), "b.x3p"))
+    assert "too many for its points" in error_message(file(x3p_archive(longer), "b.x3p"))

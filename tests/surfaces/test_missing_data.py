@@ -22,34 +22,41 @@ from stiction.studies.pair import Pair
 from stiction.surfaces.missing_data import find_outliers
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise
 
-HOLE = np.s_[20:44, 30:50]
-READ = {"unit": "um", "spacing": "0.1 um"}
-ASKED = {"load": "5 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "100 GPa", "hardness": "2 GPa", "onset": 0}
+HOLE_INDEX = np.s_[20:44, 30:50]
+READ_OPTIONS = {"unit": "um", "spacing": "0.1 um"}
+PAIR_OPTIONS = {
+    "load": "5 MPa",
+    "mu0": 0.2,
+    "tau0": "50 MPa",
+    "effective_modulus": "100 GPa",
+    "hardness": "2 GPa",
+    "onset": 0,
+}
 
 
 @pytest.fixture(scope="module")
-def whole():
+def complete_surface():
     return self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1)
 
 
 @pytest.fixture
-def path(whole, tmp_path):
-    heights = whole.heights.copy()
-    heights[HOLE] = np.nan
+def scan_path(complete_surface, tmp_path):
+    heights = complete_surface.heights.copy()
+    heights[HOLE_INDEX] = np.nan
     np.save(tmp_path / "hole.npy", heights)
     return tmp_path / "hole.npy"
 
 
-def test_masks_follow_points_through_preparation(whole, path, tmp_path):
-    scan = read_surface(path, missing="mask", **READ)
-    missing = np.isnan(np.load(path))
+def test_masks_follow_points_through_preparation(complete_surface, scan_path, tmp_path):
+    scan = read_surface(scan_path, missing="mask", **READ_OPTIONS)
+    missing = np.isnan(np.load(scan_path))
     assert np.array_equal(scan.missing, missing)
-    assert np.array_equal(scan.heights[~missing], whole.heights[~missing])
+    assert np.array_equal(scan.heights[~missing], complete_surface.heights[~missing])
     assert scan.history[-1] == (
         "480 missing points masked, 12 % of all points; "
         "the largest gap has 480 points, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
     )
-    ones = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)  # marks the points as heights
+    ones = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)  # height that marks the missing points
     for move in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
         assert np.array_equal(move(scan).missing, np.abs(move(ones).heights) == 1)
     for same in (levelled(scan, "quadratic"), cut_off(scan, 0.5), scan.with_amplitude(1.0), Surface.from_(scan)):
@@ -59,12 +66,12 @@ def test_masks_follow_points_through_preparation(whole, path, tmp_path):
     assert scan.row(0).missing is None
     tilted = Surface(scan.heights + np.arange(64) * 0.01 + missing * 7.0, spacing=0.1, missing=missing)
     left = np.where(missing, 0, levelled(tilted, "plane").heights - levelled(scan, "plane").heights)
-    assert np.abs(left).max() < 1e-12  # interpolated points do not tilt the plane
+    assert np.abs(left).max() < 1e-12  # interpolated points do not tilt the fitted plane
     fine = Surface(np.zeros((130, 130)), spacing=0.049)
     resampled = on_common_grid(scan, fine)[0].missing
     y, x = (
         0.049 * np.arange(points) for points in resampled.shape
-    )  # missing next to a missing neighbour along an axis
+    )  # the point is missing next to a missing neighbour along an axis
     assert np.array_equal(resampled, np.outer((y > 1.9) & (y < 4.4), (x > 2.9) & (x < 5.0)))
     turned = rotated(scan, 30.0).missing
     assert turned.sum() == pytest.approx(missing.sum(), rel=0.25)
@@ -81,26 +88,26 @@ def test_edge_gap_is_masked_in_maps_and_cropped_in_profiles(tmp_path):
     corner = np.where(np.arange(36).reshape(6, 6) < 8, np.nan, 1.0)
     np.save(tmp_path / "corner.npy", corner)
     with pytest.raises(ValueError, match='missing="mask"'):
-        read_surface(tmp_path / "corner.npy", missing="interpolate", **READ)
-    scan = read_surface(tmp_path / "corner.npy", missing="mask", **READ)
+        read_surface(tmp_path / "corner.npy", missing="interpolate", **READ_OPTIONS)
+    scan = read_surface(tmp_path / "corner.npy", missing="mask", **READ_OPTIONS)
     assert np.array_equal(scan.missing, np.isnan(corner))
     assert (scan.heights == 1).all()
     np.save(tmp_path / "line.npy", np.array([np.nan, 1, 2, np.nan, 4, 5, np.nan]))
-    line = read_profile(tmp_path / "line.npy", missing="mask", **READ)
+    line = read_profile(tmp_path / "line.npy", missing="mask", **READ_OPTIONS)
     assert line.heights.tolist() == [1, 2, 3, 4, 5]
     assert line.missing.tolist() == [False, False, True, False, False]
 
 
-def test_crop_ignores_missing_points_outside(whole, path):
+def test_crop_ignores_missing_points_outside(complete_surface, scan_path):
     with pytest.raises(ValueError, match="480 of 4096 points"):
-        read_surface(path, **READ)
-    piece = read_surface(path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ)
-    assert np.array_equal(piece.heights, whole.heights[10:, :25])
+        read_surface(scan_path, **READ_OPTIONS)
+    piece = read_surface(scan_path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ_OPTIONS)
+    assert np.array_equal(piece.heights, complete_surface.heights[10:, :25])
     assert piece.history[-1] == "cropped to 0 to 2.5 µm along x and 1 to 6.4 µm along y"
     for crop, why in (("1 um,9 um,0 um,1 um", "within the extent"), ("0 um,1 um", "4 positions for crop, got 2"),
                       ("0 um,1 um,2 um", "x0,x1"), ("0,1", "unit of length")):  # fmt: skip
         with pytest.raises(ValueError, match=why):
-            read_measurement(path, crop=crop, **READ)
+            read_measurement(scan_path, crop=crop, **READ_OPTIONS)
 
 
 @pytest.mark.parametrize("hurst", [0.2, 0.8])
@@ -113,12 +120,12 @@ def test_find_outliers_detects_single_points_only(hurst, tmp_path):
         spikes = np.arange(210, flat.size - 210, 613)
         spikes = spikes[(spikes % 128 > 0) & (spikes % 128 < 127)]  # not at an edge
         flat[spikes] += 20 * usual * (-1.0) ** np.arange(spikes.size)
-        flat[2000:2006] += 20 * usual  # a feature of more points than a group has
+        flat[2000:2006] += 20 * usual  # a feature with more points than a group of outliers
         result = find_outliers(heights)
         assert np.array_equal(np.flatnonzero(result), spikes)
         np.save(tmp_path / f"{heights.ndim}.npy", heights)
         for missing, mask in (("error", True), ("mask", True), ("interpolate", False)):
-            scan = read_measurement(tmp_path / f"{heights.ndim}.npy", outliers="mask", missing=missing, **READ)
+            scan = read_measurement(tmp_path / f"{heights.ndim}.npy", outliers="mask", missing=missing, **READ_OPTIONS)
             assert np.abs(scan.heights - body.heights)[result].max() < 10 * usual
             assert (scan.missing is not None) == mask
             assert any(f"{spikes.size} outliers" in step for step in scan.history)
@@ -156,16 +163,19 @@ def test_find_outliers_has_few_false_positives(kind):
     assert result <= 10  # of 10240 points
 
 
-def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole, path):
-    scan, full = read_surface(path, missing="mask", **READ), pair(whole, whole, shifts=4, **ASKED)
+def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(complete_surface, scan_path):
+    scan, full = (
+        read_surface(scan_path, missing="mask", **READ_OPTIONS),
+        pair(complete_surface, complete_surface, shifts=4, **PAIR_OPTIONS),
+    )
     masked, filled = (
-        pair(scan, scan, shifts=4, **ASKED),
-        pair(path, path, missing="interpolate", shifts=4, **READ, **ASKED),
+        pair(scan, scan, shifts=4, **PAIR_OPTIONS),
+        pair(scan_path, scan_path, missing="interpolate", shifts=4, **READ_OPTIONS, **PAIR_OPTIONS),
     )
     part = masked.nominal_area / full.nominal_area
     assert 0.6 < part < 0.9
     area = [float(result.dataset["contact_area"].mean()) / result.nominal_area for result in (masked, full)]
-    assert area[0] / area[1] == pytest.approx(1, abs=0.05)  # equal pressure on a smaller area
+    assert area[0] / area[1] == pytest.approx(1, abs=0.05)  # an equal pressure acts on a smaller area
     text = "12 % of the points are interpolated, in gaps larger than the contacts"
     assert any(text in caveat.text for caveat in filled.caveats)
     assert not any("interpolated" in caveat.text for caveat in masked.caveats)
@@ -174,10 +184,10 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole
         ({"surrogates": 2}, "surrogates generates surfaces from a spectrum and needs scans without"),
         ({"work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion needs scans without.*missing interpolate"),
     ):
-        options = READ | ASKED | refused
+        options = READ_OPTIONS | PAIR_OPTIONS | refused
         options.pop("onset")
-        with pytest.raises(ValueError, match=why):  # before anything is computed
-            Pair.from_values(upper=path, lower=path, missing="mask", **options)
+        with pytest.raises(ValueError, match=why):  # the error is raised before any computation
+            Pair.from_values(upper=scan_path, lower=scan_path, missing="mask", **options)
 
 
 @pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])
@@ -186,14 +196,14 @@ def test_invalid_mask_is_rejected(mask):
         Profile(np.zeros(4), spacing=1.0, missing=mask)
 
 
-def test_pair_rejects_maps_without_common_points(whole):
+def test_pair_rejects_maps_without_common_points(complete_surface):
     rows = np.broadcast_to((np.arange(64) % 2 == 0)[:, np.newaxis], (64, 64))
-    scan = Surface(whole.heights, spacing=0.1, missing=rows)
+    scan = Surface(complete_surface.heights, spacing=0.1, missing=rows)
     with pytest.raises(ValueError, match="measured in both"):
-        pair(scan, scan, shifts=4, **ASKED)  # some of which are an odd number of rows
+        pair(scan, scan, shifts=4, **PAIR_OPTIONS)  # some of the shifts are an odd number of rows
 
 
-def test_link_without_target_in_folder_of_scans_is_rejected(path):
-    (path.parent / "gone.npy").symlink_to("nowhere.npy")
+def test_link_without_target_in_folder_of_scans_is_rejected(scan_path):
+    (scan_path.parent / "gone.npy").symlink_to("nowhere.npy")
     with pytest.raises(ValueError, match=r"gone\.npy: cannot be read"):
-        pair(path.parent, path, missing="mask", shifts=1, **READ, **ASKED)
+        pair(scan_path.parent, scan_path, missing="mask", shifts=1, **READ_OPTIONS, **PAIR_OPTIONS)

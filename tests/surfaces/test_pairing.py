@@ -1,4 +1,4 @@
-"""Tests of pairs: lines and pieces cover both scans, and each pair depends only on its number."""
+"""Tests of pairs of surfaces: lines and pieces cover both scans, and each pair depends only on its number."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ class TestMaps:
     def test_map_pairs_never_align_a_map_with_itself(self):
         body = surface()
         pairs = MapPairs(flipped(body), body)
-        moved = np.array([pairs.moved(index) for index in range(30)])
+        moved = np.array([pairs.map_shift(index) for index in range(30)])
         assert (moved[:, 0] >= 6.4 / 8 - 1e-9).all()
         assert (np.abs(moved) <= 6.4 / 4 + 1e-9).all()
         assert len(np.unique(moved, axis=0)) == 30
@@ -73,7 +73,7 @@ class TestMaps:
         upper, lower = pairs.pair(3)
         assert upper.heights.shape == lower.heights.shape == pairs.shape
         (row, column), _ = pairs.origins(3)[1], None
-        # Coarse points on the fine grid keep their heights, except for the subtracted plane.
+        # The heights of the coarse points remain on the fine grid, except for the subtracted plane.
         rows, columns = pairs.shape
         y, x = np.arange(row, row + rows), np.arange(column, column + columns)
         on = np.ix_(y % 2 == 0, x % 2 == 0)
@@ -90,7 +90,7 @@ class TestMaps:
         assert pairs.used == pytest.approx((0.5625, 0.5625))
 
     def test_map_pairs_reject_too_few_points(self):
-        with pytest.raises(ValueError, match="at least 16 rows and columns must lie above each other"):
+        with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
             MapPairs(surface((20, 64)), surface((20, 64))).pair(0)
 
 

@@ -6,11 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from stiction import Profile, Surface, contacts, cropped, flipped, levelled, on_common_grid
 
-ROUND_OFF = 1e-13  # round-off of sums over a hundred numbers of order one
-SPLINE_ORDER = 3.7  # order four in the interior, minus a margin; natural ends reduce it only near the ends
+ROUND_OFF = 1e-13  # relative round-off of sums of a hundred numbers of order one
+# Minimum order of convergence. It is four in the interior, minus a margin; natural ends reduce the order only near the
+# ends.
+MIN_SPLINE_ORDER = 3.7
 
 
-def rough(points, spacing=0.1, seed=1):
+def rough_profile(points, spacing=0.1, seed=1):
     return Profile(np.random.default_rng(seed).normal(size=points), spacing=spacing)
 
 
@@ -19,7 +21,7 @@ def rough(points, spacing=0.1, seed=1):
 
 @pytest.mark.parametrize(("trend", "degree"), [("mean", 0), ("line", 1), ("quadratic", 2)])
 def test_levelled_subtracts_least_squares_polynomial(trend, degree):
-    profile = rough(101)
+    profile = rough_profile(101)
     reference = profile.heights - np.polynomial.Polynomial.fit(profile.x, profile.heights, degree)(profile.x)
     result = levelled(profile, trend)
     assert np.abs(result.heights - reference).max() < ROUND_OFF
@@ -31,7 +33,7 @@ def test_levelled_subtracts_least_squares_polynomial(trend, degree):
 )  # fmt: skip
 @settings(max_examples=50, deadline=None)
 def test_levelled_removes_added_trend(seed, points, coefficients):
-    profile = rough(points, seed=seed)
+    profile = rough_profile(points, seed=seed)
     t = np.linspace(-1, 1, points)
     bent = Profile(profile.heights + np.polynomial.Polynomial(coefficients)(t), spacing=0.1)
     assert np.abs(levelled(bent, "quadratic").heights - levelled(profile, "quadratic").heights).max() < ROUND_OFF
@@ -40,14 +42,14 @@ def test_levelled_removes_added_trend(seed, points, coefficients):
 
 
 def test_levelled_is_accurate_for_large_tilt():
-    profile = levelled(rough(10_000), "line")
+    profile = levelled(rough_profile(10_000), "line")
     tilted = Profile(1e-3 * profile.heights + 100 * profile.x, spacing=profile.spacing)
     assert np.abs(levelled(tilted, "line").heights - 1e-3 * profile.heights).max() < 1e-10  # 1e5 µm in 1e-16
 
 
 def test_levelled_rejects_trend_of_other_body():
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'line', .*, got 'plane'"):
-        levelled(rough(9), "plane")
+        levelled(rough_profile(9), "plane")
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'plane', .*, got 'line'"):
         levelled(Surface(np.eye(3), spacing=1.0), "line")
     with pytest.raises(ValueError, match="body must be a Profile or a Surface, got list"):
@@ -59,7 +61,7 @@ def test_levelled_rejects_trend_of_other_body():
 
 @given(points=st.integers(8, 200), cut=st.floats(0.05, 0.95), spacing=st.sampled_from([0.1, 0.3, 1 / 3, 7.0]))
 def test_adjacent_crops_make_up_the_profile(points, cut, spacing):
-    profile = rough(points, spacing)
+    profile = rough_profile(points, spacing)
     place = min(max(round(cut * points), 4), points - 4) * spacing
     left, right = cropped(profile, stop=place), cropped(profile, place)
     assert np.array_equal(np.concatenate([left.heights, right.heights]), profile.heights)
@@ -85,7 +87,7 @@ def test_crop_starts_at_next_point():
 )
 def test_cropped_rejects_positions_outside(start, stop, match):
     with pytest.raises(ValueError, match=match):
-        cropped(rough(10), start, stop)
+        cropped(rough_profile(10), start, stop)
 
 
 # ---- Turning over ---------------------------------------------------------------------------------------------------
@@ -97,7 +99,7 @@ def test_flipped_scan_touches_at_the_peak():
     assert touching.index.tolist() in (
         [49],
         [50],
-    )  # the minimum is at point 50, the end of one interval and start of one
+    )  # the minimum is at point 50, which is the end of one interval and the start of another
     assert flipped(flipped(peak)).heights.tolist() == peak.heights.tolist()
 
 
@@ -105,18 +107,18 @@ def test_flipped_scan_touches_at_the_peak():
 
 
 def test_common_grid_keeps_finer_profile_and_splines_the_other():
-    fine, coarse = rough(100, 0.1), rough(20, 0.25)
+    fine, coarse = rough_profile(100, 0.1), rough_profile(20, 0.25)
     for a, b, stored in ((fine, coarse, 0), (coarse, fine, 1)):
         pair = on_common_grid(a, b)
         assert pair[0].spacing == pair[1].spacing == 0.1
         assert len(pair[0]) == len(pair[1]) == 48  # 4.75 µm in common
         assert np.array_equal(pair[stored].heights, fine.heights[:48])
-        shared = pair[1 - stored].heights[::5]  # every fifth point is a point of the coarse grid as well
+        shared = pair[1 - stored].heights[::5]  # every fifth point of the fine grid is also a point of the coarse grid
         assert np.abs(shared - coarse.heights[::2]).max() < ROUND_OFF
 
 
 def test_common_grid_of_equal_grids_changes_nothing():
-    a, b = rough(30), rough(20)
+    a, b = rough_profile(30), rough_profile(20)
     common = on_common_grid(a, b)
     assert np.array_equal(common[0].heights, a.heights[:20])
     assert common[1] is b
@@ -130,20 +132,20 @@ def test_spline_error_decreases_with_fourth_power_of_spacing():
         splined = on_common_grid(fine, coarse)[1]
         inner = slice(500, 1500)
         errors.append(np.abs(splined.heights - np.sin(splined.x))[inner].max())
-    assert np.log2(errors[0] / errors[1]) > SPLINE_ORDER
+    assert np.log2(errors[0] / errors[1]) > MIN_SPLINE_ORDER
 
 
 def test_common_grid_exists_for_any_two_profiles():
-    assert [len(item) for item in on_common_grid(rough(4, 3.0), rough(4, 0.1))] == [4, 4]
+    assert [len(item) for item in on_common_grid(rough_profile(4, 3.0), rough_profile(4, 0.1))] == [4, 4]
 
 
 # ---- History --------------------------------------------------------------------------------------------------------
 
 
 def test_history_contains_every_step():
-    profile = Profile(rough(100).heights, spacing=0.1, history=("made up",))
+    profile = Profile(rough_profile(100).heights, spacing=0.1, history=("made up",))
     completed = cropped(levelled(profile, "quadratic"), 1.0, 9.0).with_amplitude(0.5, "Rq")
-    other = on_common_grid(completed, rough(200, 0.05))[0]
+    other = on_common_grid(completed, rough_profile(200, 0.05))[0]
     assert other.history == (
         "made up",
         "levelled by a parabola",

@@ -5,7 +5,7 @@ import pytest
 from stiction import Profile, Surface
 
 HEIGHTS = np.array([0.0, 2.0, 1.0, -3.0, 0.5])
-ROUND_OFF = 1e-14  # a few roundings of numbers of order one
+ROUND_OFF = 1e-14  # error of a few roundings of numbers of order one
 
 
 def test_grid_starts_at_zero_and_extends_over_all_points():
@@ -17,7 +17,7 @@ def test_grid_starts_at_zero_and_extends_over_all_points():
 
 @pytest.mark.parametrize("body", [Profile(HEIGHTS, spacing=1.0), Surface(np.zeros((4, 4)), spacing=1.0)])
 def test_heights_are_a_read_only_copy(body):
-    """This includes heights of a read-only view and of a pickled profile."""
+    """Check the copy of heights also for a read-only view and for a pickled profile."""
     mine = np.array(body.heights)
     view = mine.view()
     view.flags.writeable = False
@@ -82,7 +82,7 @@ def test_with_amplitude_rejects_bad_amplitudes():
 
 
 def test_profile_accepts_heights_whose_sum_overflows():
-    """NumPy must not warn, and non-finite heights must still be detected."""
+    """Check that NumPy does not warn, and that non-finite heights are still detected."""
     heights = np.array([1e308, 1e308, -1e308, -1e308, 0.0])
     assert Profile(heights, spacing=1.0).heights.tolist() == heights.tolist()
     with pytest.raises(ValueError, match=r"heights\[1\] is inf"):

@@ -4,11 +4,13 @@ from scipy.ndimage import grey_dilation
 from stiction import Profile, Surface, compare_repeated_scans, self_affine, self_affine_surface, tip_reconstructed
 from stiction.surfaces.scale import mean_square_heights
 
-RECOVERED = 0.1  # relative error of the noise per octave above four points; scatter is 3 % in the shortest, 1 % on maps
+# Relative error of the noise per octave at wavelengths above four points. It scatters by 3 % in the shortest octave and
+# by 1 % on maps.
+NOISE_TOLERANCE = 0.1
 ROUND_OFF = 1e-15
 
 
-def noise_of(colour, shape, spacing, rng):
+def coloured_noise(colour, shape, spacing, rng):
     q = np.sqrt(sum(item**2 for item in np.meshgrid(*[np.fft.fftfreq(n, spacing) for n in shape], indexing="ij")))
     factor = {
         "white": np.ones(q.shape), "band": (q > 0.13 / spacing) & (q < 0.3 / spacing),
@@ -18,8 +20,8 @@ def noise_of(colour, shape, spacing, rng):
     return created / created.std()
 
 
-def place(dimensions, points, spacing):
-    """Return a surface with half the spacing, so that scans can be shifted by half a point."""
+def fine_surface(dimensions, points, spacing):
+    """Return a surface on half the spacing, so that scans can be shifted by half a point."""
     options = {"hurst_exponent": 0.7, "rms": 0.003, "spacing": spacing / 2, "shortest_wavelength": 8 * spacing}
     if dimensions == 1:
         return self_affine(7, points=2 * points + 100, **options).heights
@@ -31,9 +33,9 @@ def place(dimensions, points, spacing):
 def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colour):
     points, spacing, rms, rng = (12000 if dimensions == 1 else 320), 0.02, 1.5e-4, np.random.default_rng(3)
     shape = (points,) * dimensions
-    truth, kind = place(dimensions, points, spacing), Profile if dimensions == 1 else Surface
+    truth, kind = fine_surface(dimensions, points, spacing), Profile if dimensions == 1 else Surface
     moved = (41, 13)[:dimensions]
-    noise = [rms * noise_of(colour, shape, spacing, rng) for _ in range(2)]
+    noise = [rms * coloured_noise(colour, shape, spacing, rng) for _ in range(2)]
     starts = [(0,) * dimensions, moved]
     scans = [
         truth[tuple(slice(first, first + 2 * points, 2) for first in start)] + own
@@ -41,7 +43,7 @@ def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colou
     ]
     scans[1] = scans[1] + 0.3 + 1e-5 * np.indices(shape).sum(axis=0)
     result = compare_repeated_scans(*(kind(scan, spacing=spacing) for scan in scans))
-    slack = 1.0 if colour == "pink" else 0.3  # points: noise has ten times the slope of the surface
+    slack = 1.0 if colour == "pink" else 0.3  # tolerance in points; pink noise has ten times the slope of the surface
     assert np.abs(np.array(result.shift) / spacing - np.array(moved) / 2).max() < slack
     assert result.correlation > 0.99
     true = np.mean([mean_square_heights(kind(own, spacing=spacing))[1] for own in noise], axis=0)
@@ -53,11 +55,11 @@ def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colou
     reported = (true > 0.01 * rms) & (np.bincount(octave) > 60)
     reported[0] = False  # from four points up
     assert reported.sum() >= (1 if colour == "band" else 3)
-    np.testing.assert_allclose(result.noise[reported], true[reported], rtol=RECOVERED)
+    np.testing.assert_allclose(result.noise[reported], true[reported], rtol=NOISE_TOLERANCE)
     recorded = (common > 3 * true) & (np.bincount(octave) > 15)
     assert recorded.any()
-    np.testing.assert_allclose(result.common[recorded], common[recorded], rtol=RECOVERED)
-    # In the filtered mean, noise contributes a tenth of the mean square slope.
+    np.testing.assert_allclose(result.common[recorded], common[recorded], rtol=NOISE_TOLERANCE)
+    # In the mean after filtering, noise contributes a tenth of the mean square slope.
     q, whole = mean_square_heights(result.scan)
     stored = q**2 * np.exp(-2 * np.log(2) * (q * result.limit / (2 * np.pi)) ** 2)
     left = mean_square_heights(kind((noise[0] - noise[1]) / 2, spacing=spacing))
@@ -73,7 +75,7 @@ def test_compare_repeated_scans_rejects_identical_and_unrelated_scans():
     area = Surface(np.eye(40), spacing=0.1)
     holes = Profile(first.heights, spacing=0.1, missing=np.arange(2000) == 7)
     for one, two, why in (
-        (first, first, "identical"), (first, other, "of the same area"), (first, area, "two of a kind"),
+        (first, first, "identical"), (first, other, "of the same area"), (first, area, "two profiles or two surfaces"),
         (first, Profile(first.heights, spacing=0.2), "equal spacings"), (first, holes, "requires complete scans"),
         (first, 3, "second must be a Profile or a Surface"), (Profile(np.zeros(9), spacing=0.1), first, "not be flat"),
     ):  # fmt: skip
@@ -81,8 +83,8 @@ def test_compare_repeated_scans_rejects_identical_and_unrelated_scans():
             compare_repeated_scans(one, two)
 
 
-def dilated(body, radius):
-    """Return the dilation of a surface by a ball, by SciPy."""
+def dilated_surface(body, radius):
+    """Return the dilation of a surface by a ball, computed with SciPy."""
     steps = np.atleast_1d(body.spacing)
     reach = [int(radius / step) for step in steps]
     at = np.meshgrid(*[np.arange(-n, n + 1) * step for n, step in zip(reach, steps, strict=True)], indexing="ij")
@@ -100,30 +102,31 @@ def dilated(body, radius):
 )
 def test_tip_reconstructed_inverts_dilation_at_certain_points(body):
     radius = 0.15
-    recorded = type(body)(dilated(body, radius), spacing=body.spacing)
+    recorded = type(body)(dilated_surface(body, radius), spacing=body.spacing)
     result, certain = tip_reconstructed(recorded, radius)
     off = result.heights - body.heights
     assert off.min() > -1e-12  # an upper bound
     assert np.abs(off[certain]).max() < 1e-12
     assert 0.1 < certain.mean() < 0.9
-    assert np.abs(dilated(result, radius) - recorded.heights).max() < 1e-12  # which would be seen like that
+    # a scan of the result would equal the recorded scan
+    assert np.abs(dilated_surface(result, radius) - recorded.heights).max() < 1e-12
     assert off.mean() < 0.5 * (recorded.heights - body.heights).mean()
     with pytest.raises(ValueError, match="radius must be a finite number above 0"):
         tip_reconstructed(recorded, 0.0)
     smooth = type(body)(1e-4 * np.cos(np.indices(body.heights.shape).sum(axis=0) / 20), spacing=body.spacing)
-    again = tip_reconstructed(type(body)(dilated(smooth, radius), spacing=body.spacing), radius)
+    again = tip_reconstructed(type(body)(dilated_surface(smooth, radius), spacing=body.spacing), radius)
     inner = tuple(slice(20, -20) for _ in again[1].shape)
-    assert again[1][inner].all()  # a ball follows features with a larger radius
+    assert again[1][inner].all()  # a ball follows features whose radius is larger than its own
 
 
 @pytest.mark.parametrize("factor", [0.0, 1e-71, 1e-160, 1e-300])
-def test_scans_whose_squares_underflow_are_flat(factor):
+def test_compare_repeated_scans_rejects_scans_whose_squares_underflow(factor):
     heights = np.random.default_rng(3).normal(size=64)
     with pytest.raises(ValueError, match="second must not be flat"):
         compare_repeated_scans(Profile(heights, spacing=0.1), Profile(factor * heights, spacing=0.1))
 
 
-def test_orthogonal_slopes_are_no_division_by_zero():
+def test_compare_repeated_scans_rejects_orthogonal_slopes():
     first, second = np.zeros((2, 16))
     first[3], second[11] = 1.0, 1.0
     with pytest.raises(ValueError, match=r"correlation|overlap"):

@@ -17,13 +17,13 @@ from stiction import (
 from stiction.surfaces.roughness import autocorrelation
 from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, sinusoid
 
-# Round-off of sums over some thousand points, and of transforms.
+# Relative round-off of sums over some thousand points and of transforms.
 ROUND_OFF = 1e-12
 
 
 class TestParameters:
     def test_parameters_of_sinusoid_have_closed_forms(self):
-        # Even moments of whole periods are exact. The mean of |sin| at n points per period is below 2/π by π²/3n².
+        # Even moments over whole periods are exact. The mean of |sin| at n points per period is below 2/π by π²/3n².
         n = 512
         result = roughness_parameters(sinusoid(n))
         assert result.Pa == pytest.approx(2 / np.pi * AMPLITUDE, rel=1.01 * np.pi**2 / (3 * n**2) * 4)
@@ -72,9 +72,10 @@ class TestParameters:
             roughness_parameters(rough_profile(), derivative="spline")
 
 
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # its own names, and what it imports
+# SurfaceTopography warns about its own names and about its imports
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
 class TestAgainstSurfaceTopography:
-    CLOSE = 1e-9  # the round-off of two transforms
+    TRANSFORM_TOLERANCE = 1e-9  # relative round-off of two transforms
 
     @pytest.fixture
     def line_scan(self):
@@ -89,39 +90,45 @@ class TestAgainstSurfaceTopography:
     def test_levelling_agrees_with_surface_topography(self, line_scan, measured):
         profile = read_profile(measured("dektak-1.csv"))
         theirs = line_scan(profile.heights.copy(), profile.extent, unit="um").detrend("height")
-        assert np.abs(theirs.heights() - levelled(profile, "line").heights).max() < self.CLOSE
+        assert np.abs(theirs.heights() - levelled(profile, "line").heights).max() < self.TRANSFORM_TOLERANCE
 
     def test_height_and_slope_agree_with_surface_topography(self, line_scan, profile):
         theirs = line_scan(profile.heights, profile.extent, unit="um")
         ours = roughness_parameters(profile, derivative="neighbours")
-        assert ours.Pq == pytest.approx(theirs.rms_height_from_profile(), rel=self.CLOSE)
-        assert ours.Pdq == pytest.approx(theirs.rms_slope_from_profile(), rel=self.CLOSE)
-        # For periodic profiles SurfaceTopography includes the step from the last point to the first.
+        assert ours.Pq == pytest.approx(theirs.rms_height_from_profile(), rel=self.TRANSFORM_TOLERANCE)
+        assert ours.Pdq == pytest.approx(theirs.rms_slope_from_profile(), rel=self.TRANSFORM_TOLERANCE)
+        # For periodic profiles SurfaceTopography includes the step from the last point to the first point.
         periodic = line_scan(profile.heights, profile.extent, unit="um", periodic=True)
         step = (profile.heights[0] - profile.heights[-1]) / profile.spacing
         points = len(profile)
         expected = np.sqrt(((points - 1) * ours.Pdq**2 + step**2) / points)
-        assert periodic.rms_slope_from_profile() == pytest.approx(expected, rel=self.CLOSE)
+        assert periodic.rms_slope_from_profile() == pytest.approx(expected, rel=self.TRANSFORM_TOLERANCE)
 
     @pytest.mark.parametrize("periodic", [True, False])
     def test_spectrum_agrees_with_surface_topography(self, line_scan, profile, periodic):
         theirs = line_scan(profile.heights, profile.extent, unit="um", periodic=periodic)
         q, density = theirs.power_spectrum_from_profile(resampling_method=None)
         ours = power_spectrum(profile, periodic=periodic)
-        shared = slice(0, q.size - 1)  # theirs begin at q = 0 and end before the Nyquist wave number
-        assert np.allclose(ours.wave_number[shared], q[1:], rtol=self.CLOSE, atol=0)
-        assert np.allclose(ours.density[shared], density[1:], rtol=self.CLOSE, atol=self.CLOSE**2 * density.max())
+        # the spectrum of SurfaceTopography begins at q = 0 and ends before the Nyquist wave number
+        shared = slice(0, q.size - 1)
+        assert np.allclose(ours.wave_number[shared], q[1:], rtol=self.TRANSFORM_TOLERANCE, atol=0)
+        assert np.allclose(
+            ours.density[shared],
+            density[1:],
+            rtol=self.TRANSFORM_TOLERANCE,
+            atol=self.TRANSFORM_TOLERANCE**2 * density.max(),
+        )
 
 
-def rough_area(seed=1, shape=(40, 50), spacing=(0.5, 0.25), smooth=2.0):
+def gaussian_surface(seed=1, shape=(40, 50), spacing=(0.5, 0.25), smooth=2.0):
     """Return periodic Gaussian heights with a Gaussian autocorrelation."""
     white = np.random.default_rng(seed).normal(size=shape)
     q = np.hypot(2 * np.pi * np.fft.fftfreq(shape[0])[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(shape[1]))
     return Surface(np.fft.ifft2(np.fft.fft2(white) * np.exp(-((smooth * q) ** 2) / 2)).real, spacing=spacing)
 
 
-def slow(surface):
-    """Return heights, slopes and area as defined in the standard, point by point."""
+def parameters_by_definition(surface):
+    """Return heights, slopes and area as defined in the standard, computed point by point."""
     z, (dy, dx) = surface.heights - surface.heights.mean(), surface.spacing
     rows, columns = z.shape
     n = z.size
@@ -132,7 +139,8 @@ def slow(surface):
     for j in range(rows - 1):
         for i in range(columns - 1):
             corner = [np.array([x * dx, y * dy, z[j + y, i + x]]) for y, x in ((0, 0), (0, 1), (1, 0), (1, 1))]
-            for a, b, c in ((0, 1, 2), (3, 1, 2), (1, 0, 3), (2, 0, 3)):  # both ways to part the mesh
+            # the mesh is divided into triangles in both possible ways
+            for a, b, c in ((0, 1, 2), (3, 1, 2), (1, 0, 3), (2, 0, 3)):
                 area += np.linalg.norm(np.cross(corner[b] - corner[a], corner[c] - corner[a])) / 4
     return {
         "Sq": sq, "Sa": math.fsum(abs(v) for v in z.flat) / n, "Sz": float(z.max() - z.min()),
@@ -144,16 +152,16 @@ def slow(surface):
 
 @pytest.mark.parametrize("factor", [1.0, 1e-6])
 def test_surface_parameters_equal_their_definitions(factor):
-    surface = Surface(3.0 + factor * rough_area().heights, spacing=(0.5, 0.25))
-    result, expected = surface_parameters(surface, derivative="neighbours"), slow(surface)
+    surface = Surface(3.0 + factor * gaussian_surface().heights, spacing=(0.5, 0.25))
+    result, expected = surface_parameters(surface, derivative="neighbours"), parameters_by_definition(surface)
     for name, value in expected.items():
-        # The difference of slow and projected area loses digits.
+        # The difference of the slow area and the projected area loses digits.
         loss = 1e-9 if name != "Sdr" else 1e-9 + 1e-15 / value
         assert getattr(result, name) == pytest.approx(value, rel=loss), name
 
 
 def test_seven_point_slope_equals_that_of_lines():
-    surface = rough_area()
+    surface = gaussian_surface()
     rows = [roughness_parameters(surface.row(index)).Pdq for index in range(40)]
     columns = [roughness_parameters(surface.column(index)).Pdq for index in range(50)]
     expected = math.sqrt(np.mean(np.square(rows)) + np.mean(np.square(columns)))
@@ -161,7 +169,7 @@ def test_seven_point_slope_equals_that_of_lines():
 
 
 def test_autocorrelation_equals_mean_product_over_the_overlap():
-    z = rough_area(shape=(9, 12)).heights
+    z = gaussian_surface(shape=(9, 12)).heights
     z = z - z.mean()
     result = autocorrelation(z)
     assert result.shape == (5, 13)
@@ -174,8 +182,9 @@ def test_autocorrelation_equals_mean_product_over_the_overlap():
 
 
 def test_autocorrelation_lengths_of_gaussian_have_closed_forms():
-    # exp(-r²/4s²) falls to 0.2 at 2 s sqrt(ln 5); 60 correlation areas give a scatter of some per cent.
-    surface = rough_area(shape=(600, 700), spacing=0.5, smooth=8.0)
+    # The correlation exp(-r²/4s²) falls to 0.2 at 2 s sqrt(ln 5). With 60 correlation areas it scatters by some per
+    # cent.
+    surface = gaussian_surface(shape=(600, 700), spacing=0.5, smooth=8.0)
     result = surface_parameters(surface)
     assert result.Sal == pytest.approx(2 * 8.0 * 0.5 * math.sqrt(math.log(5)), rel=0.08)
     assert result.Str > 0.8
@@ -184,8 +193,8 @@ def test_autocorrelation_lengths_of_gaussian_have_closed_forms():
     assert stretched.Str == pytest.approx(1 / 3, rel=0.15)
 
 
-def grooves(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
-    """Return a sinusoid in a direction in degrees; its grooves run across."""
+def grooved_surface(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
+    """Return a sinusoid that varies along a direction in degrees. Its grooves run across this direction."""
     y, x = spacing * np.arange(shape[0])[:, np.newaxis], spacing * np.arange(shape[1])
     along = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
     return Surface(np.cos(2 * np.pi * along / wavelength), spacing=spacing)
@@ -193,21 +202,22 @@ def grooves(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
 
 @pytest.mark.parametrize("angle", [0, 31, 90, 135])
 def test_texture_parameters_of_grooves_give_their_direction(angle):
-    result = surface_parameters(grooves(angle))
-    # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, up to partial periods in the overlap.
+    result = surface_parameters(grooved_surface(angle))
+    # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, except for partial periods in the overlap.
     assert result.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
-    assert math.isnan(result.Str)  # along the grooves it never falls
+    assert math.isnan(result.Str)  # along the grooves the correlation never falls
     off = abs((result.Std - angle + 90) % 180 - 90)
-    assert off <= 3  # a sector of two degrees, and the spread of the window
+    assert off <= 3  # tolerance for a sector of two degrees and the spread of the window
 
 
 def test_core_of_distributions_has_closed_forms():
-    # Heights equally spread: the bearing curve is straight, without peaks or valleys.
+    # The heights are equally spread, so the bearing curve is straight, without peaks or valleys.
     even = Surface(np.random.default_rng(1).permutation(np.linspace(0, 2, 10_000)).reshape(100, 100), spacing=1.0)
     result = surface_parameters(even)
     assert result.Sk == pytest.approx(2, rel=1e-3)
     assert result.Spk == pytest.approx(0, abs=1e-3)
-    # Normal heights, by integrals of the normal distribution: the core from 30 to 70 % fitted by least squares.
+    # Expected values for normal heights are integrals of the normal distribution. The core from 30 to 70 % is fitted by
+    # least squares.
     from scipy.stats import norm
 
     share = np.linspace(0.3, 0.7, 40_001)
@@ -225,8 +235,8 @@ def test_core_of_distributions_has_closed_forms():
     assert result.Svk == pytest.approx(result.Spk, rel=5e-3)
 
 
-def test_peaks_and_valleys_are_triangles_of_equal_area():
-    surface = rough_area(seed=5)
+def test_reduced_heights_are_triangles_of_equal_area():
+    surface = gaussian_surface(seed=5)
     result = surface_parameters(surface)
     z = np.sort(surface.heights.ravel() - surface.heights.mean())[::-1]
     upper = z[round(result.Smr1 * z.size) - 1]  # the lowest of the peaks is above the core
@@ -238,7 +248,7 @@ def test_peaks_and_valleys_are_triangles_of_equal_area():
 
 
 def test_bearing_curve_returns_heights_at_material_ratios():
-    surface = rough_area()
+    surface = gaussian_surface()
     ratios = np.array([0.1, 0.5, 0.93])
     heights = bearing_curve(surface, ratios)
     assert [np.mean(surface.heights > height) for height in heights] == pytest.approx(ratios, abs=1 / 2000)
@@ -247,7 +257,7 @@ def test_bearing_curve_returns_heights_at_material_ratios():
 
 
 def test_surface_parameters_scale_and_rotate():
-    surface = rough_area()
+    surface = gaussian_surface()
     one = surface_parameters(surface)
     other = surface_parameters(Surface(1e-3 * surface.heights, spacing=(0.5e-3, 0.25e-3)))
     for name, power in {
@@ -272,12 +282,12 @@ def test_surface_parameters_scale_and_rotate():
 
 def test_surface_parameters_agree_with_surface_topography():
     topography = pytest.importorskip("SurfaceTopography")
-    surface = rough_area()
+    surface = gaussian_surface()
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
     other = topography.Topography(surface.heights.T - surface.heights.mean(), (columns * dx, rows * dy), periodic=False)
     result = surface_parameters(surface, derivative="neighbours")
     assert result.Sq == pytest.approx(np.sqrt(np.mean(other.heights() ** 2)), rel=ROUND_OFF)
-    # SurfaceTopography uses triangles; each mesh has slopes along x and y on both sides.
+    # SurfaceTopography uses triangles. Each mesh has slopes along x and y on both sides.
     assert result.Sdq == pytest.approx(other.rms_gradient(), rel=0.01)
 
 

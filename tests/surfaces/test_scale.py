@@ -1,4 +1,4 @@
-"""Tests of scale-dependent slope and curvature against sums and closed forms, and of simulated instruments."""
+"""Tests of scale-dependent slope and curvature against sums, closed forms and simulated instruments."""
 
 import math
 from dataclasses import replace
@@ -24,7 +24,7 @@ from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_t
 from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
 ROUND_OFF = 1e-9
-BINS = 0.03  # relative error of a slope between two bins (48 per decade)
+BIN_TOLERANCE = 0.03  # relative error of a slope that is interpolated between two of 48 bins per decade
 
 
 def test_scale_dependent_roughness_tends_to_moments_of_spectrum():
@@ -67,7 +67,9 @@ def test_scale_dependent_roughness_of_power_law_has_closed_form(hurst):
     power = 2 - 2 * hurst
     for length in (0.05, 0.2, 1.0):
         ratio = (1 / length**power - 1 / longest**power) / (1 / 0.02**power - 1 / longest**power)
-        assert float(result.gradient_at(length)) / result.gradient[-1] == pytest.approx(math.sqrt(ratio), rel=BINS)
+        assert float(result.gradient_at(length)) / result.gradient[-1] == pytest.approx(
+            math.sqrt(ratio), rel=BIN_TOLERANCE
+        )
 
 
 def test_scale_dependent_roughness_is_independent_of_tilt_and_window():
@@ -76,7 +78,8 @@ def test_scale_dependent_roughness_is_independent_of_tilt_and_window():
     )
     result = scale_dependent_roughness(profile)
     own = math.sqrt(np.mean(np.square(np.diff(profile.heights) / 0.01)))
-    assert result.gradient[-1] == pytest.approx(own, rel=0.05)  # about a hundred wavelengths, weighted by a window
+    # there are about a hundred wavelengths, which the window weights
+    assert result.gradient[-1] == pytest.approx(own, rel=0.05)
     tilted = scale_dependent_roughness(Profile(5 + profile.heights + 0.3 * profile.x, spacing=0.01))
     assert tilted.gradient == pytest.approx(result.gradient, rel=1e-6)
     larger = scale_dependent_roughness(Profile(10 * profile.heights, spacing=0.1))
@@ -149,10 +152,10 @@ class TestInstrument:
         random = np.random.default_rng(1).normal(size=profile.heights.size)
         result = instrument_limit(Profile(profile.heights + noise * random, spacing=0.01), periodic=True)
         assert result.reason == "noise floor"
-        # For a spectrum A n^-2.8 over harmonics n, the sum is the mean square.
+        # The spectrum is A n^-2.8 for harmonics n, and its sum is the mean square.
         harmonic = profile.extent / result.noise
         power = 0.1**2 * harmonic**-2.8 / (np.arange(1, 2**13) ** -2.8).sum()
-        assert 1.2 < power / (noise**2 / 2**13) < 4  # with the noise, four times the lowest of all
+        assert 1.2 < power / (noise**2 / 2**13) < 4  # the power includes the noise, and is four times the lowest power
 
     def test_white_heights_are_noise_at_all_wavelengths(self):
         result = instrument_limit(Profile(np.random.default_rng(2).normal(size=4096), spacing=0.1))
@@ -199,7 +202,7 @@ class TestInstrument:
                     heights = clean.heights + 0.03 * clean.heights.std() * noise / noise.std()
                     result = instrument_limit(Profile(heights, spacing=step))
                     if result.reason == "pixels":
-                        assert name == "band"  # at most as high as the end of the spectrum of the surface
+                        assert name == "band"  # the hump is at most as high as the end of the spectrum of the surface
                         continue
                     slopes = [
                         np.gradient(cut_off(Profile(z, spacing=step), result.wavelength).heights).std()
@@ -224,7 +227,7 @@ class TestInstrument:
         assert instrument_limit(Profile(np.round(smooth.heights, 3), spacing=0.01)).reason == "quantisation"
 
 
-def body_of(heights, spacing=0.1):
+def make_body(heights, spacing=0.1):
     return (Profile if heights.ndim == 1 else Surface)(0.02 * scale_to_unit_rms(heights), spacing=spacing)
 
 
@@ -233,7 +236,7 @@ class TestTexture:
     @pytest.mark.parametrize("kind", MACHINED_SURFACES)
     def test_clean_surface_has_no_instrument_wavelengths(self, kind, dimensions):
         limits = [
-            instrument_limit(body_of(MACHINED_SURFACES[kind](np.random.default_rng([seed, dimensions]), dimensions)))
+            instrument_limit(make_body(MACHINED_SURFACES[kind](np.random.default_rng([seed, dimensions]), dimensions)))
             for seed in range(8)
         ]
         assert not any(limit.matters and limit.origin == "instrument" for limit in limits)
@@ -242,18 +245,18 @@ class TestTexture:
     @pytest.mark.parametrize("feed", [10, 25, 60])
     def test_feed_of_turned_profile_is_detected(self, feed):
         heights = turned_surface(np.random.default_rng(1), 1, feed=(feed, feed))
-        assert instrument_limit(body_of(heights)).period == pytest.approx(0.1 * feed, rel=0.01)
+        assert instrument_limit(make_body(heights)).period == pytest.approx(0.1 * feed, rel=0.01)
 
     @pytest.mark.parametrize("hurst", [0.3, 0.8, 1.0])
     def test_random_profile_has_no_feed(self, hurst):
         for seed in range(10):
             heights = filtered_noise(np.random.default_rng(seed), (2048,), hurst)
-            assert math.isnan(instrument_limit(body_of(heights)).period)
+            assert math.isnan(instrument_limit(make_body(heights)).period)
 
     def test_noise_on_turned_profile_is_attributed_to_instrument_if_texture_is_declared(self):
         rng = np.random.default_rng(3)
         heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
-        noisy = body_of(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
+        noisy = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
         result = instrument_limit(noisy)
         assert (result.reason, result.origin, result.matters) == ("noise floor", "unknown", True)
         assert instrument_limit(noisy, texture=True).origin == "instrument"
@@ -261,7 +264,7 @@ class TestTexture:
     def test_line_spectrum_is_unattributed_unless_texture_is_declared(self):
         rng = np.random.default_rng(1)
         smooth = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
-        humming = body_of(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
+        humming = make_body(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
         result = instrument_limit(humming)
         assert (result.reason, result.origin, result.matters) == ("line", "unknown", True)
         assert instrument_limit(humming, texture=True).reason == "pixels"
@@ -269,7 +272,7 @@ class TestTexture:
     def test_white_noise_of_map_is_attributed_to_instrument_with_declared_texture(self):
         rng = np.random.default_rng(2)
         smooth = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
-        noisy = body_of(smooth + 0.05 * rng.normal(size=smooth.shape))
+        noisy = make_body(smooth + 0.05 * rng.normal(size=smooth.shape))
         for texture in (False, True):
             result = instrument_limit(noisy, texture=texture)
             assert (result.reason, result.origin, result.matters) == ("noise floor", "instrument", True)
@@ -363,7 +366,7 @@ def test_gradient_and_wavelength_reject_bad_arguments():
 
 @pytest.mark.parametrize("colour", ["white", "band"])
 def test_cutoff_of_instrument_preserves_slope_of_trusted_wavelengths(colour):
-    """A Gaussian filter also attenuates longer wavelengths; a cutoff at the limit would reduce h' by 20 %."""
+    """Check that the cutoff removes little slope. A cutoff at the limit itself would reduce h' by 20 %."""
     for seed in range(6):
         created = self_affine_surface(
             seed, hurst_exponent=0.7, rms=0.002, shape=(192, 192), spacing=0.02, shortest_wavelength=0.2

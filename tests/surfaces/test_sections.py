@@ -1,4 +1,4 @@
-"""Tests of R- and W-parameters: closed forms of sinusoids, slow definitions, setting classes, rejected input."""
+"""Tests of R- and W-parameters: closed forms of sinusoids, slow definitions, setting classes and rejected input."""
 
 import math
 
@@ -12,13 +12,13 @@ from stiction.surfaces.profile_elements import mean_element
 
 
 def sinusoid(wavelength, amplitude=1.0, *, waves=40, points=100, phase=0.3):
-    """Return whole periods of a sinusoid with any phase; heights and lengths in µm."""
+    """Return whole periods of a sinusoid with any phase. Heights and lengths are in µm."""
     x = np.arange(waves * points) / points
     return Profile(amplitude * np.sin(2 * np.pi * x + phase), spacing=wavelength / points)
 
 
-def ground(seed=1, points=4500, spacing=0.5):
-    """Return a ground profile with some waviness."""
+def ground_profile(seed=1, points=4500, spacing=0.5):
+    """Return the profile of a ground surface with some waviness."""
     fine = self_affine(seed, hurst_exponent=0.7, rms=0.3, points=points, spacing=spacing, longest_wavelength=60.0)
     x = spacing * np.arange(points)
     return levelled(Profile(fine.heights + 0.5 * np.cos(2 * np.pi * x / 1000), spacing=spacing), "line")
@@ -27,12 +27,13 @@ def ground(seed=1, points=4500, spacing=0.5):
 class TestSinusoid:
     @pytest.mark.parametrize("ratio", [0.1, 0.25, 1.0])
     def test_height_parameters_have_closed_forms(self, ratio):
-        # Amplitude A (1 - t) with the transmission t = exp(-π (α λc/λ)²) behind the L-filter.
+        # Behind the L-filter the amplitude is A (1 - t) with the transmission t = exp(-π (α λc/λ)²).
         wavelength = 800 * ratio
-        # Fifteen sections of whole periods, so that the ends do not influence the five in the middle.
+        # The profile has fifteen sections of whole periods, so that its ends do not influence the five sections in the
+        # middle.
         found = section_parameters(sinusoid(wavelength, 2.0, waves=round(15 / ratio), points=400), lc=800, ls=0)
         amplitude = 2.0 * (1 - math.exp(-math.pi * math.log(2) / math.pi / ratio**2))
-        close = 1e-4  # at 400 points per wavelength
+        close = 1e-4  # relative error at 400 points per wavelength
         assert found.Ra == pytest.approx(2 * amplitude / math.pi, rel=close)
         assert found.Rq == pytest.approx(amplitude / math.sqrt(2), rel=close)
         assert found.Rz == pytest.approx(2 * amplitude, rel=close)
@@ -46,7 +47,7 @@ class TestSinusoid:
         assert found.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
 
     def test_s_filter_removes_its_fraction(self):
-        # A sinusoid with the wavelength λs keeps half of its amplitude.
+        # A sinusoid whose wavelength is λs keeps half of its amplitude.
         found = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
         assert found.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
 
@@ -59,12 +60,12 @@ class TestSinusoid:
 
 @pytest.fixture(scope="module")
 def profile():
-    return ground(points=900)
+    return ground_profile(points=900)
 
 
 @pytest.fixture(scope="module")
-def parts(profile):
-    """Return roughness of the evaluation length, and waviness, by slow filters: λs 4 µm and λc 80 µm."""
+def slow_parts(profile):
+    """Return the roughness in the evaluation length, and the waviness, by slow filters with λs 4 µm and λc 80 µm."""
     primary = mean_line(profile.heights, 0.5, 4.0)
     waviness = mean_line(primary, 0.5, 80.0)
     return (primary - waviness)[50:850].tolist(), waviness.tolist()
@@ -79,8 +80,8 @@ class TestDefinitions:
     def test_evaluation_length_is_five_sections_in_the_middle(self, found):
         assert (found.filters.start, found.filters.stop, found.filters.sections) == (50, 850, 5)
 
-    def test_roughness_parameters_equal_their_definitions(self, parts, found):
-        z = parts[0]
+    def test_roughness_parameters_equal_their_definitions(self, slow_parts, found):
+        z = slow_parts[0]
         peak, pit = slow.mean_section_extremes(z, 5)
         spacing, tall = slow.measure_profile_elements(z, peak, pit)
         expected = slow.height_parameters(z, 0.5) | slow.stratified_parameters(z)
@@ -93,12 +94,12 @@ class TestDefinitions:
             parameter.name for parameter in PROFILE_PARAMETERS["R"]
         )
         for stem, value in expected.items():
-            # The slow filter samples the Gaussian, by eight points at λs; ratios change by whole points.
+            # The slow filter samples the Gaussian with eight points at λs. Ratios change by whole points.
             close = {"abs": 2 / 800} if stem.startswith("mr") else {"rel": 2e-4, "abs": 2e-4}
             assert getattr(found, f"R{stem}") == pytest.approx(value, **close), stem
 
-    def test_waviness_parameters_equal_their_definitions(self, parts, found):
-        z = parts[1]
+    def test_waviness_parameters_equal_their_definitions(self, slow_parts, found):
+        z = slow_parts[1]
         spacing, tall = slow.measure_profile_elements(z, max(z), -min(z))
         expected = slow.height_parameters(z, 0.5) | {"Sm": 0.5 * spacing, "c": tall}
         for stem, value in expected.items():
@@ -106,7 +107,7 @@ class TestDefinitions:
 
 
 def test_profile_elements_ignore_small_hills_and_dales():
-    # A dale of 5 % between two hills does not end an element.
+    # A dale with a depth of 5 % between two hills does not end an element.
     wave = np.concatenate([np.sin(np.linspace(0, np.pi, 50)), [-0.05], np.sin(np.linspace(0, np.pi, 50))])
     heights = np.concatenate([wave, -wave] * 4)
     assert mean_element(heights, 1.0, 1.0)[0] == pytest.approx(202, rel=1e-9)
@@ -114,7 +115,7 @@ def test_profile_elements_ignore_small_hills_and_dales():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
-    heights = ground(seed).heights
+    heights = ground_profile(seed).heights
     own = mean_element(heights, 0.5, 0.7)
     assert mean_element(heights[::-1], 0.5, 0.7) == pytest.approx(own, rel=1e-9)
     assert mean_element(-heights, 0.7, 0.5) == pytest.approx(own, rel=1e-9)
@@ -122,7 +123,7 @@ def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_profile_elements_equal_a_walk_along_the_profile(seed):
-    heights = ground(seed, points=1500).heights
+    heights = ground_profile(seed, points=1500).heights
     assert mean_element(heights, 0.5, 0.7) == pytest.approx(slow.measure_profile_elements(heights, 0.5, 0.7), rel=1e-9)
 
 
@@ -151,7 +152,7 @@ class TestSettingClass:
         assert found.filters.stop - found.filters.start == 3200
 
     def test_robust_filter_does_not_follow_a_groove(self):
-        profile = ground(points=3000)
+        profile = ground_profile(points=3000)
         heights = profile.heights.copy()
         heights[1500:1560] -= 20
         grooved = Profile(heights, spacing=0.5)
@@ -160,7 +161,7 @@ class TestSettingClass:
         assert abs(robust.Rp - plain.Rp) < 0.2 * abs(linear.Rp - plain.Rp)
 
     def test_missing_points_do_not_change_the_filters(self):
-        profile, missing = ground(points=3000), np.zeros(3000, bool)
+        profile, missing = ground_profile(points=3000), np.zeros(3000, bool)
         missing[1400:1403] = True
         heights = np.where(missing, 50.0, profile.heights)
         found = section_parameters(Profile(heights, spacing=0.5, missing=missing), lc=250)

@@ -5,8 +5,8 @@ import pytest
 from stiction import Surface, power_spectrum, roughness_parameters, self_affine_surface
 from support.rough_surfaces import rough_profile
 
-ROUND_OFF = 1e-12  # round-off of sums and transforms of ten thousand numbers
-CHOICES = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.02, 0.01)}
+ROUND_OFF = 1e-12  # relative round-off of sums and transforms of ten thousand numbers
+SURFACE_OPTIONS = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.02, 0.01)}
 
 
 class TestSelfAffineProfile:
@@ -27,7 +27,8 @@ class TestSelfAffineProfile:
             roughness_parameters(rough_profile(repetition=r, periodic=periodic, longest_wavelength=0.5)).Pq ** 2
             for r in range(100)
         ]
-        # 100 profiles with about ten independent sections: 4 %; subtracting the mean removes as much again.
+        # 100 profiles with about ten independent sections scatter by 4 %. Subtraction of the mean removes as much
+        # again.
         assert np.mean(squares) == pytest.approx(0.1**2, rel=0.12)
 
     def test_finer_grid_samples_the_same_profile(self):
@@ -73,11 +74,11 @@ class TestSelfAffineProfile:
 
 
 def surface(seed=3, **changes):
-    return self_affine_surface(seed, **(CHOICES | changes))
+    return self_affine_surface(seed, **(SURFACE_OPTIONS | changes))
 
 
-def power(heights, extents):
-    """Return the mean square of each Fourier coefficient of half the plane, and its wavenumber."""
+def mean_powers(heights, extents):
+    """Return the mean square of each Fourier coefficient in half of the plane, and its wavenumber."""
     transform = np.fft.fft2(heights) / heights.size
     y, x = (np.fft.fftfreq(size, 1 / size) / extent for size, extent in zip(heights.shape, extents, strict=True))
     return np.abs(transform) ** 2, 2 * np.pi * np.hypot(y[:, None], x)
@@ -86,7 +87,7 @@ def power(heights, extents):
 def test_surface_has_requested_rms_and_zero_mean():
     for changes in ({}, {"longest_wavelength": 0.4}, {"shape": (4, 5), "spacing": 1.0}, {"rms": 1e-7}):
         heights = surface(**changes).heights
-        assert heights.std() == pytest.approx((CHOICES | changes)["rms"], rel=ROUND_OFF)
+        assert heights.std() == pytest.approx((SURFACE_OPTIONS | changes)["rms"], rel=ROUND_OFF)
         assert abs(heights.mean()) < ROUND_OFF * heights.std()
 
 
@@ -99,7 +100,7 @@ def test_spectrum_is_power_law_with_plateau_and_cutoff(hurst):
             shape=(256, 256), spacing=0.02, hurst_exponent=hurst, repetition=repetition,
             longest_wavelength=1.28, shortest_wavelength=0.08,
         )  # fmt: skip
-        density, q = power(created.heights, extents)
+        density, q = mean_powers(created.heights, extents)
         spectra.append(density)
     mean = np.mean(spectra, axis=0)
     assert mean[q > 2 * np.pi / 0.08 * 1.001].max() < 1e-25
@@ -107,8 +108,8 @@ def test_spectrum_is_power_law_with_plateau_and_cutoff(hurst):
     level = mean[(q > 0) & (q < 2 * np.pi / 0.08)].sum() / law[(q > 0) & (q < 2 * np.pi / 0.08)].sum()
     for low, high in ((0.5, 4.0), (6.0, 10.0), (10.0, 20.0), (20.0, 40.0), (40.0, 75.0)):
         ring = (q > low) & (q < high)
-        # Powers are exponentially distributed: n / 2 independent coefficients in 8 surfaces; 4 standard errors.
-        # The few longest wavelengths determine the level and scatter as much.
+        # Powers are exponentially distributed. With n / 2 independent coefficients in 8 surfaces, the tolerance is 4
+        # standard errors. The few longest wavelengths determine the level and scatter as much.
         ratio = np.mean(mean[ring] / law[ring]) / level
         assert ratio == pytest.approx(1, abs=4 / np.sqrt(4 * ring.sum()) + 0.15)
 
@@ -119,14 +120,14 @@ def test_surface_is_isotropic_on_any_grid():
     ]
     along_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in created])
     along_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in created])
-    # The shortest hundreds of wavelengths determine the slope: the mean of 20 surfaces agrees to 1 %.
+    # Hundreds of the shortest wavelengths determine the slope, so the mean of 20 surfaces agrees to 1 %.
     assert np.mean(along_y**2) / np.mean(along_x**2) == pytest.approx(1, abs=0.03)
 
 
 def test_surface_is_periodic():
     created = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
     doubled = np.tile(created.heights, (2, 2))
-    # A jump at the seam would exceed the differences between neighbours.
+    # A jump at the seam would exceed the differences between neighbouring points.
     steps = np.abs(np.diff(doubled, axis=1))
     assert steps[:, 63].max() <= np.delete(steps, 63, axis=1).max()
     assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(created.heights, axis=0)).max() * 1.5
@@ -143,14 +144,14 @@ def test_surface_is_reproducible_and_depends_on_seed():
     assert surface().heights.tobytes() == one.heights.tobytes()
     for other in (surface(seed=4), surface(repetition=1), surface(side="upper")):
         correlation = (other.heights * one.heights).mean() / 0.01
-        # A few long wavelengths dominate the height, so two surfaces are correlated by chance.
+        # A few long wavelengths dominate the height, so two surfaces may be correlated by chance.
         assert abs(correlation) < 0.8
     ensemble = [surface(repetition=r).heights * surface(repetition=r, side="upper").heights for r in range(40)]
     assert abs(np.mean(ensemble) / 0.01) < 4 * np.std([one.mean() / 0.01 for one in ensemble]) / np.sqrt(40)
 
 
 def test_random_words_match_documentation():
-    # One wave (1, 0) along x alone, on a strip: the second word cannot show, because the rms is given.
+    # The strip contains a single wave (1, 0) along x. The second word has no effect, because the rms is given.
     created = self_affine_surface(
         5, hurst_exponent=0.5, rms=1.0, shape=(4, 64), spacing=(0.01, 0.125), shortest_wavelength=7.0, repetition=2
     )

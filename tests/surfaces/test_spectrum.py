@@ -20,10 +20,12 @@ from stiction import (
 )
 from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, self_affine_map, sinusoid
 
-# Round-off of sums over some thousand points, and of transforms.
+# Relative round-off of sums over some thousand points and of transforms.
 ROUND_OFF = 1e-12
 AREA_ROUND_OFF = 1e-11
-LAY = 10.0  # degrees, for maps about ten wavelengths long and stretched by two; 90 % are within 3 degrees
+# Error of the direction in degrees, for maps about ten wavelengths long and stretched by two. In 90 % of the cases it
+# is below 3 degrees.
+LAY_TOLERANCE = 10.0
 
 
 class TestSpectrum:
@@ -65,10 +67,10 @@ class TestSpectrum:
         )
         q = power_spectrum(profiles[0]).wave_number
         expected = np.maximum(q * 4.0 / (2 * np.pi), 1.0) ** -2.6
-        # The spectrum has a variance of 0.1² over the harmonics of the period, 16384 points.
+        # The spectrum has a variance of 0.1² over the harmonics of the period, which has 16384 points.
         fine = np.maximum(np.arange(1, 8192) * 4.0 / 163.84, 1.0) ** -2.6
         expected *= 0.1**2 * np.pi / (fine.sum() * 2 * np.pi / 163.84)
-        high = q > 100  # a thousand harmonics of 40 profiles: 1 % of scatter, and 1.2 % of leakage at most
+        high = q > 100  # a thousand harmonics of 40 profiles scatter by 1 %, and leakage is at most 1.2 %
         assert np.mean(windowed[high] / expected[high]) == pytest.approx(1, abs=0.02)
         assert np.mean(plain[high] / expected[high]) > 1.3
 
@@ -93,7 +95,7 @@ class TestSpectralMoments:
     def test_moments_of_bands_add_up(self):
         profile = rough_profile()
         whole = spectral_moments(profile)
-        # 0.35 µm is no wavelength of the profile, so nothing is counted twice.
+        # The profile has no wavelength of exactly 0.35 µm, so no harmonic is counted twice.
         parts = spectral_moments(profile, shortest_wavelength=0.35), spectral_moments(profile, longest_wavelength=0.35)
         for name in ("height", "slope", "curvature"):
             assert sum(getattr(part, name) for part in parts) == pytest.approx(getattr(whole, name), rel=ROUND_OFF)
@@ -126,13 +128,13 @@ def test_moments_are_variances_along_any_direction():
     surface = self_affine_map(2, 0.7)
     spectrum = surface_spectrum(surface, periodic=True)
     assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=AREA_ROUND_OFF)
-    # Along x, moments of the rows; the mean of a row is a wavelength of the surface.
+    # Moments along x are those of the rows. The mean of a row is a wavelength of the surface.
     rows = [spectral_moments(surface.row(index), periodic=True) for index in range(128)]
     assert spectrum.moments(0).slope == pytest.approx(np.mean([row.slope for row in rows]), rel=1e-9)
     assert spectrum.moments(0).curvature == pytest.approx(np.mean([row.curvature for row in rows]), rel=1e-9)
     columns = [spectral_moments(surface.column(index), periodic=True) for index in range(160)]
     assert spectrum.moments(90).slope == pytest.approx(np.mean([column.slope for column in columns]), rel=1e-9)
-    # In other directions m2 is a quadratic form.
+    # In other directions, m2 is a quadratic form of the direction.
     along, across = spectrum.moments(20).slope, spectrum.moments(110).slope
     assert along + across == pytest.approx(spectrum.moments(0).slope + spectrum.moments(90).slope, rel=AREA_ROUND_OFF)
     wave = np.cos(0.25 * np.pi * (surface.x / 0.5) + 0.5 * np.pi * (surface.y[:, np.newaxis] / 0.5))
@@ -150,7 +152,7 @@ def test_steepest_direction_is_across_lay():
             surface = self_affine_map(seed, 0.7, (160, 160), whole=2, longest=20.0, stretch=2.0)  # longer along y
             turned = surface_spectrum(levelled(rotated(surface, angle), "plane"))
             off = (turned.steepest_direction() - angle + 90) % 180 - 90
-            assert abs(off) < LAY
+            assert abs(off) < LAY_TOLERANCE
 
 
 def test_radial_spectrum_counts_every_coefficient_once():
@@ -160,7 +162,7 @@ def test_radial_spectrum_counts_every_coefficient_once():
     assert (np.diff(q) >= 0).all()
     assert angle.min() >= 0
     assert angle.max() < 180
-    # Both a coefficient and its conjugate, over the ring.
+    # The ring contains both a coefficient and its conjugate.
     area = (2 * np.pi / 32) * (2 * np.pi / 24.3)
     inside = np.hypot(spectrum.wave_number_y[:, np.newaxis], spectrum.wave_number_x) < np.pi / 0.5 * (1 - 1e-9)
     assert 2 * density.sum() * area == pytest.approx(spectrum.density[inside].sum() * area, rel=AREA_ROUND_OFF)
@@ -180,12 +182,13 @@ def test_radial_spectrum_agrees_with_surface_topography():
     edges = np.sqrt(q[1:] * q[:-1])
     for index in np.flatnonzero(stored)[1:-1]:
         ring = (at > edges[index - 1]) & (at < edges[index])
-        # SurfaceTopography uses other ring edges; the density falls by half within a tenth of a decade.
+        # SurfaceTopography uses other ring edges. The density falls by half within a tenth of a decade.
         assert density[index] == pytest.approx(values[ring].mean(), rel=0.35)
 
 
 def test_moments_of_eq_1_equal_exact_moments():
-    # Half of Σ a² k^(2j); 20 profiles with a hundred independent wavelengths scatter by a few per cent.
+    # The expected moment is half of Σ a² k^(2j). The mean of 20 profiles with a hundred independent wavelengths
+    # scatters by a few per cent.
     options = {"convention": "classical"}
     exact = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)
     result = [

@@ -1,4 +1,4 @@
-"""Tests of the preparation of maps: levelling, flipping, cropping, common grid, surrogates."""
+"""Tests of the preparation of maps: levelling, flipping, cropping, common grids and surrogates."""
 
 import numpy as np
 import pytest
@@ -16,11 +16,11 @@ from stiction import (
     surrogate,
 )
 
-# Round-off of sums over some hundred points.
+# Relative round-off of sums over some hundred points.
 ROUND_OFF = 1e-12
 
 
-def bumps(shape=(60, 80), spacing=(0.2, 0.1)):
+def bumpy_surface(shape=(60, 80), spacing=(0.2, 0.1)):
     """Return smooth heights and the function that defines them."""
 
     def height(y, x):
@@ -31,7 +31,7 @@ def bumps(shape=(60, 80), spacing=(0.2, 0.1)):
 
 
 def test_levelled_subtracts_least_squares_polynomial():
-    surface, _ = bumps()
+    surface, _ = bumpy_surface()
     y, x = np.broadcast_arrays(surface.y[:, np.newaxis], surface.x)
     for degree, trend in enumerate(("mean", "plane", "quadratic")):
         level = levelled(surface, trend)
@@ -46,7 +46,7 @@ def test_levelled_subtracts_least_squares_polynomial():
 
 
 def test_flipped_rotates_surface_about_x_axis():
-    surface, _ = bumps()
+    surface, _ = bumpy_surface()
     over = flipped(surface)
     assert over.heights[0, 5] == -surface.heights[-1, 5]
     assert np.array_equal(flipped(over).heights, surface.heights)
@@ -54,7 +54,7 @@ def test_flipped_rotates_surface_about_x_axis():
 
 
 def test_adjacent_crops_make_up_the_surface():
-    surface, _ = bumps()
+    surface, _ = bumpy_surface()
     pieces = [
         [cropped(surface, (y0, x0), (y1, x1)).heights for x0, x1 in ((0, 3.05), (3.05, 8.0))]
         for y0, y1 in ((0, 4.4), (4.4, 12.0))
@@ -72,24 +72,25 @@ def test_adjacent_crops_make_up_the_surface():
 
 
 def test_common_grid_is_the_finer_along_each_axis():
-    fine, _ = bumps((60, 40), (0.1, 0.2))
-    coarse, height = bumps((30, 100), (0.25, 0.1))
+    fine, _ = bumpy_surface((60, 40), (0.1, 0.2))
+    coarse, height = bumpy_surface((30, 100), (0.25, 0.1))
     one, other = on_common_grid(fine, coarse)
     assert one.spacing == other.spacing == (0.1, 0.1)
-    assert one.heights.shape == other.heights.shape == (60, 79)  # 5.9 µm along y, 7.8 µm along x
-    # Along x the second map is unchanged; along y it is the natural spline of each column.
+    # the common length is 5.9 µm along y and 7.8 µm along x
+    assert one.heights.shape == other.heights.shape == (60, 79)
+    # The second map is unchanged along x. Along y it is the natural spline of each column.
     splined = CubicSpline(0.25 * np.arange(30), coarse.heights[:, :79], bc_type="natural")(0.1 * np.arange(60))
     assert other.heights == pytest.approx(splined, abs=ROUND_OFF)
     inside = other.heights[10:50, :] - height(other.y[10:50, np.newaxis], other.x)
-    assert np.abs(inside).max() < 1e-3  # a natural spline, away from its ends
+    assert np.abs(inside).max() < 1e-3  # inside, away from its ends, the natural spline is accurate
     assert on_common_grid(fine, fine)[0] is fine
     with pytest.raises(ValueError, match="both must be a Profile or both a Surface, got Surface and Profile"):
         on_common_grid(fine, Profile(np.arange(9.0), spacing=1.0))
 
 
 def test_common_grid_aligned_at_middle_matches_rotated_map():
-    small, height = bumps((41, 61), (0.1, 0.1))
-    # The same function on a larger map, whose origin is shifted by 1 µm along -y and 2 µm along -x.
+    small, height = bumpy_surface((41, 61), (0.1, 0.1))
+    # The expected map is the same function on a larger map, whose origin is shifted by 1 µm along -y and 2 µm along -x.
     for shape, spacing in (((61, 101), 0.1), ((25, 41), 0.25)):
         y, x = spacing * np.arange(shape[0])[:, np.newaxis] - 1.0, spacing * np.arange(shape[1]) - 2.0
         for pair in ((small, Surface(height(y, x), spacing=spacing)), (Surface(height(y, x), spacing=spacing), small)):
@@ -113,7 +114,7 @@ def test_common_grid_aligned_at_middle_matches_rotated_map():
 
 @pytest.mark.parametrize("turns", [-1, 0, 1, 2, 3, 5])
 def test_rotated_by_multiples_of_90_preserves_heights(turns):
-    surface, _ = bumps()
+    surface, _ = bumpy_surface()
     turned = rotated(surface, 90 * turns)
     assert np.array_equal(np.sort(turned.heights, axis=None), np.sort(surface.heights, axis=None))
     assert np.array_equal(rotated(turned, -90 * turns).heights, surface.heights)
@@ -123,20 +124,20 @@ def test_rotated_by_multiples_of_90_preserves_heights(turns):
 @pytest.mark.parametrize("angle", [-60, 17, 45, 90, 100, 213])
 @pytest.mark.parametrize("shape", [(80, 70), (30, 140)])
 def test_rotated_equals_rotated_function(angle, shape):
-    surface, height = bumps(shape, (0.1, 0.1))
+    surface, height = bumpy_surface(shape, (0.1, 0.1))
     turned = rotated(surface, angle)
     middle = [(points - 1) * 0.05 for points in shape]
     own = [(points - 1) * 0.05 for points in turned.heights.shape]
     y, x = turned.y[:, np.newaxis] - own[0], turned.x - own[1]
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     before_y, before_x = middle[0] - s * x + c * y, middle[1] + c * x + s * y
-    # Inside the original extent, up to rounding.
+    # The rotated points lie inside the original extent, except for rounding.
     for before, length in ((before_y, shape[0]), (before_x, shape[1])):
         assert before.min() > -1e-9
         assert before.max() < (length - 1) * 0.1 + 1e-9
     expected = height(before_y, before_x)
     off = np.abs(turned.heights - expected)
-    assert np.median(off) < 1e-6  # of fourth order in the spacing
+    assert np.median(off) < 1e-6  # the error is of fourth order in the spacing
     assert off.max() < 1e-4  # at the sides
     if angle != 90:
         assert "% cut off" in turned.history[-1]
@@ -167,7 +168,7 @@ def test_surrogate_of_periodic_surface_has_its_spectrum(shape):
 
 
 def test_surrogate_preserves_lay_height_and_slopes():
-    # A lay at 31 degrees; mirror images along both axes would mix it with -31 degrees.
+    # The lay is at 31 degrees. Mirror images along both axes would mix this direction with -31 degrees.
     size = 256
     q_y, q_x = 2 * np.pi * np.fft.fftfreq(2 * size)[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(2 * size)
     angle = np.radians(31)
@@ -178,7 +179,7 @@ def test_surrogate_preserves_lay_height_and_slopes():
     result = surface_parameters(surface)
     others = [surface_parameters(surrogate(surface, 5, repetition=r)) for r in range(6)]
     assert others[0].Sq == pytest.approx(result.Sq, rel=ROUND_OFF)
-    # The window emphasises the middle, whose long wavelengths differ from those of the whole.
+    # The window emphasises the middle of the map, whose long wavelengths differ from those of the complete map.
     for name, within in (("Sdq", 0.1), ("Sal", 0.2), ("Str", 0.3)):
         assert np.mean([getattr(other, name) for other in others]) == pytest.approx(getattr(result, name), rel=within)
     q, direction, density = surface_spectrum(surrogate(surface, 5)).waves()

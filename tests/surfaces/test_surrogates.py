@@ -1,4 +1,4 @@
-"""Tests of surrogates: spectra against known surfaces, and spectra from sections."""
+"""Tests of surrogates, whose spectra are compared with known surfaces and estimated from sections."""
 
 from itertools import pairwise
 
@@ -19,15 +19,15 @@ from stiction import (
 )
 from support.rough_surfaces import rough_profile
 
-# Round-off of sums over some thousand points, and of transforms.
+# Relative round-off of sums over some thousand points and of transforms.
 ROUND_OFF = 1e-12
 FIT_ROUND_OFF = 1e-9
 
-RING = 0.1
-"""Relative error of a density in rings of a quarter octave, within which the known density falls by up to a half."""
+RING_TOLERANCE = 0.1
+"""Relative error of a density in rings of a quarter octave. Within a ring the known density falls by up to a half."""
 
-SCATTER = 0.1
-"""Scatter of the rms gradient of one line, and of area and friction of a few pairs of pieces."""
+GRADIENT_SCATTER = 0.1
+"""Relative scatter of the rms gradient of one line, and of the area and the friction of a few pairs of pieces."""
 
 
 class TestSurrogate:
@@ -79,7 +79,7 @@ class TestSurrogate:
                 spectral_moments(p, longest_wavelength=0.1, periodic=p is other).slope for p in (profile, other)
             )
             short.append(two / one)
-        # The windowed sum over 2000 harmonics of one profile scatters by 3 %; each end adds a corner.
+        # The windowed sum over 2000 harmonics of one profile scatters by 3 %. Each end adds a corner.
         assert np.mean(slopes) == pytest.approx(1, abs=0.02)
         assert np.max(np.abs(np.log(slopes))) < 0.05
         assert np.mean(short) == pytest.approx(1, abs=0.03)
@@ -100,7 +100,7 @@ class TestSurrogate:
             surrogate(rough_profile(), 1, periodic="no")
 
 
-def known(hurst, side="lower", shape=(256, 2048), spacing=0.1):
+def known_surface(hurst, side="lower", shape=(256, 2048), spacing=0.1):
     return self_affine_surface(
         4, hurst_exponent=hurst, rms=0.05, shape=shape, spacing=spacing, longest_wavelength=6.4,
         shortest_wavelength=0.8, side=side,
@@ -109,25 +109,25 @@ def known(hurst, side="lower", shape=(256, 2048), spacing=0.1):
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
 def test_surface_spectrum_is_recovered_from_sections(hurst):
-    """C1D(k) is the sum of a known C2D over all wavenumbers across; the profile has exactly this spectrum."""
+    """Check a profile whose spectrum C1D(k) is exactly the sum of a known C2D over all wavenumbers across."""
     points, spacing = 512, 0.5
     q = 2 * np.pi * np.fft.fftfreq(points, spacing)
-    known = np.maximum(np.hypot(q[:, np.newaxis], q), 20 * q[1]) ** (-2 - 2 * hurst)
-    mean = known.sum(axis=0)[: points // 2 + 1] / (points * spacing)
+    known_density = np.maximum(np.hypot(q[:, np.newaxis], q), 20 * q[1]) ** (-2 - 2 * hurst)
+    mean = known_density.sum(axis=0)[: points // 2 + 1] / (points * spacing)
     phases = np.exp(2j * np.pi * np.random.default_rng(1).random(mean.size))
     phases[[0, -1]] = [0, 1]
     profile = Profile(np.fft.irfft(np.sqrt(mean * points / spacing) * phases, points), spacing=spacing)
     np.testing.assert_allclose(power_spectrum(profile, periodic=True).density, mean[1:], rtol=FIT_ROUND_OFF)
     result = isotropic_spectrum(profile, periodic=True)
     expected = np.maximum(result.wave_number, 20 * q[1]) ** (-2 - 2 * hurst)
-    # Without interpolated rings and those next to the corner of the roll-off, which is rounded.
+    # Interpolated rings are excluded, and so are rings next to the corner of the roll-off, which is rounded.
     sure = (result.count >= 4) & (np.abs(np.log(result.wave_number / (20 * q[1]))) > 0.35)
-    np.testing.assert_allclose(result.density[sure], expected[sure], rtol=RING)
+    np.testing.assert_allclose(result.density[sure], expected[sure], rtol=RING_TOLERANCE)
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
 def test_gradient_of_section_equals_that_of_surface(hurst):
-    body = known(hurst)
+    body = known_surface(hurst)
     own = surface_spectrum(body, periodic=True)
     gradient = np.sqrt(own.moments(0).slope + own.moments(90).slope)
     for row in (0, 100):
@@ -135,13 +135,15 @@ def test_gradient_of_section_equals_that_of_surface(hurst):
         created = isotropic_surface(section, 1, shape=(256, 256))
         assert created.spacing == (0.1, 0.1)
         again = surface_spectrum(created, periodic=True)
-        assert np.sqrt(again.moments(0).slope + again.moments(90).slope) == pytest.approx(gradient, rel=SCATTER)
-        # Isotropic up to random scatter.
-        assert again.moments(0).slope == pytest.approx(again.moments(90).slope, rel=2 * SCATTER)
+        assert np.sqrt(again.moments(0).slope + again.moments(90).slope) == pytest.approx(
+            gradient, rel=GRADIENT_SCATTER
+        )
+        # The surface is isotropic except for random scatter.
+        assert again.moments(0).slope == pytest.approx(again.moments(90).slope, rel=2 * GRADIENT_SCATTER)
 
 
 def test_mean_spectrum_equals_fit():
-    section = known(0.7, shape=(64, 512)).row(3)
+    section = known_surface(0.7, shape=(64, 512)).row(3)
     fitted = isotropic_spectrum(section, periodic=True)
     slopes = [
         surface_spectrum(isotropic_surface(section, 1, shape=(64, 64), repetition=index, periodic=True), periodic=True)
@@ -149,14 +151,15 @@ def test_mean_spectrum_equals_fit():
         .slope
         for index in range(40)
     ]
-    # Wavelengths of profile and surface: 64 points contain all but the longest.
+    # These are wavelengths of both the profile and the surface. 64 points contain all of them except the longest.
     expected = spectral_moments(section, periodic=True).slope
     assert np.mean(slopes) == pytest.approx(expected, rel=4 * np.std(slopes) / np.sqrt(40) / expected)
-    assert fitted.count.sum() == pytest.approx(255.5)  # harmonics, that at the Nyquist wave number half
+    # number of harmonics, where the harmonic at the Nyquist wave number counts half
+    assert fitted.count.sum() == pytest.approx(255.5)
 
 
 def test_isotropic_surface_scales_with_units_and_depends_on_seed():
-    section = known(0.7, shape=(64, 512)).row(3)
+    section = known_surface(0.7, shape=(64, 512)).row(3)
     one = isotropic_surface(section, 7, shape=(64, 96), repetition=2, side="upper")
     ten = isotropic_surface(
         Profile(10 * section.heights + 3, spacing=1.0), 7, shape=(64, 96), repetition=2, side="upper"
@@ -183,17 +186,20 @@ def test_isotropic_surface_scales_with_units_and_depends_on_seed():
     ],
 )
 def test_isotropic_surface_rejects_bad_arguments(changes, words):
-    arguments = {"profile": known(0.7, shape=(64, 256)).row(0), "seed": 1} | changes
+    arguments = {"profile": known_surface(0.7, shape=(64, 256)).row(0), "seed": 1} | changes
     with pytest.raises(ValueError, match=words):
         isotropic_surface(arguments.pop("profile"), arguments.pop("seed"), **arguments)
 
 
 @pytest.mark.soak
 def test_isotropic_surface_has_contact_area_and_friction_of_map():
-    """Pieces have 128 by 128 points; docs/scripts/isotropic.py uses larger ones for H from 0.4 to 0.9."""
-    bodies = [known(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
+    """Check pieces of 128 by 128 points.
 
-    def answers(pairs):
+    The script docs/scripts/isotropic.py uses larger pieces for H from 0.4 to 0.9.
+    """
+    bodies = [known_surface(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
+
+    def area_and_friction(pairs):
         values = []
         for pair in pairs:
             area = np.prod(pair[0].extent)
@@ -202,18 +208,18 @@ def test_isotropic_surface_has_contact_area_and_friction_of_map():
             values.append([curve.contact_area[0] / area, friction.mean()])
         return np.mean(values, axis=0)
 
-    own = answers(
+    own = area_and_friction(
         [
             levelled(type(body)(body.heights[:, at : at + 128], spacing=0.1), "plane")
             for body in bodies
         ]
         for at in range(0, 1024, 128)
     )  # fmt: skip
-    created = answers(
+    created = area_and_friction(
         [
             isotropic_surface(levelled(body.row(20 * index), "line"), 1, shape=(128, 128), side=side, repetition=index)
             for body, side in zip(bodies, ("upper", "lower"), strict=True)
         ]
         for index in range(6)
     )  # fmt: skip
-    np.testing.assert_allclose(created, own, rtol=SCATTER)
+    np.testing.assert_allclose(created, own, rtol=GRADIENT_SCATTER)

@@ -22,22 +22,28 @@ import stiction._core as _core
 from stiction._checks import Floats
 from stiction.mechanics.half_space_problem import ContactSolution, Problem, State, threads, to_contact_solution
 
-PLAIN = 2  # plain steps between two extrapolated ones, which damp the modes that these overshoot
-MAX_STEP = 10.0  # largest extrapolated step over the plain one
-MAX_SOLUTIONS = 2000  # solutions for one external load, which may include jumps
-MAX_SETTLING, PATIENCE = 60, 20  # solutions for one contact load, and solutions without a decrease of the residual
-RESIDUAL_FACTOR = 10.0  # relative residual of the attraction over the tolerance
-MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; below it round-off may stall the solver
-INEXACT, MAX_TOLERANCE = 0.05, 1e-3  # error of a solution over the previous residual, and its largest tolerance
-MAX_INCREASE = 1e-3  # increase of the attraction during separation, over its maximum, that is a numerical error
-MIN_CONTACT = 1e-3  # contact load below which bodies are separate, over the attraction at first contact
-STRIDE = 0.6  # contact load over the previous one during separation
-NEGLECTED = 0.01  # relative error of the minimum load
-FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower one that is tried
-MIN_GAIN = 0.003  # relative decrease of an interpolated load below the minimum that is worth a solution
-MIN_WIDTH = 0.01  # relative difference of contact loads below which no load is interpolated
-MAX_REFINED = 6  # contacts at interpolated loads
-MAX_TRIALS = 24  # external loads that are tried during separation
+# Number of plain steps between two extrapolated steps. They damp the modes that extrapolated steps overshoot.
+PLAIN = 2
+MAX_STEP = 10.0  # largest extrapolated step as a multiple of the plain step
+MAX_SOLUTIONS = 2000  # maximum number of solutions for one external load, which may include jumps
+# maximum numbers of solutions for one contact load, and of solutions without a decrease of the residual
+MAX_SETTLING, PATIENCE = 60, 20
+RESIDUAL_FACTOR = 10.0  # relative residual of the attraction as a multiple of the tolerance
+MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; with a smaller tolerance, round-off may stall the solver
+# Error of a solution as a fraction of the previous residual, and the largest tolerance of a solution.
+INEXACT, MAX_TOLERANCE = 0.05, 1e-3
+# Increase of the attraction during separation, as a fraction of its maximum, that counts as a numerical error.
+MAX_INCREASE = 1e-3
+# Contact load below which bodies are separate, as a fraction of the attraction at first contact.
+MIN_CONTACT = 1e-3
+STRIDE = 0.6  # contact load as a fraction of the previous contact load during separation
+NEGLECTED = 0.01  # accepted relative error of the minimum load
+FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower load that is tried
+# Smallest relative decrease of an interpolated load below the minimum that justifies a solution.
+MIN_GAIN = 0.003
+MIN_WIDTH = 0.01  # smallest relative difference of contact loads between which a load is interpolated
+MAX_REFINED = 6  # maximum number of contacts at interpolated loads
+MAX_TRIALS = 24  # maximum number of external loads that are tried during separation
 
 
 class UnsolvedError(RuntimeError):
@@ -54,20 +60,21 @@ class Attraction:
             tolerance,
             RESIDUAL_FACTOR * tolerance,
         )
-        self.range, self.uncertain = problem.adhesion_range, ""  # reason why the minimum load is uncertain
+        # the text is the reason why the minimum load is uncertain
+        self.range, self.uncertain = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
-        # The relative error of the attraction is the error of the gap over the range.
+        # The relative error of the attraction is the error of the gap divided by the range.
         self.relative_range = self.range / float(problem.gap.std() or 1)
         self.tolerance = max(min(tolerance, RESIDUAL_FACTOR * tolerance * self.relative_range), MIN_TOLERANCE)
         self.min_contact = MIN_CONTACT * float(self.of(problem.gap).mean())
 
     def of(self, gap: Floats) -> Floats:
-        """Return the attraction (GPa) at gaps (µm), of which negative ones count as 0."""
+        """Return the attraction (GPa) at gaps (µm). Negative gaps count as 0."""
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def settle(self, near: State, contact: float, *, before: State) -> State:
-        """Return the equilibrium at a mean contact pressure (GPa), iterated from a near state.
+        """Return the equilibrium at a mean contact pressure (GPa), iterated from a nearby state.
 
         No point may be closer than in the state `before`; the bodies then bear the load when they are pulled apart.
         Otherwise, or if the iteration fails, raise `UnsolvedError`.
@@ -102,7 +109,7 @@ class Attraction:
                 return state, True
             if count == MAX_SOLUTIONS:
                 raise UnsolvedError("the attraction does not converge")
-            if residual < min(before, least) and count > 1:  # the first states are near an equilibrium
+            if residual < min(before, least) and count > 1:  # the first states may be near an equilibrium
                 slowest, least = state, residual
             before = residual
         assert slowest is not None
@@ -147,7 +154,7 @@ class Attraction:
                 yield State(pressure, attraction, mean, mean - held, *known), residual
             slow = 0 if residual < least else slow + 1
             least = min(least, residual)
-            if slow > PATIENCE:  # the residual may be an error of the solutions
+            if slow > PATIENCE:  # the residual may be due to errors of the solutions
                 inexact, slow = inexact / 10, 0
             ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
@@ -231,7 +238,9 @@ class Attraction:
         return states
 
     def opening(self, state: State) -> State | None:
-        """Return the state in which complete contact opens, with a minimum pressure of 0; None if it is incomplete.
+        """Return the state in which complete contact opens, with a minimum pressure of 0.
+
+        Return None if contact is incomplete.
 
         Until then all points move together, and the attraction is that of contact everywhere.
         """
@@ -245,7 +254,7 @@ class Attraction:
         return State(pressure, state.attraction, contact, contact - state.held, state.approach - part * moved)
 
     def refine(self, states: list[State]) -> list[State]:
-        """Return the states with additional ones where the interpolated load is below the minimum."""
+        """Return the states and additional states where the interpolated load is below the minimum."""
         states = list(states)
         for _ in range(MAX_REFINED):
             place = min(range(len(states)), key=lambda at: states[at].load)
@@ -264,7 +273,7 @@ class Attraction:
         return states
 
     def force(self, mean: float) -> float:
-        """Return the force (mN) of a mean pressure (GPa)."""
+        """Return the force (mN) that belongs to a mean pressure (GPa)."""
         return mean * self.problem.cell * self.problem.gap.size
 
 
@@ -289,7 +298,7 @@ def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tu
 def solve_with_adhesion(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
-    """Return the contact at each external load (mN), each one starting from the previous one."""
+    """Return the contact at each external load (mN). Each solution starts from the previous contact."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     attraction = Attraction(problem, tolerance=tolerance, report=report)

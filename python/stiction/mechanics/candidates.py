@@ -178,7 +178,9 @@ def candidates_and_model(
     model = make_model(contact)
     for name, expected in (("detection", "gap-minimum"), ("curvature", upper.curvature)):
         if getattr(model, name) not in (None, expected):
-            raise ValueError(f"{name} must be that of the candidates, {expected!r}, got {getattr(model, name)!r}")
+            raise ValueError(
+                f"{name} must be equal to that of the candidates, {expected!r}, got {getattr(model, name)!r}"
+            )
     model = replace(model, detection="gap-minimum", curvature=upper.curvature)
     areal = isinstance(upper.core, stiction._core.ArealCandidates)
     return upper, model.for_surfaces() if areal else model.for_profiles()

@@ -27,7 +27,7 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 
-def positive(**arguments: ArrayLike) -> list[Floats]:
+def check_positive(**arguments: ArrayLike) -> list[Floats]:
     """Check that all arguments are above 0, and return them as arrays."""
     arrays = []
     for name, values in arguments.items():
@@ -108,11 +108,11 @@ def effective_modulus(
     """
     if isinstance(young_upper, Material) or isinstance(poisson_upper, Material):
         if not (isinstance(young_upper, Material) and isinstance(poisson_upper, Material)):
-            raise ValueError("effective_modulus requires two materials, or two moduli and two ratios, not a mixture")
+            raise ValueError("effective_modulus requires either two materials, or two moduli and two ratios")
         if young_lower is not None or poisson_lower is not None:
-            raise ValueError("effective_modulus accepts no other arguments with two materials")
+            raise ValueError("effective_modulus accepts no other arguments if two materials are given")
         return 1 / (1 / young_upper.plane_strain_modulus + 1 / poisson_upper.plane_strain_modulus)
-    upper, lower = positive(young_upper=young_upper, young_lower=young_lower)
+    upper, lower = check_positive(young_upper=young_upper, young_lower=young_lower)
     ratios = []
     for name, values in (("poisson_upper", poisson_upper), ("poisson_lower", poisson_lower)):
         ratio = float_array(name, values)
@@ -166,7 +166,7 @@ def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: Array
     >>> float(force)
     0.5
     """
-    d, r, e = positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus)
+    d, r, e = check_positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus)
     return np.asarray(4 / 3 * e * r**0.5 * d**1.5), np.asarray(np.pi * r * d)
 
 
@@ -387,25 +387,27 @@ def maugis_dugdale(
     r, e, w, length = _check_adhesive(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
     arrays = np.broadcast_arrays(float_array("load", load), r, e, w, length)
     radii, pulls = np.empty(arrays[0].shape), np.empty(arrays[0].shape)
-    for place in np.ndindex(radii.shape):
-        force, r1, e1, w1, l1 = (float(array[place]) for array in arrays)
+    for position in np.ndindex(radii.shape):
+        force, r1, e1, w1, l1 = (float(array[position]) for array in arrays)
         modulus = 4 / 3 * e1
         unit, strength = np.pi * w1 * r1, 2 * (r1 * w1**2 / (np.pi * modulus**2 * l1**3)) ** (1 / 3)
-        least = minimize_scalar(lambda x, s=strength: _maugis(x, s)[1], bounds=(-20, 40), method="bounded")
-        pulls[place] = -least.fun * unit
-        radii[place] = np.nan
+        least = minimize_scalar(lambda x, s=strength: _maugis_solution(x, s)[1], bounds=(-20, 40), method="bounded")
+        pulls[position] = -least.fun * unit
+        radii[position] = np.nan
         if force / unit >= least.fun:
             outer = least.x - 1
-            while outer > -30 and _maugis(outer, strength)[1] < force / unit:
+            while outer > -30 and _maugis_solution(outer, strength)[1] < force / unit:
                 outer -= 1
-            if _maugis(outer, strength)[1] < force / unit:  # the difference of the two radii is lost in round-off
+            if (
+                _maugis_solution(outer, strength)[1] < force / unit
+            ):  # the difference of the two radii is lost in round-off
                 raise ArithmeticError
-            result = brentq(lambda x, s=strength, f=force / unit: _maugis(x, s)[1] - f, outer, least.x)
-            radii[place] = _maugis(result, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
+            result = brentq(lambda x, s=strength, f=force / unit: _maugis_solution(x, s)[1] - f, outer, least.x)
+            radii[position] = _maugis_solution(result, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
     return np.asarray(radii), np.asarray(pulls)
 
 
-def _maugis(logarithm: float, strength: float) -> tuple[float, float]:
+def _maugis_solution(logarithm: float, strength: float) -> tuple[float, float]:
     """Return radius and load in Maugis' units.
 
     The argument is the logarithm of m - 1, where m is the ratio of both radii.
@@ -469,10 +471,10 @@ def fuller_tabor(
     from scipy.optimize import minimize_scalar
 
     r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
-    parameter = positive(deviation=deviation)[0] / (0.75 * np.cbrt((np.pi * w / e) ** 2 * r))
+    parameter = check_positive(deviation=deviation)[0] / (0.75 * np.cbrt((np.pi * w / e) ** 2 * r))
     left = np.empty(parameter.shape)
-    for place in np.ndindex(left.shape):
-        spread = float(parameter[place])
+    for position in np.ndindex(left.shape):
+        spread = float(parameter[position])
         # Quantities are relative to the contact radius at zero load, to the load 3/2 π w R, and to the height δ.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * spread), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
@@ -484,14 +486,16 @@ def fuller_tabor(
         gaps = np.linspace(-4 * spread, 6 * spread + 1, 200)
         first = gaps[int(np.argmin([load(gap) for gap in gaps]))]
         step = gaps[1] - gaps[0]
-        left[place] = -minimize_scalar(load, bounds=(first - step, first + step), method="bounded").fun
+        left[position] = -minimize_scalar(load, bounds=(first - step, first + step), method="bounded").fun
     return np.asarray(parameter), left
 
 
 def _check_adhesive(
     radius: ArrayLike, effective_modulus: ArrayLike, work_of_adhesion: ArrayLike, **others: ArrayLike
 ) -> list[Floats]:
-    return positive(radius=radius, effective_modulus=effective_modulus, work_of_adhesion=work_of_adhesion, **others)
+    return check_positive(
+        radius=radius, effective_modulus=effective_modulus, work_of_adhesion=work_of_adhesion, **others
+    )
 
 
 @reject_overflow
@@ -540,7 +544,7 @@ def hertz_cylinder(
     >>> round(float(force), 6), round(float(area), 6)
     (0.07854, 0.2)
     """
-    d, r, e, w = positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus, width=width)
+    d, r, e, w = check_positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus, width=width)
     half_width = np.sqrt(r * d)
     return np.asarray(np.pi * e * w * half_width**2 / (4 * r)), np.asarray(2 * half_width * w)
 
@@ -592,7 +596,7 @@ def hertz_line(
     >>> half_width.round(4), peak.round(4)
     (np.float64(0.3568), np.float64(1.7841))
     """
-    f, r, e, w = positive(load=load, radius=radius, effective_modulus=effective_modulus, width=width)
+    f, r, e, w = check_positive(load=load, radius=radius, effective_modulus=effective_modulus, width=width)
     half_width = np.sqrt(4 * f * r / (np.pi * e * w))
     return np.asarray(half_width), np.asarray(2 * f / (np.pi * half_width * w))
 
@@ -646,7 +650,7 @@ def hertz_ellipse(
     from scipy import special
 
     d, r1, r2, e = np.broadcast_arrays(
-        *positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
+        *check_positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
     )
     larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
     ratio = smaller / larger  # of the curvatures
@@ -714,7 +718,7 @@ def slope_friction(
     if not ((theta >= 0) & (theta < np.pi / 2)).all():
         raise ValueError(f"slope_angle must be from 0 to below pi/2 rad, got {slope_angle!r}")
     if mean_pressure is not None:
-        mu = mu + tau / positive(mean_pressure=mean_pressure)[0]
+        mu = mu + tau / check_positive(mean_pressure=mean_pressure)[0]
     elif (tau > 0).any():
         raise ValueError("mean_pressure must be given if tau0 is not 0")
     locked: NDArray[np.bool_] = mu * np.tan(theta) >= 1
@@ -764,7 +768,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
     >>> hardness_under_shear(0.625, mu0=0.2, tau0=[0.05, 0.1, 0.125], alpha=[0, 27, 27]).round(3)
     array([0.625, 0.094,   nan])
     """
-    strength, square = positive(hardness=hardness)[0], friction_parameter("alpha", alpha)
+    strength, square = check_positive(hardness=hardness)[0], friction_parameter("alpha", alpha)
     mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
     left = strength**2 - square * tau**2
     with np.errstate(invalid="ignore"):
@@ -807,12 +811,12 @@ def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: 
     >>> tabor_friction(0.625, mu0=0.2, tau0=0.05, alpha=[0, 9, 27]).round(3)
     array([0.28 , 0.309, 0.375])
     """
-    ratio = friction_parameter("tau0", tau0) / positive(hardness=hardness)[0]
+    ratio = friction_parameter("tau0", tau0) / check_positive(hardness=hardness)[0]
     mu, square = friction_parameter("mu0", mu0), friction_parameter("alpha", alpha)
     left = 1 - square * ratio**2
     with np.errstate(invalid="ignore", divide="ignore"):
-        grown = (mu + ratio * np.sqrt(1 + square * (mu**2 - ratio**2))) / left
-    return np.where(left > 0, grown, np.nan)
+        ratio_after_growth = (mu + ratio * np.sqrt(1 + square * (mu**2 - ratio**2))) / left
+    return np.where(left > 0, ratio_after_growth, np.nan)
 
 
 @reject_overflow
@@ -896,8 +900,10 @@ def gentle_friction(
     array([0.206, 0.266])
     """
     mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
-    gradient, modulus, factor = positive(rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa)
-    slope = gradient / np.sqrt(2) if rms_slope is None else positive(rms_slope=rms_slope)[0]
+    gradient, modulus, factor = check_positive(
+        rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa
+    )
+    slope = gradient / np.sqrt(2) if rms_slope is None else check_positive(rms_slope=rms_slope)[0]
     ratio = float_array("slope_ratio", slope_ratio)
     if not (ratio >= 0).all():
         raise ValueError(f"slope_ratio must not be negative, got {slope_ratio!r}")
@@ -913,26 +919,28 @@ def gentle_friction(
         across = gradient**2 - slope**2
         if not (across >= -_SLOPE_TOLERANCE * gradient**2).all():
             raise ValueError(f"rms_slope must be at most rms_gradient, got {rms_slope!r} and {rms_gradient!r}")
-        longer, lower = _stretch(shared * np.sqrt(np.maximum(across, 0)))
+        longer, lower = _mean_stretch(shared * np.sqrt(np.maximum(across, 0)))
     if sliding == "all":
         return np.asarray(np.broadcast_arrays(m * longer, mean)[0].copy())
-    lock = m * lower * mean
-    free = lock < 1
-    return np.asarray(np.divide(m * longer / 2 + mean, 1 - lock, out=np.full(free.shape, np.nan), where=free))
+    locking_term = m * lower * mean
+    is_free = locking_term < 1
+    return np.asarray(
+        np.divide(m * longer / 2 + mean, 1 - locking_term, out=np.full(is_free.shape, np.nan), where=is_free)
+    )
 
 
-def _stretch(deviation: Floats) -> tuple[Floats, Floats]:
+def _mean_stretch(deviation: Floats) -> tuple[Floats, Floats]:
     """Return the means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) for a normally distributed slope s."""
     from scipy import special
 
-    gentle = deviation < _SMALL_SLOPE
+    is_small = deviation < _SMALL_SLOPE
     spread = np.maximum(deviation, _SMALL_SLOPE)
     x = 1 / (4 * spread**2)
     factor = 1 / (spread * np.sqrt(2 * np.pi))
     zeroth, first = special.kve(0, x), special.kve(1, x)
     square = deviation**2
-    longer = np.where(gentle, 1 + square / 2 - 3 * square**2 / 8, (zeroth + first) * factor / 2)
-    return longer, np.where(gentle, 1 - square / 2 + 9 * square**2 / 8, zeroth * factor)
+    longer = np.where(is_small, 1 + square / 2 - 3 * square**2 / 8, (zeroth + first) * factor / 2)
+    return longer, np.where(is_small, 1 - square / 2 + 9 * square**2 / 8, zeroth * factor)
 
 
 # ---- Sinusoidal surface (Westergaard) -------------------------------------------------------------------------------
@@ -984,8 +992,8 @@ def westergaard_contact_fraction(
     >>> westergaard_contact_fraction(np.array([0.25, 0.5, 1.0]) * np.pi * 0.1, **wave).round(3)
     array([0.333, 0.5  , 1.   ])
     """
-    _, _, p, full, _ = _sinusoid(0.0, mean_pressure, amplitude, wavelength, effective_modulus)
-    return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / full, 1))))
+    _, _, p, full_pressure, _ = _sinusoid_terms(0.0, mean_pressure, amplitude, wavelength, effective_modulus)
+    return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / full_pressure, 1))))
 
 
 @reject_overflow
@@ -1030,10 +1038,10 @@ def westergaard_pressure(
     >>> westergaard_pressure([0.0, 0.1, 0.5], 0.1, **wave).round(4)
     array([0.3545, 0.2821, 0.    ])
     """
-    sine, cosine, p, full, _ = _sinusoid(x, mean_pressure, amplitude, wavelength, effective_modulus)
-    fraction = np.minimum(p / full, 1)
-    partial = 2 * full * np.abs(cosine) * np.sqrt(np.maximum(fraction - sine**2, 0))
-    return np.asarray(np.where(p < full, partial, p + full * (1 - 2 * sine**2)))
+    sine, cosine, p, full_pressure, _ = _sinusoid_terms(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    fraction = np.minimum(p / full_pressure, 1)
+    partial_pressure = 2 * full_pressure * np.abs(cosine) * np.sqrt(np.maximum(fraction - sine**2, 0))
+    return np.asarray(np.where(p < full_pressure, partial_pressure, p + full_pressure * (1 - 2 * sine**2)))
 
 
 @reject_overflow
@@ -1079,17 +1087,17 @@ def westergaard_gap(
     >>> westergaard_gap([0.0, 0.25, 0.5], 0.1, **wave).round(5)
     array([0.     , 0.00159, 0.00904])
     """
-    sine, _, p, full, d = _sinusoid(x, mean_pressure, amplitude, wavelength, effective_modulus)
-    edge = np.sqrt(np.minimum(p / full, 1))
+    sine, _, p, full_pressure, d = _sinusoid_terms(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    edge = np.sqrt(np.minimum(p / full_pressure, 1))
     s = np.maximum(np.abs(sine), edge)
     return np.asarray(2 * d * (s * np.sqrt(s**2 - edge**2) - edge**2 * np.arccosh(s / edge)))
 
 
-def _sinusoid(
+def _sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """Return the sine and cosine of πx/λ, the mean pressure, the pressure of full contact, and the amplitude."""
-    p, d, wave, e = positive(
+    p, d, wave, e = check_positive(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )
     phase = np.pi * float_array("x", x) / wave

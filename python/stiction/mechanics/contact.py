@@ -16,7 +16,7 @@ from stiction._checks import Floats, check_choice, number, read_only
 from stiction._repr import TextRepr
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
-from stiction.mechanics.model import ContactKeywords, shows_model, warn_if_same_body
+from stiction.mechanics.model import ContactKeywords, show_model_keywords, warn_if_same_body
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.surface import Surface, as_body
 
@@ -95,7 +95,7 @@ def contacts(
 def contacts(found: Candidates, approach: float | str, /, **contact: Unpack[ContactKeywords]) -> Contacts: ...
 
 
-@shows_model
+@show_model_keywords
 def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any) -> Contacts:
     """Compute all contacts of two surfaces at one approach.
 
@@ -155,7 +155,9 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
         approach = lower
     approach = number("approach", to_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
-        raise ValueError(f"direction must be a single one, because a contact has one tangent, got {model.direction!r}")
+        raise ValueError(
+            f"direction must be a single direction, because a contact has one tangent, got {model.direction!r}"
+        )
     if isinstance(upper, Surface):
         points = candidates(upper, lower, deepest=max(0.0, float(approach)), curvature=model.curvature)
     if points is not None:

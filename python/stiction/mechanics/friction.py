@@ -135,7 +135,7 @@ class SurfaceValidity(Validity):
     share_unanswered: Floats
 
 
-RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
+VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
     name: (quantity.numerator, quantity.denominator)
     for name, quantity in QUANTITIES.items()
     if quantity.kind == "validity"
@@ -145,7 +145,7 @@ RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 def validity_ratio(name: str, sums: Any) -> Floats:
     """Compute a validity indicator from sums, given by name or as attributes. The indicator is NaN without contact."""
-    numerator, denominator = RATIOS[name]
+    numerator, denominator = VALIDITY_RATIOS[name]
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(_column(sums, numerator) / sum(_column(sums, item) for item in denominator))
 

@@ -40,12 +40,12 @@ ADHESION_RANGE = 5e-4
 """Default decay length (µm) of the attraction between solids, which is one to two atomic distances."""
 
 # Minimum number of points in the process zone E* ρ²/w at an edge. With fewer points the result depends on the grid.
-PROCESS_ZONE = 2.0
+MIN_PROCESS_ZONE_POINTS = 2.0
 
 
 def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
     """Return the smallest range (µm) that a grid resolves, from work of adhesion (mN/µm), spacing (µm) and E* (GPa)."""
-    return math.sqrt(PROCESS_ZONE * spacing * work / effective_modulus)
+    return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -208,7 +208,7 @@ class HalfSpaceCurve(FrictionCurve):
         """
         if self.work_of_adhesion == 0:
             raise ValueError("parting requires adhesion; give half_space a work_of_adhesion above 0")
-        return _curve(self._problem, self._model, self._apart[0], self._tolerance)
+        return _make_curve(self._problem, self._model, self._apart[0], self._tolerance)
 
     @cached_property
     def _apart(self) -> tuple[list[ContactSolution], str]:
@@ -302,7 +302,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
         """Return the same contacts with another sliding rule, "opposing" or "all". They are not solved again."""
-        return self._by(replace(self._model, sliding=sliding), self._sums)
+        return self._interpolate(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
         """Return the same contacts for another direction of motion. They are not solved again.
@@ -315,7 +315,7 @@ class HalfSpaceCurve(FrictionCurve):
         model = replace(self._model, direction=direction)
         if self._problem.gap.ndim == 1:
             model = model.for_profiles()
-        return self._by(model, tuple(solution.sums(model.directions()) for solution in self._pressed))
+        return self._interpolate(model, tuple(solution.sums(model.directions()) for solution in self._pressed))
 
     def onset(
         self,
@@ -360,8 +360,8 @@ class HalfSpaceCurve(FrictionCurve):
             tangential_problem, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements
         )
 
-    def _by(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
-        rows = _totals(model, self._pressed, sums)
+    def _interpolate(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
+        rows = _sum_patches(model, self._pressed, sums)
         return replace(self, **_stack_columns(rows, model), _model=model, _sums=sums)
 
 
@@ -509,7 +509,7 @@ def half_space(
     name, steps = check_steps(problem, loads, to_core_units("approaches", approaches, "length"))
     warn_if_same_body(upper, lower)
     contacts = _solve(problem, name, steps, tolerance=tolerance, progress=progress)
-    return _curve(problem, model, contacts, tolerance)
+    return _make_curve(problem, model, contacts, tolerance)
 
 
 def _solve(
@@ -530,10 +530,10 @@ def _solve(
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     solver = Solver(problem, name, steps[-1], tolerance=tolerance, report=report)
-    near = None
+    nearby_pressure = None
     for step in steps.tolist():
-        solution = solver.at(step, near)
-        near = solution.pressure
+        solution = solver.at(step, nearby_pressure)
+        nearby_pressure = solution.pressure
         contacts.append(to_contact_solution(problem, solution, step if name == "loads" else None, scale=solver.scale))
     return contacts
 
@@ -544,7 +544,7 @@ def _with_adhesion(problem: Problem, work: float, length: float, effective_modul
     if smallest > length:
         warnings.warn(
             f"adhesion_range = {length * 1e3:.3g} nm is increased to {smallest * 1e3:.3g} nm: the grid needs "
-            f"{PROCESS_ZONE:g} points in the process zone E* range²/w",
+            f"{MIN_PROCESS_ZONE_POINTS:g} points in the process zone E* range²/w",
             stacklevel=3,
         )
     length = max(smallest, length)
@@ -556,16 +556,20 @@ def _with_adhesion(problem: Problem, work: float, length: float, effective_modul
     return replace(problem, work_of_adhesion=work, adhesion_range=length)
 
 
-def _curve(problem: Problem, model: ContactModel, contacts: list[ContactSolution], tolerance: float) -> HalfSpaceCurve:
+def _make_curve(
+    problem: Problem, model: ContactModel, contacts: list[ContactSolution], tolerance: float
+) -> HalfSpaceCurve:
     sums = tuple(solution.sums(model.directions()) for solution in contacts)
-    rows = [solution.row() | total for solution, total in zip(contacts, _totals(model, contacts, sums), strict=True)]
+    rows = [
+        solution.row() | total for solution, total in zip(contacts, _sum_patches(model, contacts, sums), strict=True)
+    ]
     return HalfSpaceCurve(
         **_stack_columns(rows, model), effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
         _pressed=tuple(contacts), _sums=sums, _tolerance=tolerance,
     )  # fmt: skip
 
 
-def _totals(
+def _sum_patches(
     model: ContactModel, contacts: Sequence[ContactSolution], sums: Sequence[PatchSums]
 ) -> list[dict[str, Any]]:
     totals = [solution.total(model.sliding) for solution in sums]

@@ -323,7 +323,7 @@ class TiltResponse:
     pressure: Floats  # GPa, under the load
     approach: float  # µm
     moments: Floats  # moments due to the load (n,), GPa µm
-    turned: list[Floats]  # pressure per unit slope at constant load, GPa
+    slope_pressures: list[Floats]  # pressure per unit slope at constant load, GPa
     turning: Floats  # moments by slope and axis (n, n), which are negative definite except for single points
 
     @classmethod
@@ -341,19 +341,19 @@ class TiltResponse:
 
         level, approach = respond(np.zeros_like(problem.gap))
         moments = mean_moments(level, arms)
-        moved = float(np.abs(problem.grids.displacement(level, threads=threads())[free]).mean())
-        turned = []
+        mean_displacement = float(np.abs(problem.grids.displacement(level, threads=threads())[free]).mean())
+        slope_pressures = []
         for arm in arms:
-            small = TILT_FRACTION * moved / float(np.abs(arm).max())
-            turned.append((respond(small * np.broadcast_to(arm, problem.gap.shape).copy())[0] - level) / small)
-        turning = np.array([mean_moments(field_, arms) for field_ in turned])
-        return cls(level, approach, moments, turned, (turning + turning.T) / 2)
+            small = TILT_FRACTION * mean_displacement / float(np.abs(arm).max())
+            slope_pressures.append((respond(small * np.broadcast_to(arm, problem.gap.shape).copy())[0] - level) / small)
+        turning = np.array([mean_moments(field_, arms) for field_ in slope_pressures])
+        return cls(level, approach, moments, slope_pressures, (turning + turning.T) / 2)
 
     def to_load(self) -> tuple[Floats, float]:
         """Return pressures with a sum of 1 for a load through the centre, and the approach."""
         slopes = -np.linalg.lstsq(self.turning, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
-            slope * turned_gradient for slope, turned_gradient in zip(slopes, self.turned, strict=True)
+            slope * turned_gradient for slope, turned_gradient in zip(slopes, self.slope_pressures, strict=True)
         )
         return pressure / pressure.size, (self.approach + float(slopes @ self.moments)) / pressure.size
 
@@ -377,8 +377,8 @@ class Solver:
             # Missing points get a gap that never closes. The tolerance is scaled, because it refers to the deviation of
             # the gap.
             measured_gap = gap[~missing]
-            moved = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
-            gap = np.where(missing, 2 * measured_gap.max() + 4 * (moved if name == "loads" else limit), gap)
+            mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
+            gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)
             self.scale = float(gap.std() / measured_gap.std()) if np.ptp(measured_gap) > 0 else 1.0
         self._core = _core.HalfSpaceSolver(
             gap, problem.grids, bound=bound, tolerance=tolerance / self.scale, threads=threads()

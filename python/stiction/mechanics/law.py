@@ -167,8 +167,10 @@ def force_and_area(
     >>> round(force, 6), round(area, 6)
     (0.013333, 0.031416)
     """
-    chosen = as_law(law)
+    checked_law = as_law(law)
     return stiction._core.force_and_area(
-        chosen.name, chosen.parameters(effective_modulus), overlap=number("overlap", overlap, unit="µm", above=0),
+        checked_law.name,
+        checked_law.parameters(effective_modulus),
+        overlap=number("overlap", overlap, unit="µm", above=0),
         radius=number("radius", radius, unit="µm", above=0),
-    )  # fmt: skip
+    )

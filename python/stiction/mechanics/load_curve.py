@@ -18,7 +18,14 @@ from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.mechanics.friction import FrictionCurve, Sums, SurfaceValidity, Validity, compute_load
-from stiction.mechanics.model import ContactKeywords, ContactModel, Direction, Sliding, shows_model, warn_if_same_body
+from stiction.mechanics.model import (
+    ContactKeywords,
+    ContactModel,
+    Direction,
+    Sliding,
+    show_model_keywords,
+    warn_if_same_body,
+)
 from stiction.mechanics.onset import Onset, check_nonzero_strengths, compute_onset, parse_direction, resolve_index
 from stiction.mechanics.quantities import DIRECTED
 from stiction.surfaces.profile import Profile
@@ -200,7 +207,7 @@ def press(
 def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
 
 
-@shows_model
+@show_model_keywords
 def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
     """Compute the loads and the contact area of two surfaces at given approaches with the asperity model.
 

@@ -14,7 +14,7 @@ from stiction._units import to_core_units
 from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.friction import Sums
-from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_for_pair, shows_model
+from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_for_pair, show_model_keywords
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -29,7 +29,7 @@ _CHUNK_STEPS = 16
 _DEPTH_MARGIN = 5.0
 
 
-@shows_model
+@show_model_keywords
 def approach_at_load(
     upper: Profile | Surface,
     lower: Profile | Surface,
@@ -92,7 +92,7 @@ def approach_at_load(
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     model = model_for_pair(upper, lower, contact)
     if model.angles().ndim > 0:
-        raise ValueError(f"direction must be a single one, because F_N depends on it, got {model.direction!r}")
+        raise ValueError(f"direction must be a single direction, because F_N depends on it, got {model.direction!r}")
     mu0, tau0 = friction.check_strengths(mu0, tau0, model.effective_modulus)
     approach, _ = find_crossings(SurfacePair(upper, lower), targets.ravel(), mu0=mu0, tau0=tau0, model=model)
     return approach.reshape(targets.shape)
@@ -111,16 +111,18 @@ class SurfacePair:
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()
-        return Sums.from_columns(self._by(stiction._core.press, float(approaches[-1]), model, arguments))
+        return Sums.from_columns(self._call_core(stiction._core.press, float(approaches[-1]), model, arguments))
 
     def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
         """Find approaches at given loads. At `left` F_N is below the loads, and at `right` it is not."""
         arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
-        return np.asarray(self._by(stiction._core.approaches_at, float(right.max()), model, arguments))
+        return np.asarray(self._call_core(stiction._core.approaches_at, float(right.max()), model, arguments))
 
-    def _by(self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]) -> Any:
+    def _call_core(
+        self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
+    ) -> Any:
         """Call a core function with both surfaces, or with their gap minima up to an approach."""
         model = model_for_pair(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}

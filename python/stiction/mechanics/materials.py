@@ -263,7 +263,7 @@ def is_name_of(text: str, name: str) -> bool:
 
 def _check_material(name: str, body: Any) -> Material:
     if not isinstance(body, Material):
-        raise ValueError(f"{name} must be a Material, as material() gives it, got {type(body).__name__}")
+        raise ValueError(f"{name} must be a Material, as returned by material(), got {type(body).__name__}")
     return body
 
 

@@ -84,10 +84,10 @@ class SlidingAsperities:
                 "HertzSphere, or half_space with boundary='periodic'"
             )
         if len(contacts) == 0:
-            raise ValueError("index must be that of an approach with contact: here there is none")
+            raise ValueError("index must select an approach with contact, but there is no contact at this approach")
         load, area = contacts.force * contacts.normal[:, 2], contacts.area
-        turned = np.radians(angle) - np.arctan2(contacts.along[:, 1], contacts.along[:, 0])
-        ratio = compliance_ratio(poisson, compliance_share, load_across(contacts.axes, turned))
+        relative_angle = np.radians(angle) - np.arctan2(contacts.along[:, 1], contacts.along[:, 0])
+        ratio = compliance_ratio(poisson, compliance_share, load_across(contacts.axes, relative_angle))
         self.spring = punch_stiffness(contacts.axes, float(model.effective_modulus)) / ratio
         self.load, self.area = load, area
         self.frictional, self.adhesive = mu0 * load, tau0 * area
@@ -111,9 +111,12 @@ class SlidingAsperities:
             # The load is a concave function of the displacement, so the initial tangent gives a lower bound.
             start = min(load / self.stiffness, end)
             displacement = brentq(
-                lambda value: self._tangential_loads(self._depth(value)).sum() - load, 0.5 * start, end, xtol=1e-300
+                lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,
+                0.5 * start,
+                end,
+                xtol=1e-300,
             )
-        depth = self._depth(displacement)
+        depth = self._slip_depth(displacement)
         loads = self._tangential_loads(depth)
         slides = depth >= 1
         return SlipState(
@@ -124,7 +127,7 @@ class SlidingAsperities:
 
     def dissipated(self, slip: SlipState) -> float:
         """Return the dissipated energy, which is Σ Q (δ - 2 Q/k) over the slipping springs."""
-        depth = self._depth(slip.displacement)
+        depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_NODES)
         # The integration variable is t = cos φ, from the edge, φ = 0, to the end of the slip zone.
         end = np.arcsin(depth)[:, np.newaxis]
@@ -139,7 +142,7 @@ class SlidingAsperities:
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
 
-    def _depth(self, displacement: float) -> Floats:
+    def _slip_depth(self, displacement: float) -> Floats:
         """Return the relative depth of slip of each contact. It is 0 without slip and 1 for complete sliding."""
         square, linear = 1.5 * self.frictional / self.spring, 4 / np.pi * self.adhesive / self.spring
         depth = 2 * displacement / (linear + np.sqrt(linear**2 + 4 * square * displacement))
@@ -206,11 +209,11 @@ class SlidingHalfSpace:
 
     def dissipated(self, slip: SlipState) -> float:
         """Return the dissipated energy, which is the sum of bound times slip. It does not depend on far points."""
-        moved = self._displacements(slip.traction)
+        displacements = self._displacements(slip.traction)
         slips = slip.traction >= self.bound
         sticks = (slip.traction > 0) & ~slips
-        stuck_displacement = moved[sticks].mean() if sticks.any() else moved[slips].max()
-        return float((self.bound[slips] * (stuck_displacement - moved[slips])).sum() * self.cell)
+        stuck_displacement = displacements[sticks].mean() if sticks.any() else displacements[slips].max()
+        return float((self.bound[slips] * (stuck_displacement - displacements[slips])).sum() * self.cell)
 
     def _slip(self, load: float, traction: Floats, displacement: float) -> SlipState:
         slips = traction >= self.bound
@@ -222,8 +225,8 @@ class SlidingHalfSpace:
 
     def _displacements(self, traction: Floats) -> Floats:
         """Return the displacements of the points in contact due to tractions, µm."""
-        moved = self.grids.displacement(self._over_grid(traction), threads=threads()) * self.ratio
-        return np.asarray(moved.ravel()[self.points])
+        displacements = self.grids.displacement(self._over_grid(traction), threads=threads()) * self.ratio
+        return np.asarray(displacements.ravel()[self.points])
 
     def _over_grid(self, traction: Floats) -> Floats:
         grid = np.zeros(self.size)

@@ -23,7 +23,7 @@ Curvature = Literal["convex", "signed"]
 Shear = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 Sliding = Literal["opposing", "all"]
-EFFECTIVE_MODULUS = 10.0  # effective modulus in the paper, GPa
+DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus in the paper, GPa
 THICKNESS = 1.0  # default thickness of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 FLIPPED_STEP = "turned over"  # step that `flipped` adds to a history
@@ -67,7 +67,7 @@ class ContactModel:
     'opposing'
     """
 
-    effective_modulus: float = EFFECTIVE_MODULUS
+    effective_modulus: float = DEFAULT_EFFECTIVE_MODULUS
     law: Law | LawName = "hertz-sphere"
     detection: Detection | None = None
     curvature: Curvature | None = None
@@ -110,7 +110,7 @@ class ContactModel:
     @cached_property
     def _angles(self) -> list[float]:
         given: Any = self.shear if self.direction is None else self.direction
-        return [_angle(value) for value in given] if self._has_many_directions() else [_angle(given)]
+        return [_parse_angle(value) for value in given] if self._has_many_directions() else [_parse_angle(given)]
 
     def for_profiles(self) -> ContactModel:
         """Return the model with the defaults for profiles and a direction along x."""
@@ -150,7 +150,7 @@ class ContactModel:
         return {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
 
-def _angle(direction: Any) -> float:
+def _parse_angle(direction: Any) -> float:
     """Return a direction in degrees from +x towards +y, at least 0 and below 360."""
     if isinstance(direction, str):
         if direction not in ("+x", "-x"):
@@ -217,7 +217,7 @@ def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
     """
     if effective_modulus is None:
         check_modulus({}, *bodies)
-        return EFFECTIVE_MODULUS
+        return DEFAULT_EFFECTIVE_MODULUS
     return number("effective_modulus", effective_modulus, unit="GPa", above=0)
 
 
@@ -232,7 +232,7 @@ def reject_missing_modulus(*sources: str) -> None:
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}: the default "
-            f"{EFFECTIVE_MODULUS:g} GPa is for generated bodies"
+            f"{DEFAULT_EFFECTIVE_MODULUS:g} GPa is for generated bodies"
         )
 
 
@@ -241,7 +241,7 @@ def measured_source(body: Profile | Surface) -> str:
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
-def shows_model(function: _Function) -> _Function:
+def show_model_keywords(function: _Function) -> _Function:
     """Add the keyword arguments of the contact model to the signature of a function, for tooltips."""
     signature = inspect.signature(function)
     parameters = [
@@ -275,7 +275,7 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
 
 def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:
     """Warn if a surface is pressed on itself, or on its own mirror image."""
-    source, is_same = _source(upper), _source(upper) == _source(lower)
+    source, is_same = _find_source(upper), _find_source(upper) == _find_source(lower)
     flips = [body.history.count(FLIPPED_STEP) % 2 for body in (upper, lower)]
     message = ""
     if is_same and source[:1] and source[0].startswith("read from") and flips[0] == flips[1]:
@@ -299,7 +299,7 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
         warnings.warn(message, stacklevel=3)
 
 
-def _source(body: Profile | Surface) -> tuple[str, ...]:
+def _find_source(body: Profile | Surface) -> tuple[str, ...]:
     """Return the origin of a surface, without the steps that only change its orientation."""
     return tuple(step for step in body.history if step != FLIPPED_STEP)
 

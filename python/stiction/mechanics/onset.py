@@ -179,9 +179,11 @@ class Onset(PlotRepr):
         ValueError
             If an amplitude is negative or above the sliding load, where the loss depends on the path.
         """
-        loads = self._amplitudes(amplitude)
-        lost = [4 * self._held.dissipated(self._at(load)) if load > 0 else 0.0 for load in loads.ravel().tolist()]
-        return np.array(lost).reshape(loads.shape)
+        loads = self._check_amplitudes(amplitude)
+        losses = [
+            4 * self._held.dissipated(self._solve_at_load(load)) if load > 0 else 0.0 for load in loads.ravel().tolist()
+        ]
+        return np.array(losses).reshape(loads.shape)
 
     def loop(self, amplitude: float) -> tuple[Floats, Floats]:
         """Return a cycle between plus and minus a tangential load as displacements (µm) and loads (mN).
@@ -194,11 +196,11 @@ class Onset(PlotRepr):
         ValueError
             As for `energy_lost`.
         """
-        top = self._at(float(self._amplitudes(number("amplitude", amplitude, unit="mN", above=0))))
+        top = self._solve_at_load(float(self._check_amplitudes(number("amplitude", amplitude, unit="mN", above=0))))
         below = self.tangential_load < top.load * (1 - LOAD_TOLERANCE)
         load = np.concatenate([[0.0], self.tangential_load[below], [top.load]])
-        way = np.concatenate([[0.0], self.displacement[below], [top.displacement]])
-        down = top.displacement - 2 * way, top.load - 2 * load
+        unloading_path = np.concatenate([[0.0], self.displacement[below], [top.displacement]])
+        down = top.displacement - 2 * unloading_path, top.load - 2 * load
         return np.concatenate([down[0], -down[0]]), np.concatenate([down[1], -down[1]])
 
     def frame(self) -> pandas.DataFrame:
@@ -258,7 +260,7 @@ class Onset(PlotRepr):
         everywhere[self._held.points] = values
         return everywhere
 
-    def _amplitudes(self, amplitude: ArrayLike) -> Floats:
+    def _check_amplitudes(self, amplitude: ArrayLike) -> Floats:
         loads = float_array("amplitude", amplitude)
         if not ((loads >= 0) & (loads <= self.sliding_load * (1 + LOAD_TOLERANCE))).all():
             raise ValueError(
@@ -266,7 +268,7 @@ class Onset(PlotRepr):
             )
         return np.minimum(loads, self.sliding_load)
 
-    def _at(self, load: float) -> SlipState:
+    def _solve_at_load(self, load: float) -> SlipState:
         """Return the state at a load. The solution starts from the nearest known state."""
         near = min(self._slips, key=lambda slip: abs(slip.load - load))
         return near if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load else self._held.at(load, near)
@@ -310,10 +312,10 @@ MIN_STRENGTH = 1e-9
 def resolve_index(index: Any, count: int, items: str) -> int:
     """Convert an index that counts from the front or from the back to an index that counts from the front."""
     try:
-        place = whole_number("index", index, minimum=-count, maximum=count - 1)
+        checked_index = whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
         raise ValueError(f"index must be one of the {count} {items}, got {index!r}") from None
-    return place % count
+    return checked_index % count
 
 
 def check_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
@@ -331,7 +333,7 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
     """Return a single direction in degrees from +x towards +y, which is along x on profiles."""
     model = ContactModel(direction=direction)
     if model.angles().ndim > 0:
-        raise ValueError(f"direction must be a single one, got {direction!r}")
+        raise ValueError(f"direction must be a single direction, got {direction!r}")
     if line:
         model.for_profiles()
     return float(model.angles())
@@ -345,8 +347,8 @@ def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
             f"poisson must be one number or two, of the upper and the lower body, above -1 and at most 0.5, "
             f"got {poisson!r}"
         )
-    both = np.broadcast_to(values.ravel(), (2,))
-    return float(both[0]), float(both[1])
+    two_ratios = np.broadcast_to(values.ravel(), (2,))
+    return float(two_ratios[0]), float(two_ratios[1])
 
 
 def load_fractions(steps: int | Sequence[float]) -> Floats:
@@ -354,12 +356,12 @@ def load_fractions(steps: int | Sequence[float]) -> Floats:
     if np.ndim(steps) == 0:
         count = whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count
-    parts = float_array("steps", steps, ndim=1)
-    if not (parts.size > 0 and (parts > 0).all() and (np.diff(parts) > 0).all()):
+    fractions = float_array("steps", steps, ndim=1)
+    if not (fractions.size > 0 and (fractions > 0).all() and (np.diff(fractions) > 0).all()):
         raise ValueError(f"steps must be fractions of the sliding load above 0 and strictly increasing, got {steps!r}")
-    if not parts[-1] <= 1:
-        raise ValueError(f"steps must be at most 1: above the sliding load it slides, got {steps!r}")
-    return parts
+    if not fractions[-1] <= 1:
+        raise ValueError(f"steps must be at most 1: the surfaces slide above the sliding load, got {steps!r}")
+    return fractions
 
 
 def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
@@ -367,9 +369,13 @@ def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
     if not (target.size > 0 and (target > 0).all() and (np.diff(target) > 0).all()):
         raise ValueError(f"displacements must be above 0 µm and strictly increasing, got {displacements!r}")
     if not np.isfinite(limit):
-        raise ValueError("displacements: a free half-plane has none; give steps, or press with boundary='periodic'")
+        raise ValueError(
+            "displacements do not exist on a free half-plane; give steps, or press with boundary='periodic'"
+        )
     if not target[-1] <= limit:
-        raise ValueError(f"displacements must be at most {limit:g} µm, from which on it slides, got {displacements!r}")
+        raise ValueError(
+            f"displacements must be at most {limit:g} µm, at which the surfaces slide, got {displacements!r}"
+        )
     return target
 
 
@@ -380,19 +386,23 @@ def _solve_at_displacement(
     from scipy.optimize import brentq
 
     far = at_sliding.displacement
-    known = {1.0: at_sliding}
+    states_by_load = {1.0: at_sliding}
     if near is not None:
-        known[near.load / tangential_problem.sliding_load] = near
+        states_by_load[near.load / tangential_problem.sliding_load] = near
 
     def excess(part: float) -> float:
         if part == 0:
             return -target
-        if part not in known:
-            nearest = min(known, key=lambda value: abs(value - part))
-            known[part] = tangential_problem.at(part * tangential_problem.sliding_load, known[nearest])
-        return known[part].displacement - target
+        if part not in states_by_load:
+            nearest = min(states_by_load, key=lambda value: abs(value - part))
+            states_by_load[part] = tangential_problem.at(
+                part * tangential_problem.sliding_load, states_by_load[nearest]
+            )
+        return states_by_load[part].displacement - target
 
     if target >= far * (1 - DISPLACEMENT_TOLERANCE):
         return at_sliding
-    part = brentq(excess, min(known) if near else 0.0, 1.0, xtol=DISPLACEMENT_TOLERANCE * target / far, rtol=1e-12)
-    return known[part]
+    part = brentq(
+        excess, min(states_by_load) if near else 0.0, 1.0, xtol=DISPLACEMENT_TOLERANCE * target / far, rtol=1e-12
+    )
+    return states_by_load[part]

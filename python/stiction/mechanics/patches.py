@@ -21,13 +21,13 @@ the motion. For a sphere on a flat, solver errors give 1e-9 at a tolerance of 1e
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
     """Compute the slopes along each axis, spectrally for periodic heights and otherwise with natural cubic splines."""
     if periodic:
-        return [_wave_slope(heights, axis, step) for axis, step in enumerate(spacing)]
+        return [_spectral_slope(heights, axis, step) for axis, step in enumerate(spacing)]
     rows = np.atleast_2d(heights)
     by_y, by_x = _core.natural_slopes(np.ascontiguousarray(rows), spacing=(spacing[0], spacing[-1]))
     return [by_y, by_x] if heights.ndim == 2 else [by_x[0]]
 
 
-def _wave_slope(heights: Floats, axis: int, step: float) -> Floats:
+def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
     n = heights.shape[axis]
     factor = 2j * np.pi * scipy.fft.rfftfreq(n, step)
     if n % 2 == 0:

@@ -120,7 +120,7 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
     """Fit the Iwan model to a curve by least squares of the load."""
     from scipy.optimize import least_squares
 
-    _check(displacement, load, MIN_FIT_POINTS)
+    _check_curve(displacement, load, MIN_FIT_POINTS)
 
     def model(values: Floats, residual: Floats) -> FourParameterIwan:
         chi, beta = map(float, values)
@@ -140,7 +140,7 @@ def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuG
     """Fit the LuGre model to a curve by least squares of the load."""
     from scipy.optimize import least_squares
 
-    _check(displacement, load, 1)
+    _check_curve(displacement, load, 1)
     initial_stiffness = load[0] / displacement[0]
 
     def relative_error(values: Floats) -> Floats:
@@ -152,11 +152,13 @@ def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuG
     return LuGre(sliding_load, initial_stiffness * math.exp(fit.x[0]), read_only(fit.fun * sliding_load))
 
 
-def _check(displacement: Floats, load: Floats, min_points: int) -> None:
+def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
     if not np.isfinite(displacement).all():
-        raise ValueError("there are no displacements to fit: a free half-plane has none")
+        raise ValueError("the curve must have displacements for a fit, but a free half-plane has none")
     if not displacement[0] > ROUND_OFF_RATIO * displacement[-1]:
-        raise ValueError("there are no displacements to fit: surfaces in full contact do not slip before sliding")
+        raise ValueError(
+            "the curve must have displacements for a fit, but surfaces in full contact do not slip before sliding"
+        )
     if load.size < min_points:
         raise ValueError(f"a fit needs at least {min_points} loads, got {load.size}: specify more steps")
 

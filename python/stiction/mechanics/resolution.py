@@ -16,7 +16,7 @@ from stiction.mechanics import brackets
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX_SUMS, compute_load, friction_parameter
 from stiction.mechanics.half_space import Boundary, half_space, solve_separately
-from stiction.mechanics.model import EFFECTIVE_MODULUS, Direction, Sliding, check_pair, modulus_for
+from stiction.mechanics.model import DEFAULT_EFFECTIVE_MODULUS, Direction, Sliding, check_pair, modulus_for
 from stiction.mechanics.quantities import attributes_of
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
 from stiction.surfaces.profile import Profile
@@ -160,11 +160,11 @@ def resolution(
         "direction": directions if areal else directions[0], "sliding": "all", "tolerance": tolerance,
     }  # fmt: skip
     steps = float_array("loads", loads, ndim=1)
-    report = progress or (lambda done, of: None)
+    report = progress or (lambda num_done, total: None)
     count = len(lengths) + (hardness is not None)
     answers = []
-    for done, length in enumerate(lengths):
-        report(done, count)
+    for num_done, length in enumerate(lengths):
+        report(num_done, count)
         answers.append(_solve(*pair.cut_off_at(length), steps, directions, hardness=hardness, **options))
     elastic = answers[0]
     if hardness is not None:
@@ -174,8 +174,8 @@ def resolution(
     result = _cutoff_dataset(pair, lengths, steps, answers, effective_modulus, hardness)
     if parameters is not None:
         result = result.assign(friction_coefficient=resolution_friction(result, mu0=parameters[0], tau0=parameters[1]))
-    rough = [body for body in (upper, lower) if not body.is_flat]
-    limits = [instrument_limit(body, tip_radius=tip_radius, periodic=pair.periodic) for body in rough]
+    rough_bodies = [body for body in (upper, lower) if not body.is_flat]
+    limits = [instrument_limit(body, tip_radius=tip_radius, periodic=pair.periodic) for body in rough_bodies]
     worst = max(limits, key=lambda limit: limit.wavelength)
     result.attrs |= {"instrument_limit_um": worst.wavelength, "instrument_limit_reason": worst.reason}
     return _with_limits(result, pair, steps, elastic, effective_modulus, hardness, parameters)
@@ -429,7 +429,7 @@ def spectral_resolution(
     hardness: float | None,
     mu0: float,
     tau0: float = 0.0,
-    effective_modulus: float = EFFECTIVE_MODULUS,
+    effective_modulus: float = DEFAULT_EFFECTIVE_MODULUS,
     kappa: float = KAPPA,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
@@ -506,8 +506,8 @@ def spectral_resolution(
     lengths = np.unique(float_array("wavelengths", wavelengths, ndim=1))[::-1]
     slopes = np.array([body.gradient_at(lengths) for body in bodies])
     gradient = np.sqrt(np.square(slopes).sum(axis=0))
-    rough = gradient > 0
-    lengths, slopes, gradient = lengths[rough], slopes[:, rough], gradient[rough]
+    rough_bodies = gradient > 0
+    lengths, slopes, gradient = lengths[rough_bodies], slopes[:, rough_bodies], gradient[rough_bodies]
     if not lengths.size:
         raise ValueError(f"wavelengths must be at most the longest of the bodies, got {wavelengths!r}")
     area = np.minimum(np.maximum(factor * p / (modulus * gradient), p / limit), 1.0)

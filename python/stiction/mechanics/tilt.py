@@ -46,10 +46,10 @@ def solve_balanced(
     lengths = np.array(shape) * np.array(problem.spacing)
     height = float(problem.gap[problem.measured > 0].std()) or 1.0
 
-    def solve_at(turned: Problem, load: float, near: Floats | None) -> tuple[ContactSolution, Floats]:
-        solver = Solver(turned, "loads", load, tolerance=tolerance, report=report)
+    def solve_at(rotated_problem: Problem, load: float, near: Floats | None) -> tuple[ContactSolution, Floats]:
+        solver = Solver(rotated_problem, "loads", load, tolerance=tolerance, report=report)
         solution = solver.at(load, near)
-        pressed = to_contact_solution(turned, solution, load, scale=solver.scale)
+        pressed = to_contact_solution(rotated_problem, solution, load, scale=solver.scale)
         return pressed, mean_moments(solution.pressure.reshape(shape), arms)
 
     near = None

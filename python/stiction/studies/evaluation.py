@@ -21,10 +21,10 @@ from stiction._checks import Floats, check_choice, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import gentle_friction, hardness_under_shear
 from stiction.mechanics.friction import (
-    RATIOS,
     SIX_SUMS,
     STATUS_DTYPE,
     STATUSES,
+    VALIDITY_RATIOS,
     compute_load,
     compute_loads,
     validity_ratio,
@@ -742,7 +742,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
         carried = variables["contact_load"][1] if "contact_load" in variables else elastic
         found["mean_pressure"] = carried / variables["contact_area"][1]
     sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
-    for name, (numerator, _) in RATIOS.items():
+    for name, (numerator, _) in VALIDITY_RATIOS.items():
         if numerator in sums and name not in sums:
             found[name] = validity_ratio(name, sums)
     kept = {name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_PARTS}

@@ -36,7 +36,7 @@ from stiction.studies.values import (
     written,
 )
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
-from stiction.surfaces.filters import checked_cutoff
+from stiction.surfaces.filters import check_cutoff
 from stiction.surfaces.interchange import extract_heights
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import Missing, Outliers
@@ -517,7 +517,7 @@ class MeasuredSurfaceKeys(Case):
                 press = type(self).model_fields["press"].default
                 raise ValueError(f'surfaces.press must be "surrogates" for a spectrum, got "{press}"')
             if wavelength > 0:
-                checked_cutoff("cutoff", wavelength, scan, longest=MAX_CUTOFF_FRACTION)
+                check_cutoff("cutoff", wavelength, scan, longest=MAX_CUTOFF_FRACTION)
             yield cut_off(scan, wavelength) if wavelength > 0 else scan
 
 
@@ -761,7 +761,7 @@ class AreaMembers:
             raise ValueError(
                 f"the maps have {pairs.max_count()} relative positions, but member {index} needs position {shift + 1}"
             )
-        return Member(pairs.pair(shift), *pairs.moved(shift))
+        return Member(pairs.pair(shift), *pairs.map_shift(shift))
 
     def find_shared_properties(self) -> SharedProperties:
         """Return the properties that all members share."""

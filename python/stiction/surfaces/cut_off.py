@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stiction._checks import check_bool
-from stiction.surfaces.filters import checked_cutoff, gaussian_mean
+from stiction.surfaces.filters import check_cutoff, gaussian_mean
 from stiction.surfaces.surface import AnyBody, as_body
 
 MAX_CUTOFF_FRACTION = (
@@ -55,6 +55,6 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     """
     check_bool("periodic", periodic)
     body = as_body("body", body)
-    length = checked_cutoff("wavelength", wavelength, body, longest=MAX_CUTOFF_FRACTION)
+    length = check_cutoff("wavelength", wavelength, body, longest=MAX_CUTOFF_FRACTION)
     step = f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)"
     return body.changed(gaussian_mean(body, length, periodic=periodic), step)  # type: ignore[return-value]

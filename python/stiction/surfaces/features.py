@@ -17,10 +17,10 @@ from stiction._checks import Floats
 PRUNING_FRACTION = 0.05
 NUM_FEATURES = 5  # number of peaks or pits in the five-point parameters
 
-_Indices = NDArray[np.intp]
+_IndexArray = NDArray[np.intp]
 
 
-def significant_peaks(heights: Floats, threshold: float) -> _Indices:
+def significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     """Return the flat indices of the peaks that remain after Wolf pruning.
 
     Parameters
@@ -40,25 +40,25 @@ def significant_peaks(heights: Floats, threshold: float) -> _Indices:
     order = np.argsort(heights, axis=None, kind="stable")
     rank = np.empty(heights.size, np.int64)  # points of equal height are ordered by their flat index
     rank[order] = np.arange(heights.size)
-    hill = _hills(rank.reshape(heights.shape), order)
+    hill = _find_peaks_of_points(rank.reshape(heights.shape), order)
     peaks, hill = np.unique(hill, return_inverse=True)
     if peaks.size == 1:
         return peaks
-    first, second, saddle = _saddles(hill.reshape(heights.shape), rank.reshape(heights.shape), peaks.size)
+    first, second, saddle = _find_saddles(hill.reshape(heights.shape), rank.reshape(heights.shape), peaks.size)
     level = heights.ravel()[order[saddle]].tolist()
     top = heights.ravel()[peaks].tolist()
     above = rank[peaks].tolist()
     root = list(range(peaks.size))
     keep = np.ones(peaks.size, bool)
 
-    def find(index: int) -> int:
+    def find_root(index: int) -> int:
         while root[index] != index:
             root[index] = root[root[index]]
             index = root[index]
         return index
 
     for hill_a, hill_b, height in zip(first.tolist(), second.tolist(), level, strict=True):
-        low, high = find(hill_a), find(hill_b)
+        low, high = find_root(hill_a), find_root(hill_b)
         if above[low] > above[high]:
             low, high = high, low
         root[low] = high
@@ -66,19 +66,21 @@ def significant_peaks(heights: Floats, threshold: float) -> _Indices:
     return np.asarray(peaks[keep])
 
 
-def _hills(rank: NDArray[np.int64], order: _Indices) -> _Indices:
+def _find_peaks_of_points(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
     """Return the flat index of the peak of every point."""
     from scipy.ndimage import maximum_filter
 
     above = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
     while True:
-        further = above[above]
-        if np.array_equal(further, above):
+        unfinished = above[above]
+        if np.array_equal(unfinished, above):
             return np.asarray(above)
-        above = further
+        above = unfinished
 
 
-def _saddles(hill: _Indices, rank: NDArray[np.int64], count: int) -> tuple[_Indices, _Indices, _Indices]:
+def _find_saddles(
+    hill: _IndexArray, rank: NDArray[np.int64], count: int
+) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
     """Return the saddles of the maximum spanning tree as pairs of hills and ranks, in descending order."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
@@ -133,10 +135,10 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
     flat = deviation.ravel()
     return FeatureParameters(
         density=peaks.size / (rows * spacing[0] * columns * spacing[1]), curvature=curvature,
-        peak_height=_mean_of_five(flat[peaks]), pit_depth=_mean_of_five(-flat[pits]),
+        peak_height=_mean_of_five_largest(flat[peaks]), pit_depth=_mean_of_five_largest(-flat[pits]),
     )  # fmt: skip
 
 
-def _mean_of_five(heights: Floats) -> float:
+def _mean_of_five_largest(heights: Floats) -> float:
     """Return the mean of the five largest heights, or NaN if there are fewer than five."""
     return math.nan if heights.size < NUM_FEATURES else float(np.sort(heights)[-NUM_FEATURES:].mean())

@@ -20,7 +20,7 @@ Powers = tuple[int, ...]
 MIN_CUTOFF_POINTS = 0.5  # shortest cutoff, in points: the filter then transmits 96 % of the shortest wavelength
 _MIN_REGRESSION_POINTS = 4.0  # shortest cutoff, in points, with straight lines fitted near the ends
 # Half width of the weight function, in cutoff wavelengths. Farther away, weights are below 1e-15 of the largest weight.
-_REACH = 1.6
+_WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of weights on each side. For a cutoff of two or three points, weights decay slowly, to 1e-5 at this
 # distance.
 _MIN_WEIGHTS = 64
@@ -28,7 +28,7 @@ _MIN_WEIGHTS = 64
 _MIN_COVERAGE = 1e-6
 _MIN_PIVOT = 1e-9  # smallest pivot of the normalised local equations; with a smaller pivot the equations are singular
 # Biweight scale in median absolute deviations. It is three standard deviations of normally distributed heights.
-_BIWEIGHT = 4.4478
+_BIWEIGHT_SCALE = 4.4478
 # Largest change of the mean line, in biweight scales, at which the iteration has converged.
 _ROBUST_TOLERANCE = 1e-4
 _MAX_ITERATIONS = 200
@@ -100,7 +100,7 @@ def filtered(
     body = as_body("body", body)
     if robust and periodic:
         raise ValueError("periodic must be False for a robust filter, got True")
-    length = checked_cutoff("cutoff", cutoff, body, longest=1.0)
+    length = check_cutoff("cutoff", cutoff, body, longest=1.0)
     smooth = robust_mean(body, length) if robust else gaussian_mean(body, length, periodic=periodic)
     description = f"{'robust Gaussian regression' if robust else 'Gaussian'}, {length:g} µm"
     if kind == "S":
@@ -108,16 +108,16 @@ def filtered(
     return body.changed(body.heights - smooth, f"L-filter ({description})")  # type: ignore[return-value]
 
 
-def checked_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
+def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
     """Check a cutoff (µm) against the range from half a point to `longest` times the shortest side, and return it."""
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(sides)
     if not low <= length * ROUND_OFF_FACTOR or not length <= high * ROUND_OFF_FACTOR:
         end = "the shortest side" if longest == 1 else "a third of the shortest side"
-        got = repr(value) if isinstance(value, str) else f"{length:g} µm"
+        shown_value = repr(value) if isinstance(value, str) else f"{length:g} µm"
         raise ArgumentError(
-            f"{{{name}}} must be from half a point, {low:g} µm, to {end}, {high:g} µm, got {{got}}", got=got
+            f"{{{name}}} must be from half a point, {low:g} µm, to {end}, {high:g} µm, got {{got}}", got=shown_value
         )
     return length
 
@@ -134,17 +134,17 @@ def gaussian_mean(body: Profile | Surface, cutoff: float, *, periodic: bool = Fa
     lengths = [cutoff / step for step in body.spacings]
     measured = None if body.missing is None else (~body.missing).astype(np.float64)
     if periodic:
-        smooth = _transmitted(heights if measured is None else heights * measured, lengths)
+        smooth = _filter_periodic(heights if measured is None else heights * measured, lengths)
         if measured is not None:
-            smooth = _covered(smooth, _transmitted(measured, lengths), heights)
+            smooth = _divide_by_weights(smooth, _filter_periodic(measured, lengths), heights)
     elif max(lengths) < _MIN_REGRESSION_POINTS:
         smooth = _reflected(heights, lengths)
     elif measured is not None:
-        smooth = _regression(heights, measured, lengths, _linear(heights.ndim))
+        smooth = _fit_polynomials(heights, measured, lengths, _linear_exponents(heights.ndim))
     else:
         smooth = heights
         for axis, length in enumerate(lengths):
-            smooth = _regression_along(smooth, axis, length) if smooth.shape[axis] > 1 else smooth
+            smooth = _fit_lines_along(smooth, axis, length) if smooth.shape[axis] > 1 else smooth
     return np.asarray(smooth + mean)
 
 
@@ -156,9 +156,9 @@ def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
     measured = np.ones(heights.shape) if body.missing is None else (~body.missing).astype(np.float64)
     weights, before = measured, heights
     for _ in range(_MAX_ITERATIONS):
-        smooth = _regression(heights, weights, lengths, _quadratic(heights.ndim))
+        smooth = _fit_polynomials(heights, weights, lengths, _quadratic_exponents(heights.ndim))
         residual = np.abs(heights - smooth)
-        scale = _BIWEIGHT * float(np.median(residual[measured > 0]))
+        scale = _BIWEIGHT_SCALE * float(np.median(residual[measured > 0]))
         if np.abs(smooth - before).max() <= _ROBUST_TOLERANCE * scale or scale == 0:
             return np.asarray(smooth + mean)
         weights, before = measured * np.square(np.maximum(1 - np.square(residual / scale), 0)), smooth
@@ -168,13 +168,13 @@ def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
 # ---- Weighted sums --------------------------------------------------------------------------------------------------
 
 
-def _transmitted(heights: Floats, lengths: Sequence[float]) -> Floats:
+def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
     """Filter periodic heights along each axis; the cutoffs `lengths` are in points."""
     from scipy.fft import irfft, rfft, rfftfreq
 
     for axis, length in enumerate(lengths):
         points = heights.shape[axis]
-        factor = _along(transmission(2 * math.pi * rfftfreq(points), length), axis, heights.ndim)
+        factor = _broadcast_along(transmission(2 * math.pi * rfftfreq(points), length), axis, heights.ndim)
         heights = irfft(rfft(heights, axis=axis) * factor, points, axis=axis)
     return heights
 
@@ -194,28 +194,30 @@ def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
         place = np.arange(points) - (points - 1) / 2
         others = tuple(other for other in range(heights.ndim) if other != axis)
         slope = place @ heights.mean(axis=others) / max(float(place @ place), 1.0)
-        tilt = tilt + slope * _along(place, axis, heights.ndim)
-        factors = factors * _along(transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim)
+        tilt = tilt + slope * _broadcast_along(place, axis, heights.ndim)
+        factors = factors * _broadcast_along(
+            transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim
+        )
     return np.asarray(tilt + idctn(dctn(heights - tilt, norm="ortho") * factors, norm="ortho"))
 
 
-def _covered(sums: Floats, weights: Floats, heights: Floats) -> Floats:
+def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
     """Divide weighted sums by their weights. Where the weight is too small, return the heights."""
-    enough = weights > _MIN_COVERAGE
-    return np.where(enough, sums / np.where(enough, weights, 1), heights)
+    is_covered = weights > _MIN_COVERAGE
+    return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 
 
-def _along(values: Any, axis: int, ndim: int) -> Any:
+def _broadcast_along(values: Any, axis: int, ndim: int) -> Any:
     """Reshape values to broadcast along one axis."""
     return np.reshape(values, [-1 if index == axis else 1 for index in range(ndim)])
 
 
-def _linear(ndim: int) -> list[Powers]:
+def _linear_exponents(ndim: int) -> list[Powers]:
     """Return the exponents of the terms of a function that is linear in x, or linear in y and linear in x."""
     return list(product(range(2), repeat=ndim))
 
 
-def _quadratic(ndim: int) -> list[Powers]:
+def _quadratic_exponents(ndim: int) -> list[Powers]:
     """Return the exponents of the terms of a polynomial of second degree in x, or in y and x."""
     return [powers for powers in product(range(3), repeat=ndim) if sum(powers) <= 2]
 
@@ -226,12 +228,14 @@ class _Kernel:
     def __init__(self, points: int, length: float) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
 
-        reach = min(points - 1, max(math.ceil(_REACH * length), _MIN_WEIGHTS))
+        reach = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_WEIGHTS))
         self.points = points
         self.padded: int = next_fast_len(points + reach, real=True)
         # These weights have exactly the analytic transmission up to the Nyquist wave number.
-        fine = next_fast_len(max(self.padded, 4 * reach + 2), real=True)
-        self._weights = irfft(transmission(2 * math.pi * rfftfreq(fine), length), fine)[: reach + 1]
+        transform_length = next_fast_len(max(self.padded, 4 * reach + 2), real=True)
+        self._weights = irfft(transmission(2 * math.pi * rfftfreq(transform_length), length), transform_length)[
+            : reach + 1
+        ]
         self._offset = np.arange(reach + 1) / length
 
     def line(self, power: int) -> Floats:
@@ -244,21 +248,21 @@ class _Kernel:
         return line
 
 
-def _regression_along(heights: Floats, axis: int, length: float) -> Floats:
+def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
     """Compute the value at each point of a local straight line that is fitted along an axis with Gaussian weights."""
     from scipy.fft import irfft, rfft
 
     kernel = _Kernel(heights.shape[axis], length)
-    powers = [_along(rfft(kernel.line(power)), axis, heights.ndim) for power in range(3)]
+    powers = [_broadcast_along(rfft(kernel.line(power)), axis, heights.ndim) for power in range(3)]
     inside = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
     transform = rfft(heights, kernel.padded, axis=axis)
     zeroth, first = (irfft(transform * power, kernel.padded, axis=axis)[inside] for power in powers[:2])
-    mask = rfft(_along(np.ones(kernel.points), axis, heights.ndim), kernel.padded, axis=axis)
+    mask = rfft(_broadcast_along(np.ones(kernel.points), axis, heights.ndim), kernel.padded, axis=axis)
     m0, m1, m2 = (irfft(mask * power, kernel.padded, axis=axis)[inside] for power in powers)
     return np.asarray((m2 * zeroth - m1 * first) / (m0 * m2 - m1**2))
 
 
-def _regression(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
+def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
     """Compute the value at each point of a local polynomial that is fitted with Gaussian weights times `weights`."""
     from scipy.fft import irfftn, rfft, rfftn
 
@@ -269,7 +273,7 @@ def _regression(heights: Floats, weights: Floats, lengths: Sequence[float], basi
     # the other axes.
     lines = [
         [
-            _along((np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.line(power)), axis, heights.ndim)
+            _broadcast_along((np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.line(power)), axis, heights.ndim)
             for power in range(2 * max(map(max, basis)) + 1)
         ]
         for axis, kernel in enumerate(kernels)
@@ -281,18 +285,20 @@ def _regression(heights: Floats, weights: Floats, lengths: Sequence[float], basi
         return np.asarray(irfftn(transform, padded)[inside])
 
     of_weights, of_heights = rfftn(weights, padded), rfftn(weights * heights, padded)
-    right = [sums(of_heights, powers) for powers in basis]
-    pairs = {_product(a, b) for a in basis for b in basis}
+    right_sides = [sums(of_heights, powers) for powers in basis]
+    pairs = {_multiply_monomials(a, b) for a in basis for b in basis}
     moments = {powers: sums(of_weights, powers) for powers in pairs}
-    return _constants(basis, moments, right, heights)
+    return _solve_constant_terms(basis, moments, right_sides, heights)
 
 
-def _product(item: Powers, other: Powers) -> Powers:
+def _multiply_monomials(item: Powers, other: Powers) -> Powers:
     """Return the exponents of the product of two monomials."""
     return tuple(a + b for a, b in zip(item, other, strict=True))
 
 
-def _constants(basis: Sequence[Powers], moments: dict[Powers, Floats], right: list[Floats], heights: Floats) -> Floats:
+def _solve_constant_terms(
+    basis: Sequence[Powers], moments: dict[Powers, Floats], right_sides: list[Floats], heights: Floats
+) -> Floats:
     """Solve for the constant term of every local polynomial by Gaussian elimination of the other terms.
 
     Where the equations are singular, return the weighted mean; where no measured point is in reach, the height.
@@ -301,8 +307,8 @@ def _constants(basis: Sequence[Powers], moments: dict[Powers, Floats], right: li
     total = np.where(moments[basis[0]] > _MIN_COVERAGE, moments[basis[0]], 1)
     # The dictionary contains the lower triangle of the normal equations, with row k for term k. The Schur complements
     # remain symmetric.
-    rows = {(k, m): moments[_product(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
-    values = [side / total for side in right]
+    rows = {(k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
+    values = [side / total for side in right_sides]
     constant = values[0]
     fixed = moments[basis[0]] > _MIN_COVERAGE
     inside = fixed.copy()

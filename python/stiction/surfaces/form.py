@@ -14,7 +14,7 @@ from stiction._repr import with_unit
 
 RoundForm = Literal["circle", "sphere", "cylinder"]
 Points = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
-_Model = Callable[[Floats, Points], Floats]
+_FormModel = Callable[[Floats, Points], Floats]
 # Squared cosine of the largest slope of the form. Beyond this slope, just before the equator, the form is cut off.
 _MIN_COSINE_SQUARED = 1e-6
 _FIT_TOLERANCE = 1e-12  # relative change at which the fit has converged
@@ -47,8 +47,8 @@ def round_form(
     measured = np.ones(heights.shape, bool) if missing is None else ~missing
     inside = positions[0][measured], positions[1][measured]
     targets = heights[measured]
-    model, start = _MODELS[form], _start(form, inside, targets)
-    scale = np.maximum(np.abs(start), _scales(form, inside, targets))
+    model, start = _FORM_MODELS[form], _estimate_parameters(form, inside, targets)
+    scale = np.maximum(np.abs(start), _parameter_scales(form, inside, targets))
     result = least_squares(
         lambda values: model(values * scale, inside) - targets, start / scale, xtol=_FIT_TOLERANCE, ftol=_FIT_TOLERANCE
     ).x * scale  # fmt: skip
@@ -57,37 +57,41 @@ def round_form(
     return model(result, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
 
 
-def _arc(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
+def _arc_heights(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
     """Return the heights of an arc from squared distances from the middle and from products of slope and distance."""
     rise = curvature * square + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
 
 
-def _sphere(values: Floats, points: Points) -> Floats:
+def _sphere_heights(values: Floats, points: Points) -> Floats:
     height, curvature, slope_x, slope_y = values
     x, y = points
     cosine = 1 / math.sqrt(1 + slope_x**2 + slope_y**2)
-    return np.asarray(height + _arc(x**2 + y**2, slope_x * x + slope_y * y, curvature, cosine))
+    return np.asarray(height + _arc_heights(x**2 + y**2, slope_x * x + slope_y * y, curvature, cosine))
 
 
-def _circle(values: Floats, points: Points) -> Floats:
-    return _sphere(np.append(values, 0.0), (points[0], np.zeros_like(points[0])))
+def _circle_heights(values: Floats, points: Points) -> Floats:
+    return _sphere_heights(np.append(values, 0.0), (points[0], np.zeros_like(points[0])))
 
 
-def _cylinder(values: Floats, points: Points) -> Floats:
+def _cylinder_heights(values: Floats, points: Points) -> Floats:
     height, curvature, slope, along, angle = values
     x, y = points
     across = y * math.cos(angle) - x * math.sin(angle)
     axis = x * math.cos(angle) + y * math.sin(angle)
-    arc = _arc(across**2, slope * across, curvature, 1 / math.sqrt(1 + slope**2))
+    arc = _arc_heights(across**2, slope * across, curvature, 1 / math.sqrt(1 + slope**2))
     return np.asarray(height + along * axis + arc)
 
 
-_MODELS: dict[str, _Model] = {"circle": _circle, "sphere": _sphere, "cylinder": _cylinder}
+_FORM_MODELS: dict[str, _FormModel] = {
+    "circle": _circle_heights,
+    "sphere": _sphere_heights,
+    "cylinder": _cylinder_heights,
+}
 
 
-def _start(form: RoundForm, points: Points, heights: Floats) -> Floats:
+def _estimate_parameters(form: RoundForm, points: Points, heights: Floats) -> Floats:
     """Estimate initial parameters of a form from the least-squares paraboloid."""
     x, y = points
     if form == "circle":
@@ -105,7 +109,7 @@ def _start(form: RoundForm, points: Points, heights: Floats) -> Floats:
     return np.array([height, float(values[int(np.argmax(np.abs(values)))]), slope, along, angle])
 
 
-def _scales(form: RoundForm, points: Points, heights: Floats) -> Floats:
+def _parameter_scales(form: RoundForm, points: Points, heights: Floats) -> Floats:
     """Return typical magnitudes of the parameters, by which the least-squares problem is scaled."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))

@@ -158,21 +158,23 @@ def fill_profiles(
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
     extent = number("extent", extent, unit="µm", above=0)
     frequencies = phase_array.shape[1]
-    scale, gamma = _scale_and_ratio(length_scale, gamma, band_limit)
-    weights = [_weights(dimension, frequencies, scale, gamma, convention) for dimension in dimensions]
+    scale, gamma = _check_scale_and_ratio(length_scale, gamma, band_limit)
+    weights = [_frequency_amplitudes(dimension, frequencies, scale, gamma, convention) for dimension in dimensions]
     return stiction._core.harmonic_profiles(
         phase_array, np.array(weights).reshape(len(weights), frequencies), family,
         spacing=extent / family.shape[1], length_scale=scale, gamma=gamma, band_limited=band_limit == "nyquist",
     )  # fmt: skip
 
 
-def _scale_and_ratio(length_scale: Any, gamma: Any, band_limit: Any) -> tuple[float, float]:
+def _check_scale_and_ratio(length_scale: Any, gamma: Any, band_limit: Any) -> tuple[float, float]:
     if band_limit is not None:
         check_choice("band_limit", band_limit, BandLimit)
     return number("length_scale", length_scale, unit="µm", above=0), number("gamma", gamma, above=1)
 
 
-def _weights(dimension: Any, frequencies: int, scale: float, gamma: float, convention: Convention) -> Floats:
+def _frequency_amplitudes(
+    dimension: Any, frequencies: int, scale: float, gamma: float, convention: Convention
+) -> Floats:
     """Return the amplitude of every frequency of Eq. 1, µm."""
     hurst = hurst_exponent(dimension, convention=convention)
     return np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, scale))
@@ -313,8 +315,8 @@ def weierstrass_mandelbrot_surface(
     frequencies = phase_array.shape[1]
     rows, columns = parse_shape(shape, least=2)
     extents = parse_lengths("extent", extent)
-    scale, gamma = _scale_and_ratio(length_scale, gamma, band_limit)
-    weights = _weights(fractal_dimension, frequencies, scale, gamma, convention)
+    scale, gamma = _check_scale_and_ratio(length_scale, gamma, band_limit)
+    weights = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
     heights = np.empty((rows, columns))
     spacing = extents[0] / rows, extents[1] / columns
     stiction._core.harmonic_surface(
@@ -379,9 +381,9 @@ def weierstrass_mandelbrot_moments(
     """
     directions = whole_number("directions", directions, minimum=1)
     frequencies = whole_number("frequencies", frequencies, minimum=1)
-    scale, gamma = _scale_and_ratio(length_scale, gamma, None)
+    scale, gamma = _check_scale_and_ratio(length_scale, gamma, None)
     shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
-    weights = _weights(fractal_dimension, frequencies, scale, gamma, convention)
+    weights = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
     m = np.arange(1, directions + 1)
     cosines = np.where(2 * m == directions, 0.0, np.cos(np.pi * m / directions))
     wave_numbers = 2 * np.pi / scale * np.outer(cosines, gamma ** np.arange(frequencies))

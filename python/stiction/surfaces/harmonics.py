@@ -19,10 +19,10 @@ _MIN_SIGNIFICANT_HARMONICS = 2
 _MAX_CANDIDATES = 6  # largest number of peaks that are tried as the first harmonic
 # Minimum density of a harmonic relative to the density between harmonics. About one bin in 1000 exceeds it by chance.
 _MIN_LINE_RATIO = 10.0
-_LOBE = 2.5  # half width of the peak of a harmonic after a Hann window, in bins
+_PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic after a Hann window, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
 # quantile of the density over one period that is not affected by harmonics, including aliased harmonics
-_QUANTILE = 0.3
+_BACKGROUND_QUANTILE = 0.3
 
 
 def find_period(density: Floats) -> tuple[float, float]:
@@ -50,20 +50,20 @@ def find_period(density: Floats) -> tuple[float, float]:
         first = peak + np.arange(-_STEPS_PER_BIN, _STEPS_PER_BIN + 1) / _STEPS_PER_BIN
         for step in (1, 2):
             orders = np.arange(1, min(step * _MAX_COMPARED_HARMONICS, int(size / (peak + 1))) + 1, step)
-            level = _between(padded, peak * orders, step * peak)
+            level = _median_between_harmonics(padded, peak * orders, step * peak)
             bins = np.rint(first[:, np.newaxis] * orders).astype(np.intp)
             ratio = padded[np.minimum(bins, size)] / level
             scores = np.log(np.maximum(ratio, 1.0)).sum(axis=1)
             significant = ratio[int(np.argmax(scores))] > _MIN_LINE_RATIO
-            needed = max(_MIN_SIGNIFICANT_HARMONICS, significant.size // 3 + 1)
-            if significant[0] and significant[1:].sum() >= needed and scores.max() > best_score:
+            min_significant = max(_MIN_SIGNIFICANT_HARMONICS, significant.size // 3 + 1)
+            if significant[0] and significant[1:].sum() >= min_significant and scores.max() > best_score:
                 best_score = float(scores.max())
                 period = float(first[scores == scores.max()].mean())
                 result = period, step * period
     return result
 
 
-def between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
+def density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
     """Estimate the density between the harmonics of a texture from a low quantile over one period.
 
     Parameters
@@ -77,17 +77,19 @@ def between_harmonics(density: Floats, count: Floats, distance: float) -> Floats
     from scipy.ndimage import percentile_filter
     from scipy.special import gammaincinv
 
-    low = percentile_filter(density, 100 * _QUANTILE, size=2 * math.ceil(distance / 2) + 1, mode="nearest")
+    low = percentile_filter(density, 100 * _BACKGROUND_QUANTILE, size=2 * math.ceil(distance / 2) + 1, mode="nearest")
     shape = np.maximum(count, 1.0)
-    return np.asarray(low * shape / gammaincinv(shape, _QUANTILE))
+    return np.asarray(low * shape / gammaincinv(shape, _BACKGROUND_QUANTILE))
 
 
-def _between(padded: Floats, harmonics: Floats, distance: float) -> Floats:
+def _median_between_harmonics(padded: Floats, harmonics: Floats, distance: float) -> Floats:
     """Return the median density around every harmonic, in a range that extends halfway to its neighbours."""
     bins = np.arange(padded.size)
     levels = []
-    for place in harmonics.tolist():
-        distances = np.abs(bins - place)
-        nearby = padded[(distances > min(_LOBE, distance / 2 - 0.5)) & (distances <= distance / 2) & (bins > 0)]
+    for position in harmonics.tolist():
+        distances = np.abs(bins - position)
+        nearby = padded[
+            (distances > min(_PEAK_HALF_WIDTH, distance / 2 - 0.5)) & (distances <= distance / 2) & (bins > 0)
+        ]
         levels.append(float(np.median(nearby)) if nearby.size else math.inf)
     return np.asarray(np.maximum(np.array(levels), np.finfo(float).tiny))

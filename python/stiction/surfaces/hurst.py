@@ -19,10 +19,10 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 _NEWTON_STEPS, _HALVINGS = 50, 30
 MAX_INTERVAL_WIDTH = 0.5  # largest width of the 95 % interval of H at which the estimate is still informative
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
-_NO_BAND = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
+_NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 _TREND_ROUND_OFF = 1e-13  # residual of a subtracted straight line relative to the largest height
 # Number of lowest harmonics that are excluded after a Hann window. They contain the mean and longer wavelengths.
-_NUM_WINDOWED_OUT = 2
+_NUM_EXCLUDED_HARMONICS = 2
 
 _HANN_CORRELATION = 35 / 18
 """Factor by which a Hann window w increases the variance of sums over harmonics: the mean of w⁴ divided by the squared
@@ -32,7 +32,7 @@ _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with on
 _BINS_PER_DECADE = 12
 _MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum with its own power law
 # Relative error of the model in a bin. No measured spectrum follows a power law more closely.
-_BEND = 0.1
+_RELATIVE_MODEL_ERROR = 0.1
 # Minimum gain in log-likelihood for another piece. A piece has three parameters and one break among about 50 bins.
 _PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin. It is about 1 by chance; with a larger deviance the spectrum consists of separate
@@ -40,7 +40,7 @@ _PIECE_PENALTY = 10.0
 _MAX_DEVIANCE = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # narrowest accepted band in ln q, which is half a decade
 # Trial noise levels relative to the power law at the shortest wavelength.
-_NOISES = tuple(np.geomspace(0.01, 10, 13).tolist())
+_TRIAL_NOISE_LEVELS = tuple(np.geomspace(0.01, 10, 13).tolist())
 # Minimum gain in log-likelihood for one more parameter, which is a roll-off or noise.
 _PARAMETER_PENALTY = 2.0
 
@@ -252,30 +252,30 @@ def estimate_hurst_exponent(
     check_bool("periodic", periodic)
     reject_flat(body)
     if isinstance(body, Profile):
-        dimensions, (wave_number, power, scale) = 1, _harmonics(body, periodic)
+        dimensions, (wave_number, power, scale) = 1, _fitted_harmonics(body, periodic)
     else:
-        dimensions, (wave_number, power, scale) = 2, _waves(body, periodic)
+        dimensions, (wave_number, power, scale) = 2, _fitted_wave_vectors(body, periodic)
     variance_factor = 1.0 if periodic else _HANN_CORRELATION**dimensions
 
-    chosen: slice | NDArray[np.bool_]
+    selection: slice | NDArray[np.bool_]
     if band is None:
-        chosen, piece = _self_affine_band(wave_number, power, variance_factor)
-        chosen, piece = _above_noise(wave_number, power, variance_factor, chosen, piece)
+        selection, piece = _self_affine_band(wave_number, power, variance_factor)
+        selection, piece = _remove_noisy_end(wave_number, power, variance_factor, selection, piece)
     else:
         if not isinstance(band, (tuple, list)) or len(band) != 2:
             raise ValueError(f"band must be a shortest and a longest wavelength, got {band!r}")
         shortest = number("band", band[0], unit="µm", above=0)
-        chosen, piece = in_band(wave_number, shortest, number("band", band[1], unit="µm", above=shortest)), None
-        if (count := int(chosen.sum())) < MIN_BAND_HARMONICS:
+        selection, piece = in_band(wave_number, shortest, number("band", band[1], unit="µm", above=shortest)), None
+        if (count := int(selection.sum())) < MIN_BAND_HARMONICS:
             raise ValueError(f"band must hold at least {MIN_BAND_HARMONICS} harmonics, but {band!r} µm holds {count}")
-    q, power = wave_number[chosen], power[chosen]
-    bins = _Bins.of(q, power)
+    q, power = wave_number[selection], power[selection]
+    bins = _SpectrumBins.of(q, power)
     exponent = PowerLaw(np.log(q), power, np.ones(q.size)).exponent
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     law = PowerLaw(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = law.interval(law.min_loss + _CHI_SQUARED_95 / 2)
     if piece is not None:  # the interval includes the uncertainty of the end of the roll-off
-        laws = _rolled_off(piece, piece.count / (variance_factor * dispersion))
+        laws = _fit_roll_offs(piece, piece.count / (variance_factor * dispersion))
         max_loss = min(other.min_loss for other in laws) + _CHI_SQUARED_95 / 2
         intervals = [other.interval(max_loss) for other in laws if other.min_loss < max_loss]
         lower = min([lower, *(ends[0] for ends in intervals)])
@@ -288,26 +288,26 @@ def estimate_hurst_exponent(
     )  # fmt: skip
 
 
-def _harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
+def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
     """Return the wave numbers and powers of a profile that are fitted, and the height unit of the powers."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
-        place = np.arange(heights.size) - (heights.size - 1) / 2
-        tilted = heights - place * (heights @ place / (place @ place))
+        centred_index = np.arange(heights.size) - (heights.size - 1) / 2
+        tilted = heights - centred_index * (heights @ centred_index / (centred_index @ centred_index))
         if not np.abs(tilted).max() > _TREND_ROUND_OFF * np.abs(profile.heights).max():
             raise ValueError("a straight line has no roughness")
         heights = tilted
     scale = float(np.abs(heights).max())
     spectrum = profile_spectrum(heights / scale, profile.spacing, windowed=not periodic)
-    used = spectrum.count == 1
+    is_harmonic = spectrum.count == 1
     if not periodic:
-        used[:_NUM_WINDOWED_OUT] = False
+        is_harmonic[:_NUM_EXCLUDED_HARMONICS] = False
     # A profile without short wavelengths contains only round-off there.
-    power = np.maximum(spectrum.density[used], np.finfo(float).eps ** 2 * spectrum.density.max())
-    return spectrum.wave_number[used], power, scale
+    power = np.maximum(spectrum.density[is_harmonic], np.finfo(float).eps ** 2 * spectrum.density.max())
+    return spectrum.wave_number[is_harmonic], power, scale
 
 
-def _waves(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
+def _fitted_wave_vectors(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
     """Return the wave numbers of a surface that are fitted, the powers times the wave number, and the height unit."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
@@ -317,15 +317,15 @@ def _waves(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
     scale = float(np.abs(heights).max())
     spectrum = areal_spectrum(heights / scale, surface.spacing, windowed=not periodic)
     wave_number, _, density = spectrum.waves()
-    used = np.full(wave_number.shape, True)
+    is_harmonic = np.full(wave_number.shape, True)
     if not periodic:
-        used = wave_number > (_NUM_WINDOWED_OUT + 0.5) * 2 * math.pi / min(surface.extent)
+        is_harmonic = wave_number > (_NUM_EXCLUDED_HARMONICS + 0.5) * 2 * math.pi / min(surface.extent)
     density = np.maximum(density, np.finfo(float).eps ** 2 * density.max())
-    return wave_number[used], (density * wave_number)[used], scale
+    return wave_number[is_harmonic], (density * wave_number)[is_harmonic], scale
 
 
 @dataclass(frozen=True)
-class _Bins:
+class _SpectrumBins:
     """Spectrum in bins of equal width in log q."""
 
     first: NDArray[np.intp]  # index of the first harmonic of every bin
@@ -334,14 +334,14 @@ class _Bins:
     count: Floats
 
     @classmethod
-    def of(cls, q: Floats, power: Floats) -> _Bins:
+    def of(cls, q: Floats, power: Floats) -> _SpectrumBins:
         index = np.floor(_BINS_PER_DECADE * np.log10(q / q[0]) + 1e-9)
         first = np.flatnonzero(np.diff(index, prepend=-1))
         count = np.diff(first, append=q.size).astype(np.float64)
         return cls(first, np.add.reduceat(np.log(q), first) / count, np.add.reduceat(power, first) / count, count)
 
-    def part(self, start: int, end: int) -> _Bins:
-        return _Bins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
+    def part(self, start: int, end: int) -> _SpectrumBins:
+        return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
     def deviance(self, exponent: float, weight: Floats) -> float:
         """Return the deviance per bin of a power law with this exponent."""
@@ -350,19 +350,19 @@ class _Bins:
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
 
 
-def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _Bins]:
+def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
     """Find the harmonics of the widest self-affine piece of the spectrum.
 
     Return also the bins of this piece and its roll-off.
     """
     if q.size >= MIN_BAND_HARMONICS:
-        bins = _Bins.of(q, power)
-        weight = 1 / (variance_factor / bins.count + _BEND**2)
-        starts, ends, exponents, losses = _pieces(bins, weight)
-        pieces = _best_cut(bins.log_q.size, starts, ends, losses)
+        bins = _SpectrumBins.of(q, power)
+        weight = 1 / (variance_factor / bins.count + _RELATIVE_MODEL_ERROR**2)
+        starts, ends, exponents, losses = _fit_pieces(bins, weight)
+        pieces = _select_pieces(bins.log_q.size, starts, ends, losses)
         for steepest in (3.0, 5.0):  # exponents of the power for H = 1 and H = 2
             widest = _MIN_BAND_WIDTH
-            best: tuple[slice, _Bins] | None = None
+            best: tuple[slice, _SpectrumBins] | None = None
             for piece in pieces:
                 if not 1 < exponents[piece] < steepest:
                     continue
@@ -370,59 +370,65 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
                 if bins.part(start, end).deviance(exponents[piece], weight[start:end]) > _MAX_DEVIANCE:
                     continue
                 end -= end < bins.log_q.size
-                whole = start + (start > 0)
+                first_bin = start + (start > 0)
                 if start == 0:  # remove a roll-off that is too short to be a separate piece
-                    rolled = [law.min_loss for law in _rolled_off(bins.part(0, end), weight[:end])]
-                    start = int(np.argmin(rolled)) if min(rolled) < rolled[0] - _PARAMETER_PENALTY else 0
+                    roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.part(0, end), weight[:end])]
+                    start = (
+                        int(np.argmin(roll_off_losses))
+                        if min(roll_off_losses) < roll_off_losses[0] - _PARAMETER_PENALTY
+                        else 0
+                    )
                 else:
-                    start = whole
+                    start = first_bin
                 first = int(bins.first[start])
                 last = (int(bins.first[end]) if end < bins.first.size else q.size) - 1
                 width = math.log(q[last] / q[first])
                 if width > widest and last - first + 1 >= MIN_BAND_HARMONICS:
-                    widest, best = width, (slice(first, last + 1), bins.part(whole, end))
+                    widest, best = width, (slice(first, last + 1), bins.part(first_bin, end))
             if best is not None:
                 return best
-    raise ValueError(_NO_BAND)
+    raise ValueError(_NO_BAND_MESSAGE)
 
 
-def _above_noise(q: Floats, power: Floats, variance_factor: float, chosen: slice, piece: _Bins) -> tuple[slice, _Bins]:
+def _remove_noisy_end(
+    q: Floats, power: Floats, variance_factor: float, selection: slice, piece: _SpectrumBins
+) -> tuple[slice, _SpectrumBins]:
     """Remove the shortest wavelengths from a band if white noise bends the spectrum there."""
     from scipy.optimize import minimize_scalar
 
-    bins = _Bins.of(q[chosen], power[chosen])
-    place, weight = bins.log_q - bins.log_q[-1], bins.count / variance_factor
+    bins = _SpectrumBins.of(q[selection], power[selection])
+    centred_index, weight = bins.log_q - bins.log_q[-1], bins.count / variance_factor
 
     def loss(exponent: float, noise: float) -> float:
         """Return the negative log-likelihood of a power law plus noise.
 
         The noise is relative to the power law at the shortest wavelength.
         """
-        shape = np.exp(-exponent * place) + noise
+        shape = np.exp(-exponent * centred_index) + noise
         return float(weight @ np.log(shape) + weight.sum() * math.log(weight @ (bins.power / shape)))
 
     def best(noise: float) -> tuple[float, float, float]:
         result = minimize_scalar(loss, bounds=(1.0, 5.0), args=(noise,), method="bounded", options={"xatol": 1e-3})
         return float(result.fun), float(result.x), noise
 
-    least, exponent, noise = min(best(noise) for noise in _NOISES)
-    if least > best(0.0)[0] - _PARAMETER_PENALTY:
-        return chosen, piece
+    min_noise_loss, exponent, noise = min(best(noise) for noise in _TRIAL_NOISE_LEVELS)
+    if min_noise_loss > best(0.0)[0] - _PARAMETER_PENALTY:
+        return selection, piece
     # The band ends where the noise reaches the accepted deviation from the power law.
-    last = math.log(q[chosen][-1]) + min(0.0, math.log(_BEND / noise) / exponent)
+    last = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise) / exponent)
     end = int(np.searchsorted(np.log(q), last, side="right"))
-    if end - chosen.start < MIN_BAND_HARMONICS or last - math.log(q[chosen.start]) < _MIN_BAND_WIDTH:
-        raise ValueError(_NO_BAND)
-    return slice(chosen.start, end), piece.part(0, int(np.searchsorted(piece.log_q, last, side="right")))
+    if end - selection.start < MIN_BAND_HARMONICS or last - math.log(q[selection.start]) < _MIN_BAND_WIDTH:
+        raise ValueError(_NO_BAND_MESSAGE)
+    return slice(selection.start, end), piece.part(0, int(np.searchsorted(piece.log_q, last, side="right")))
 
 
-def _rolled_off(bins: _Bins, weight: Floats) -> list[PowerLaw]:
+def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLaw]:
     """Fit power laws whose flat roll-off ends at bin 0, 1, 2 and so on; the first fit has no roll-off."""
     breaks = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
     return [PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
 
 
-def _pieces(bins: _Bins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
+def _fit_pieces(bins: _SpectrumBins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
     """Return start, end, fitted exponent and loss of every possible piece of a binned spectrum."""
     starts, ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     laws = [
@@ -432,7 +438,7 @@ def _pieces(bins: _Bins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.i
     return starts, ends, np.array([law.exponent for law in laws]), np.array([law.min_loss for law in laws])
 
 
-def _best_cut(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], losses: Floats) -> list[int]:
+def _select_pieces(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], losses: Floats) -> list[int]:
     """Return consecutive pieces that cover all bins and minimise the sum of losses and penalties."""
     best, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     best[0] = 0.0

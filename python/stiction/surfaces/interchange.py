@@ -63,25 +63,27 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
     """Describe the size, spacing, roughness and history of a body in one line."""
     size = " × ".join(map(str, heights.shape))
     steps = np.unique(spacing).tolist()
-    apart = f"{with_unit(steps[0], 'µm')} apart"
+    spacing_text = f"{with_unit(steps[0], 'µm')} apart"
     if len(steps) > 1:
-        apart = f"{with_unit(spacing[1], 'µm')} apart along x and {with_unit(spacing[0], 'µm')} along y"
-    rough = f"{'Pq' if heights.ndim == 1 else 'Sq'} {with_unit(float(heights.std()), 'µm')}"
+        spacing_text = f"{with_unit(spacing[1], 'µm')} apart along x and {with_unit(spacing[0], 'µm')} along y"
+    roughness_text = f"{'Pq' if heights.ndim == 1 else 'Sq'} {with_unit(float(heights.std()), 'µm')}"
     if history and not any(step.startswith("levelled") for step in history):
-        rough += ", not levelled"
+        roughness_text += ", not levelled"
     made = f"; {', '.join(history)}" if history else ""
-    return f"{kind} of {size} points, {apart}, {rough}{made}"
+    return f"{kind} of {size} points, {spacing_text}, {roughness_text}{made}"
 
 
 def _from_topography(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
     """Extract heights from a topography of SurfaceTopography, whose first axis is x."""
-    factor = _factor(name, other.unit or unit, kind)
-    given = np.ma.asarray(other.heights())
-    if np.ma.is_masked(given):
-        raise ValueError(f"{name} has points without a height; fill them first, as by interpolate_undefined_data()")
-    heights = np.asarray(np.ma.getdata(given), dtype=np.float64)
+    factor = _unit_factor(name, other.unit or unit, kind)
+    masked_heights = np.ma.asarray(other.heights())
+    if np.ma.is_masked(masked_heights):
+        raise ValueError(
+            f"{name} has points without a height; fill them first, for example with interpolate_undefined_data()"
+        )
+    heights = np.asarray(np.ma.getdata(masked_heights), dtype=np.float64)
     if heights.ndim == 1 and not other.is_uniform:
-        return _make_heights(name, heights, (_step(name, "x", other.positions()),), factor, kind)
+        return _make_heights(name, heights, (_find_step(name, "x", other.positions()),), factor, kind)
     steps = [float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True)]
     return _make_heights(name, heights.T, tuple(steps[::-1]), factor, kind)
 
@@ -97,27 +99,27 @@ def _from_data_array(name: str, other: Any, kind: str, unit: str | None) -> Fore
         if axis not in other.coords:
             raise ValueError(f"{name} must have a coordinate {axis}, in µm or with its unit in attrs")
         along = other.coords[axis]
-        factor = _factor(f"{name}.{axis}", along.attrs.get("units", unit), kind)
-        spacing.append(_step(name, axis, np.asarray(along.values, dtype=np.float64)) * factor)
-    factor = _factor(name, other.attrs.get("units", unit), kind)
-    taken = _make_heights(name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind)
+        factor = _unit_factor(f"{name}.{axis}", along.attrs.get("units", unit), kind)
+        spacing.append(_find_step(name, axis, np.asarray(along.values, dtype=np.float64)) * factor)
+    factor = _unit_factor(name, other.attrs.get("units", unit), kind)
+    converted = _make_heights(name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind)
     if other.attrs.get("history") is None:
-        return taken
-    return taken._replace(history=tuple(filter(None, str(other.attrs["history"]).split("\n"))))
+        return converted
+    return converted._replace(history=tuple(filter(None, str(other.attrs["history"]).split("\n"))))
 
 
-def _step(name: str, axis: str, positions: Any) -> float:
+def _find_step(name: str, axis: str, positions: Any) -> float:
     """Return the spacing of equidistant positions."""
     coordinates = np.asarray(positions, dtype=np.float64)
     steps = np.diff(coordinates)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > STEP_TOLERANCE * steps.mean():
-        raise ValueError(f"{name} must have equal steps along {axis}, in rising order")
+        raise ValueError(f"{name} must have equal steps along {axis}, in increasing order")
     first = float(steps[0])
     is_exact = np.array_equal(coordinates, coordinates[0] + np.arange(coordinates.size) * first)
     return first if is_exact else float((coordinates[-1] - coordinates[0]) / steps.size)
 
 
-def _factor(name: str, unit: Any, kind: str) -> float:
+def _unit_factor(name: str, unit: Any, kind: str) -> float:
     if unit not in LENGTH_UNITS:
         allowed = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(f"{name} must have a unit of length ({allowed}), or be given one, got {unit!r} of a {kind}")

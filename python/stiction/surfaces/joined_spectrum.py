@@ -28,7 +28,7 @@ MAX_WAVELENGTH_FRACTION = (
     # window.
 )
 # Number of wave vectors per independent value. Opposite wave vectors are equal, and the window correlates neighbours.
-_WAVES_PER_VALUE = 4.0
+_WAVE_VECTORS_PER_VALUE = 4.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,8 +95,8 @@ class JoinedSpectrum(TextRepr):
             f"{name} ({shortest:.4g} to {longest:.4g} µm)"
             for name, (shortest, longest) in zip(self.names, self.bands, strict=True)
         )
-        of = f", of {', '.join(scans)}" if self.names else ""
-        return (f"spectrum of waves from {self.shortest:.4g} to {self.longest:.4g} µm{of}",)
+        names_text = f", of {', '.join(scans)}" if self.names else ""
+        return (f"spectrum of waves from {self.shortest:.4g} to {self.longest:.4g} µm{names_text}",)
 
     @property
     def disagreement(self) -> Floats:
@@ -123,7 +123,7 @@ class JoinedSpectrum(TextRepr):
     def chance(self) -> Floats:
         """(scans,) standard deviation of the logarithm of `disagreement` that is expected by chance."""
         shared = (self.contribution > 0).sum(axis=0) > 1
-        actual = self.contribution * self.count / _WAVES_PER_VALUE
+        actual = self.contribution * self.count / _WAVE_VECTORS_PER_VALUE
         result = np.full(len(self.bands), np.nan)
         for scan, waves in enumerate(actual):
             occupied = shared & (waves > 0)
@@ -238,12 +238,12 @@ def joined_spectrum(
     per_decade = whole_number("per_decade", per_decade, minimum=4)
     if names is not None and len(names) != len(bodies):
         raise ValueError(f"names must have one entry for each of the {len(bodies)} scans, got {len(names)}")
-    limits = _check_list("shortest_wavelengths", shortest_wavelengths, len(bodies))
-    tips = _check_list("tip_radii", tip_radii, len(bodies))
+    limits = _check_length("shortest_wavelengths", shortest_wavelengths, len(bodies))
+    tips = _check_length("tip_radii", tip_radii, len(bodies))
     parts, bands, reasons = [], [], []
     for body, limit, tip in zip(bodies, limits, tips, strict=True):
-        band, reason = _band(body, limit, tip)
-        parts.append(_binned(body, band, per_decade))
+        band, reason = _reliable_band(body, limit, tip)
+        parts.append(_average_in_bins(body, band, per_decade))
         bands.append(band)
         reasons.append(reason)
     first = min(min(part) for part in parts)
@@ -268,7 +268,7 @@ def joined_spectrum(
         )  # fmt: skip
 
 
-def _check_list(name: str, values: Sequence[float | None] | None, size: int) -> list[float | None]:
+def _check_length(name: str, values: Sequence[float | None] | None, size: int) -> list[float | None]:
     if values is None:
         return [None] * size
     if len(values) != size:
@@ -276,7 +276,7 @@ def _check_list(name: str, values: Sequence[float | None] | None, size: int) -> 
     return [None if value is None else number(name, value, unit="µm", above=0) for value in values]
 
 
-def _band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
+def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
     """Return the band of wavelengths to use from a scan, and the reason for its lower limit."""
     spacing, side = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
@@ -294,7 +294,9 @@ def _band(body: Profile | Surface, limit: float | None, tip: float | None) -> tu
     return (shortest, longest), reason
 
 
-def _binned(body: Profile | Surface, band: tuple[float, float], per_decade: int) -> dict[int, tuple[float, float]]:
+def _average_in_bins(
+    body: Profile | Surface, band: tuple[float, float], per_decade: int
+) -> dict[int, tuple[float, float]]:
     """Return the number of wave vectors and the mean density for every bin of a band."""
     shortest, longest = (2 * math.pi / length for length in reversed(band))
     if isinstance(body, Profile):

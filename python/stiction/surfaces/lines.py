@@ -123,7 +123,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     if points < _MIN_LINE_POINTS:
         raise ValueError(f"lines along {along} must have at least {_MIN_LINE_POINTS} points, got {points}")
     squares, density = np.zeros(3), np.zeros(points // 2)
-    chosen = set(np.linspace(0, count - 1, min(count, MAX_FITTED_LINES)).round().astype(int).tolist())
+    fitted_indices = set(np.linspace(0, count - 1, min(count, MAX_FITTED_LINES)).round().astype(int).tolist())
     fitted = []
     for index in range(count):
         measured = surface.row(index) if along == "x" else surface.column(index)
@@ -134,16 +134,16 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
             parameters = roughness_parameters(line)
             neighbours = roughness_parameters(line, derivative="neighbours").Pdq
             squares += np.square([parameters.Pq, parameters.Pdq, neighbours]) / count
-        if index in chosen:
+        if index in fitted_indices:
             fitted.append(measured)
-    result = [fit for line in fitted if (fit := _fit(line, band)) is not None]
-    if band is not None and not result and (rough := [line for line in fitted if not line.is_flat]):
-        estimate_hurst_exponent(rough[0], band=band)  # this call raises the error
+    result = [fit for line in fitted if (fit := _fit_line(line, band)) is not None]
+    if band is not None and not result and (rough_lines := [line for line in fitted if not line.is_flat]):
+        estimate_hurst_exponent(rough_lines[0], band=band)  # this call raises the error
     estimates = result
     if band is None and 2 * len(result) >= len(fitted):
         ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in result], axis=0)
         band = float(ends[0]), float(ends[1])
-        estimates = [fit for line in fitted if (fit := _fit(line, band)) is not None]
+        estimates = [fit for line in fitted if (fit := _fit_line(line, band)) is not None]
     pq, pdq, neighbours = np.sqrt(squares).tolist()
     spectrum = replace(spectrum, density=read_only(density))
     exponents = np.array([fit.value for fit in estimates if band is not None])
@@ -227,7 +227,7 @@ def power_law_misfit(
     return math.exp(math.sqrt(max(0.0, float(np.average(square, weights=weight)))))
 
 
-def _fit(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
+def _fit_line(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
     """Estimate the Hurst exponent of a line; return None if the line is flat or has no self-affine band."""
     try:
         return estimate_hurst_exponent(line, band=band)

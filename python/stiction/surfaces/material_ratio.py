@@ -12,7 +12,10 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
 CORE_FRACTION = 0.4  # width of the core as a range of material ratios
-PEAKS, VALLEYS = 0.1, 0.8  # material ratios that separate peaks, core and valleys, with the defaults of ISO 25178-3
+PEAK_RATIO, VALLEY_RATIO = (
+    0.1,
+    0.8,
+)  # material ratios that separate peaks, core and valleys, with the defaults of ISO 25178-3
 EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height, with the defaults of ISO 25178-3
 
 
@@ -50,7 +53,7 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
     targets = float_array("ratios", ratios)
     if targets.size and not (targets.min() >= 0 and targets.max() <= 1):
         raise ValueError(f"ratios must be from 0 to 1, got {targets.min():g} to {targets.max():g}")
-    return heights_at(body.heights, targets)
+    return heights_at_ratios(body.heights, targets)
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
@@ -93,12 +96,12 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
     return np.asarray(1 - np.searchsorted(ordered, targets, side="right") / ordered.size)
 
 
-def heights_at(heights: Floats, ratios: ArrayLike) -> Floats:
+def heights_at_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
     """Return the heights at given material ratios."""
     return np.asarray(np.quantile(heights, 1 - np.asarray(ratios)))
 
 
-class Volumes(NamedTuple):
+class MaterialVolumes(NamedTuple):
     """Material and void volumes per area, in the unit of the heights."""
 
     peak_material: float
@@ -107,12 +110,12 @@ class Volumes(NamedTuple):
     valley_void: float
 
 
-def volumes(heights: Floats) -> Volumes:
+def material_volumes(heights: Floats) -> MaterialVolumes:
     """Compute the volumes above and below the heights at which the material ratio is 10 % and 80 %."""
-    upper, lower = heights_at(heights, [PEAKS, VALLEYS]).tolist()
+    upper, lower = heights_at_ratios(heights, [PEAK_RATIO, VALLEY_RATIO]).tolist()
     above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
     below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))
-    return Volumes(above_upper, above_lower - above_upper, below_upper - below_lower, below_lower)
+    return MaterialVolumes(above_upper, above_lower - above_upper, below_upper - below_lower, below_lower)
 
 
 class CoreParameters(NamedTuple):
@@ -127,7 +130,7 @@ class CoreParameters(NamedTuple):
 
 def core_parameters(heights: Floats) -> CoreParameters:
     """Compute the parameters of stratified surfaces from the material ratio curve."""
-    height, upper, lower = _core_line(heights)
+    height, upper, lower = _fit_core_line(heights)
     peaks, valleys = np.maximum(heights - upper, 0), np.maximum(lower - heights, 0)
     above, below = float(np.mean(heights > upper)), float(np.mean(heights < lower))
     reduced_peaks = 2 * float(peaks.mean()) / above if above else 0.0
@@ -135,7 +138,7 @@ def core_parameters(heights: Floats) -> CoreParameters:
     return CoreParameters(height, reduced_peaks, reduced_valleys, above, 1 - below)
 
 
-def _core_line(deviation: Floats) -> tuple[float, float, float]:
+def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
     """Fit the straight line through the core.
 
     Return its height difference over the core, and its heights at material ratios of 0 and 100 %.
@@ -146,7 +149,7 @@ def _core_line(deviation: Floats) -> tuple[float, float, float]:
     fall = heights[: points - core_points + 1] - heights[core_points - 1 :]
     start = int(np.argmin(fall))
     ratio = (np.arange(start, start + core_points) + 0.5) / points
-    place = ratio - ratio.mean()
-    slope = float(place @ heights[start : start + core_points] / (place @ place))
+    centred_ratio = ratio - ratio.mean()
+    slope = float(centred_ratio @ heights[start : start + core_points] / (centred_ratio @ centred_ratio))
     upper = float(heights[start : start + core_points].mean()) - slope * float(ratio.mean())
     return -slope, upper, upper + slope

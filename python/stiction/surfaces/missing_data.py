@@ -13,11 +13,11 @@ MIN_OUTLIER_DEVIATIONS = 6.0
 1.4826 times the median absolute deviation."""
 MAX_OUTLIER_GROUP = 4  # largest number of adjacent outliers; a larger group is a feature of the surface
 
-_NEIGHBOURHOOD = {1: 31, 2: 7}  # width of the local window in points, for profiles and for maps
+_WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles and for maps
 # Minimum number of estimates of a height from neighbours. With three estimates, one may contain another outlier.
 _MIN_ESTIMATES = 3
 # An outlier may lie on this many of the five or more lines through neighbours by chance.
-_MAX_LINES = 2
+_MAX_CHANCE_LINES = 2
 _MAX_PASSES = 8
 _MIN_EDGE_POINTS = 20  # minimum number of points at edges that is needed to estimate their scatter separately
 
@@ -27,15 +27,15 @@ def interpolate_missing(heights: Floats, *, extrapolate: bool) -> Floats:
 
     With `extrapolate`, gaps at an edge get the nearest height.
     """
-    full = heights.copy()
+    filled = heights.copy()
     for to_edge in (False, True)[: 1 + extrapolate]:
-        for lines in (full, full.T) if full.ndim == 2 else (full[np.newaxis],):
+        for lines in (filled, filled.T) if filled.ndim == 2 else (filled[np.newaxis],):
             for line in lines:
-                known = np.flatnonzero(~np.isnan(line))
-                if 0 < known.size < line.size:
-                    inside = np.arange(line.size) if to_edge else np.arange(known[0], known[-1] + 1)
-                    line[inside] = np.interp(inside, known, line[known])
-    return full
+                is_measured = np.flatnonzero(~np.isnan(line))
+                if 0 < is_measured.size < line.size:
+                    inside = np.arange(line.size) if to_edge else np.arange(is_measured[0], is_measured[-1] + 1)
+                    line[inside] = np.interp(inside, is_measured, line[is_measured])
+    return filled
 
 
 def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]]:
@@ -76,15 +76,15 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
     """
     from scipy.ndimage import label, maximum_filter
 
-    known, left, result = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
+    is_measured, left, result = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
     usual: list[Floats] = []
     for _ in range(_MAX_PASSES):
-        off_means, off_lines, at_edge = _off_neighbours(heights, left)
-        judged = known & ~result & np.isfinite(off_lines)
+        off_means, off_lines, at_edge = _deviations_from_neighbours(heights, left)
+        judged = is_measured & ~result & np.isfinite(off_lines)
         if not usual:
             usual = [
-                np.asarray(_usual_distance(off_means, known, np.zeros_like(known))),
-                np.asarray(_usual_distance(off_lines, known, at_edge)),
+                np.asarray(_typical_deviation(off_means, is_measured, np.zeros_like(is_measured))),
+                np.asarray(_typical_deviation(off_lines, is_measured, at_edge)),
             ]
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.fmin(off_means / usual[0], off_lines / usual[1])
@@ -98,7 +98,7 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
     return np.asarray(result & (np.bincount(numbers.ravel())[numbers] <= MAX_OUTLIER_GROUP))
 
 
-def _usual_distance(distances: Floats, known: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
+def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
     """Return the median deviation of all points or, if larger, of the neighbourhood.
 
     Edge points are treated separately.
@@ -107,17 +107,17 @@ def _usual_distance(distances: Floats, known: NDArray[np.bool_], at_edge: NDArra
 
     usual = np.zeros(distances.shape)
     for part in (~at_edge, at_edge):
-        values = distances[part & known & np.isfinite(distances)]
+        values = distances[part & is_measured & np.isfinite(distances)]
         if values.size >= _MIN_EDGE_POINTS:
             usual[part | (usual == 0)] = np.median(values)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(known & np.isfinite(distances) & (usual > 0), distances / usual, 1.0)
+        ratio = np.where(is_measured & np.isfinite(distances) & (usual > 0), distances / usual, 1.0)
     # A worn surface is smoother on plateaus than in valleys. Therefore points are also compared with their
     # neighbourhood.
-    return np.asarray(usual * np.maximum(median_filter(ratio, size=_NEIGHBOURHOOD[distances.ndim]), 1.0))
+    return np.asarray(usual * np.maximum(median_filter(ratio, size=_WINDOW_WIDTHS[distances.ndim]), 1.0))
 
 
-def _off_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return deviations from means of opposite neighbours, deviations from lines through neighbours, and edge points.
 
     Deviations are NaN where too few neighbours are measured.
@@ -128,25 +128,25 @@ def _off_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDAr
     reach = 2 * max(map(max, steps))
     padded = np.pad(left, reach, constant_values=np.nan)
 
-    def shifted(step: tuple[int, ...], times: int) -> Floats:
+    def shift(step: tuple[int, ...], times: int) -> Floats:
         index = zip(step, heights.shape, strict=True)
         return padded[tuple(slice(reach + times * offset, reach + times * offset + size) for offset, size in index)]
 
-    means = np.stack([(shifted(step, 1) + shifted(step, -1)) / 2 for step in steps])
-    off_means = np.abs(heights - _median(means, _MIN_ESTIMATES))
-    sides = [np.stack([2 * shifted(step, sign) - shifted(step, 2 * sign) for step in steps]) for sign in (1, -1)]
+    means = np.stack([(shift(step, 1) + shift(step, -1)) / 2 for step in steps])
+    off_means = np.abs(heights - _finite_median(means, _MIN_ESTIMATES))
+    sides = [np.stack([2 * shift(step, sign) - shift(step, 2 * sign) for step in steps]) for sign in (1, -1)]
     # Heights are extrapolated from each of two sides for profiles, and from each of eight directions for maps.
-    lines = np.stack([_median(side[:3], 1) for side in sides]) if heights.ndim == 1 else np.concatenate(sides)
+    lines = np.stack([_finite_median(side[:3], 1) for side in sides]) if heights.ndim == 1 else np.concatenate(sides)
     off_lines = np.sort(np.abs(heights - lines), axis=0)  # NaN last
     count = np.isfinite(off_lines).sum(axis=0)
     if heights.ndim == 1:
         return off_means, off_lines[0], count < len(lines)
     at_edge = count < len(lines)
-    nearest = np.where(count > _MAX_LINES + _MIN_ESTIMATES - 1, off_lines[_MAX_LINES], off_lines[0])
+    nearest = np.where(count > _MAX_CHANCE_LINES + _MIN_ESTIMATES - 1, off_lines[_MAX_CHANCE_LINES], off_lines[0])
     return off_means, np.where(count < _MIN_ESTIMATES, np.nan, nearest), at_edge
 
 
-def _median(values: Floats, min_count: int) -> Floats:
+def _finite_median(values: Floats, min_count: int) -> Floats:
     """Return the median of the finite values along the first axis; NaN where there are fewer than `min_count`."""
     ordered = np.sort(values, axis=0)  # NaN last
     count = np.isfinite(ordered).sum(axis=0)

@@ -22,8 +22,8 @@ from stiction.surfaces.preparation import (
     cropped,
     flipped,
     levelled,
+    resample_piece,
     resampled,
-    resampled_piece,
 )
 from stiction.surfaces.profile import Along, Profile, Side, index_mask
 from stiction.surfaces.surface import Surface, as_body
@@ -37,8 +37,8 @@ MIN_PIECE_POINTS = 16  # minimum number of rows and of columns of a piece
 MAX_SURROGATE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
 Surrogates = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
-_GOLDEN = (5**0.5 - 1) / 2
-_PLASTIC = 1.324717957244746  # real root of x^3 = x + 1
+_GOLDEN_RATIO = (5**0.5 - 1) / 2
+_PLASTIC_RATIO = 1.324717957244746  # real root of x^3 = x + 1
 _QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1
 GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength of generated surfaces
 
@@ -49,8 +49,8 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
     The sequence is an additive recurrence with the golden ratio.
     """
     if dimensions == 1:
-        return ((index * _GOLDEN) % 1,)
-    base = _PLASTIC if dimensions == 2 else _QUINTIC_ROOT
+        return ((index * _GOLDEN_RATIO) % 1,)
+    base = _PLASTIC_RATIO if dimensions == 2 else _QUINTIC_ROOT
     return tuple((0.5 + index * base**-power) % 1 for power in range(1, dimensions + 1))
 
 
@@ -75,7 +75,7 @@ class LinePairs:
         """Return the number of different pairs. None if it is unlimited."""
         if self.surrogates != "none":
             return None
-        widths = [self._width(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
+        widths = [self._line_count(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
         return min(widths, default=1)
 
     def place(self, index: int) -> float:
@@ -83,25 +83,25 @@ class LinePairs:
         if not isinstance(self.upper, Surface):
             return 0.0
         across = self.upper.spacing[0 if self.along == "x" else 1]
-        return self._row(self.upper, index) * across
+        return self._line_number(self.upper, index) * across
 
     def pair(self, index: int) -> tuple[Profile, Profile]:
         """Return a pair of profiles with equal spacing."""
-        apart = isinstance(self.upper, Surface) and isinstance(self.lower, Surface)
-        lines = self._line(self.upper, index), self._line(self.lower, index, apart=apart)
+        shifted = isinstance(self.upper, Surface) and isinstance(self.lower, Surface)
+        lines = self._extract_line(self.upper, index), self._extract_line(self.lower, index, shifted=shifted)
         if self.level is not None:
             lines = levelled(lines[0], self.level), levelled(lines[1], self.level)
         above, below = (
-            self._surrogate(line, index, side) if self.surrogates in (side, "both") else line
+            self._surrogate_line(line, index, side) if self.surrogates in (side, "both") else line
             for line, side in zip(lines, SIDES, strict=True)
         )
         spacing = min(above.spacing, below.spacing)
         above, below = resampled(flipped(above), spacing), resampled(below, spacing)
         if self.several and self.travel is None:
             return _crop_to_equal_length(above, below, index, self.level)
-        return self._slider(above, len(below)), below
+        return self._make_slider(above, len(below)), below
 
-    def _slider(self, above: Profile, track: int) -> Profile:
+    def _make_slider(self, above: Profile, track: int) -> Profile:
         points, spacing = len(above), above.spacing
         if self.travel is None:
             left = max(track - points, track // 2)
@@ -114,32 +114,32 @@ class LinePairs:
                 f"travel, the largest position, must be from 0 to {max_travel:g} µm, which leaves half of the shorter "
                 f"profile as slider, got {self.travel!r}"
             )
-        short = above if slider == points else cropped(above, 0.0, slider * spacing)
-        return short if self.level is None else levelled(short, self.level)
+        slider_profile = above if slider == points else cropped(above, 0.0, slider * spacing)
+        return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
-    def _line(self, body: Profile | Surface, index: int, *, apart: bool = False) -> Profile:
+    def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
         """Return line `index` of a surface. `apart` shifts the line by a third of the width, with wrap-around."""
         if isinstance(body, Profile):
             return body
         line = body.row if self.along == "x" else body.column
-        return line(self._row(body, index, apart=apart))
+        return line(self._line_number(body, index, shifted=shifted))
 
-    def _row(self, surface: Surface, index: int, *, apart: bool = False) -> int:
+    def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
         """Return the row or column number of line `index`. No line is repeated before all lines have been used."""
-        width = self._width(surface)
-        start = max(width // 3, 1) if apart else 0
+        width = self._line_count(surface)
+        start = max(width // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * width // self.count) % width
         # The step is near the golden ratio times the width, and coprime to the width.
-        step = max(1, round(width * _GOLDEN))
+        step = max(1, round(width * _GOLDEN_RATIO))
         while math.gcd(step, width) > 1:
             step += 1
         return (start + index * step) % width
 
-    def _width(self, surface: Surface) -> int:
+    def _line_count(self, surface: Surface) -> int:
         return int(surface.heights.shape[0 if self.along == "x" else 1])
 
-    def _surrogate(self, profile: Profile, index: int, side: Side) -> Profile:
+    def _surrogate_line(self, profile: Profile, index: int, side: Side) -> Profile:
         random = surrogate(profile, self.seed, repetition=index, side=side)
         return profile.changed(random.heights, f"replaced by its surrogate of seed {self.seed}, repetition {index}")
 
@@ -299,16 +299,17 @@ class MapPairs:
             rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
         else:
             rows, columns = (
-                (least := min(lengths)) - least // SHIFT_DIVISOR for lengths in zip(*self._points, strict=True)
+                (shortest_length := min(lengths)) - shortest_length // SHIFT_DIVISOR
+                for lengths in zip(*self._points, strict=True)
             )
         if self.shifts is not None and min(rows, columns) < MIN_PIECE_POINTS:
             raise ValueError(
-                f"positions must leave at least {MIN_PIECE_POINTS} rows and columns of both maps above each other, got "
+                f"positions must leave an overlap of at least {MIN_PIECE_POINTS} rows and columns of both maps, got "
                 f"an overlap of {max(rows, 0)} by {max(columns, 0)} points"
             )
         if min(rows, columns) < MIN_PIECE_POINTS:
             raise ValueError(
-                f"at least {MIN_PIECE_POINTS} rows and columns must lie above each other, got maps of "
+                f"the maps must overlap in at least {MIN_PIECE_POINTS} rows and columns, got maps of "
                 f"{self.upper.heights.shape} and {self.lower.heights.shape} points"
             )
         return rows, columns
@@ -342,18 +343,18 @@ class MapPairs:
         margins = [(upper - size, lower - size) for upper, lower, size in zip(*self._points, self.shape, strict=True)]
         if self._points[0] == self._points[1]:
             along_x, along_y = quasi_random_point(index, 2)
-            moved = round(margins[0][0] * (2 * along_y - 1)), round(margins[1][0] * (0.5 + 0.5 * along_x))
+            offsets = round(margins[0][0] * (2 * along_y - 1)), round(margins[1][0] * (0.5 + 0.5 * along_x))
             lower = tuple(
-                max(0, step) + (margin[0] - abs(step)) // 2 for step, margin in zip(moved, margins, strict=True)
+                max(0, step) + (margin[0] - abs(step)) // 2 for step, margin in zip(offsets, margins, strict=True)
             )
-            upper = tuple(first - step for first, step in zip(lower, moved, strict=True))
+            upper = tuple(first - step for first, step in zip(lower, offsets, strict=True))
         else:
             fractions = quasi_random_point(index, 4)
             upper = tuple(round(margin[0] * fractions[axis]) for axis, margin in enumerate(margins))
             lower = tuple(round(margin[1] * fractions[2 + axis]) for axis, margin in enumerate(margins))
         return upper, lower  # type: ignore[return-value]
 
-    def moved(self, index: int) -> tuple[float, float]:
+    def map_shift(self, index: int) -> tuple[float, float]:
         """Return the shift of the upper map along x and y, µm."""
         upper, lower = self.origins(index)
         dy, dx = self.spacing
@@ -362,18 +363,20 @@ class MapPairs:
     def pair(self, index: int) -> tuple[Surface, Surface]:
         """Return the two levelled pieces at one relative position."""
         upper, lower = self.origins(index)
-        return self._cut(self.upper, upper), self._cut(self.lower, lower)
+        return self._cut_piece(self.upper, upper), self._cut_piece(self.lower, lower)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
         """Return levelled pieces from a pair of surrogates of the complete maps."""
         upper, lower = (
-            self._cut(surrogate(body, self.seed, repetition=index, side=side), _middle(points, self.shape))
+            self._cut_piece(
+                surrogate(body, self.seed, repetition=index, side=side), _centred_origin(points, self.shape)
+            )
             for body, side, points in zip((self.upper, self.lower), SIDES, self._points, strict=True)
         )
         return upper, lower
 
-    def _cut(self, body: Surface, origin: tuple[int, int]) -> Surface:
-        return levelled(resampled_piece(body, self.spacing, origin, self.shape), self.level)
+    def _cut_piece(self, body: Surface, origin: tuple[int, int]) -> Surface:
+        return levelled(resample_piece(body, self.spacing, origin, self.shape), self.level)
 
 
 class SquarePairs:
@@ -414,22 +417,22 @@ class IsotropicPairs(SquarePairs):
     seed: int = 2016
 
     @cached_property
-    def _both(self) -> tuple[Profile, Profile]:
+    def _resampled_profiles(self) -> tuple[Profile, Profile]:
         step = min(self.upper.spacing, self.lower.spacing)
         return resampled(self.upper, step), resampled(self.lower, step)
 
     @cached_property
     def _step(self) -> float:  # type: ignore[override]
-        return self._both[0].spacing
+        return self._resampled_profiles[0].spacing
 
     @cached_property
     def _num_side_points(self) -> int:  # type: ignore[override]
-        return min(*(len(item) for item in self._both), MAX_SURROGATE_POINTS)
+        return min(*(len(item) for item in self._resampled_profiles), MAX_SURROGATE_POINTS)
 
     @property
     def used(self) -> tuple[float, float]:
         """Side of the surface divided by the length of the profile, for the upper and the lower body."""
-        upper, lower = (self._num_side_points / len(item) for item in self._both)
+        upper, lower = (self._num_side_points / len(item) for item in self._resampled_profiles)
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
@@ -437,13 +440,13 @@ class IsotropicPairs(SquarePairs):
         shape = (self._num_side_points, self._num_side_points)
         upper, lower = (
             levelled(
-                resampled_piece(
+                resample_piece(
                     isotropic_surface(body, self.seed, shape=shape, repetition=index, side=side),
-                    self.spacing, _middle(shape, self.shape), self.shape,
+                    self.spacing, _centred_origin(shape, self.shape), self.shape,
                 ),
                 self.level,
             )
-            for body, side in zip(self._both, SIDES, strict=True)
+            for body, side in zip(self._resampled_profiles, SIDES, strict=True)
         )  # fmt: skip
         return upper, lower
 
@@ -492,9 +495,9 @@ class SpectrumPairs(SquarePairs):
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
         """Return the levelled pieces of a pair of generated surfaces."""
-        return self._piece(self.upper, index, "upper"), self._piece(self.lower, index, "lower")
+        return self._generate_piece(self.upper, index, "upper"), self._generate_piece(self.lower, index, "lower")
 
-    def _piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
+    def _generate_piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
         shape = (self._num_side_points, self._num_side_points)
         surface = body.surface(self.seed, shape=shape, spacing=self.spacing, repetition=index, side=side)
         if (wavelength := self.cut_off[SIDES.index(side)]) > 0:
@@ -504,6 +507,6 @@ class SpectrumPairs(SquarePairs):
         return levelled(piece, self.level)
 
 
-def _middle(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
+def _centred_origin(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
     """Return the first row and column of a piece in the middle of a surface."""
     return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

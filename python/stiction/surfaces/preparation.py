@@ -97,17 +97,17 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
         mean = rest.mean() if scan.missing is None else rest[~scan.missing].mean()
         return scan.changed(rest - mean, f"levelled by a {description}")
     degree = _TREND_DEGREES[trend]
-    axes = [_orthogonal(points, degree) for points in scan.heights.shape]
+    axes = [_orthogonal_polynomials(points, degree) for points in scan.heights.shape]
     if isinstance(scan, Profile):
         basis = axes[0]
         description = _LEVELLED.get(trend, f"levelled by a polynomial of {_ORDINALS.get(degree)} degree")
     else:
         basis = [axes[0][j][:, np.newaxis] * axes[1][i] for j in range(degree + 1) for i in range(degree + 1 - j)]
         description = f"levelled by a polynomial of {_ORDINALS[degree]} degree" if degree > 1 else _LEVELLED[trend]
-    return scan.changed(_without(scan.heights, basis, scan.missing), description)
+    return scan.changed(_subtract_fit(scan.heights, basis, scan.missing), description)
 
 
-def _orthogonal(points: int, degree: int) -> list[Floats]:
+def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
     """Return polynomials of degree 0 to `degree` that are orthogonal on a uniform grid and of magnitude about 1."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
@@ -117,7 +117,7 @@ def _orthogonal(points: int, degree: int) -> list[Floats]:
     return polynomials[: degree + 1]
 
 
-def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
+def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
     """Subtract the least-squares fit of orthogonal functions. Return zero where only round-off remains."""
     rest = heights
     if missing is not None:
@@ -274,27 +274,27 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
         [(points - 1) * step for points, step in zip(value.heights.shape, value.spacings, strict=True)]
         for value in (a, b)
     )
-    shape = tuple(_points(last, step) for last, step in zip(map(min, *lengths), spacing, strict=True))
+    shape = tuple(_count_points(last, step) for last, step in zip(map(min, *lengths), spacing, strict=True))
     if len(shape) == 2 and (math.prod(shape) > MAX_POINTS or min(shape) < 2):
         raise ValueError(
             f"the common grid would have {shape[0]} x {shape[1]} points; from 2 x 2 to {MAX_POINTS} are allowed"
         )
-    return _on_grid(a, spacing, shape, align), _on_grid(b, spacing, shape, align)
+    return _resample_to_grid(a, spacing, shape, align), _resample_to_grid(b, spacing, shape, align)
 
 
-def _points(length: float, spacing: float) -> int:
+def _count_points(length: float, spacing: float) -> int:
     """Return the number of points from 0 to a length (µm). The end is included despite round-off."""
     return math.floor(length / spacing + GRID_TOLERANCE) + 1
 
 
-def _on_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
+def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
     """Resample a body to spacings (µm) and a shape. Return it unchanged if it has these already."""
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
     heights, missing = body.heights, body.missing
     for axis, (old, new, points) in enumerate(zip(old_spacings, spacing, shape, strict=True)):
-        heights, missing = (_splined(value, old, new, points, axis, align) for value in (heights, missing))
+        heights, missing = (_resample_along(value, old, new, points, axis, align) for value in (heights, missing))
     is_line, size = len(shape) == 1, " rows of ".join(map(str, shape))
     steps = " and ".join(f"{step:g}" for step in spacing)
     if old_spacings == spacing:
@@ -305,7 +305,7 @@ def _on_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], alig
     return body.changed(heights, step, spacing=spacing[0] if is_line else spacing, missing=missing)
 
 
-def resampled_piece(
+def resample_piece(
     surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
 ) -> Surface:
     """Resample a piece of a surface that starts at `origin` (row, column) to spacings (µm), by natural splines."""
@@ -319,12 +319,12 @@ def resampled_piece(
         from scipy.interpolate import CubicSpline
 
         size = heights.shape[axis]
-        places = np.minimum((first + np.arange(points)) * (step / actual), size - 1)
-        missing = _mask_between(missing, places, axis)
-        begin = max(0, math.floor(places[0]) - _SPLINE_MARGIN)
-        end = min(size, math.ceil(places[-1]) + 1 + _SPLINE_MARGIN)
-        occupied = np.take(heights, np.arange(begin, end), axis=axis)
-        heights = CubicSpline(np.arange(begin, end), occupied, axis=axis, bc_type="natural")(places)
+        positions = np.minimum((first + np.arange(points)) * (step / actual), size - 1)
+        missing = _mask_between_points(missing, positions, axis)
+        begin = max(0, math.floor(positions[0]) - _SPLINE_MARGIN)
+        end = min(size, math.ceil(positions[-1]) + 1 + _SPLINE_MARGIN)
+        cropped_heights = np.take(heights, np.arange(begin, end), axis=axis)
+        heights = CubicSpline(np.arange(begin, end), cropped_heights, axis=axis, bc_type="natural")(positions)
     (rows, columns), (dy, dx) = shape, spacing
     step_taken = (
         f"cut to {rows} rows of {columns} points from {origin[0] * dy:.6g} and {origin[1] * dx:.6g} µm (y, x) on, "
@@ -333,15 +333,15 @@ def resampled_piece(
     return surface.changed(np.asarray(heights), step_taken, spacing=spacing, missing=missing)
 
 
-def _mask_between(missing: Any, places: Floats, axis: int) -> Any:
+def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
     """Return a mask at positions between points. A position is missing if one of its two adjacent points is missing."""
     if missing is None:
         return None
-    below, above = (np.take(missing, side(places).astype(np.intp), axis=axis) for side in _ROUNDINGS)
+    below, above = (np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _ROUNDINGS)
     return below | above
 
 
-def _splined(heights: Any, actual: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
+def _resample_along(heights: Any, actual: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
     """Resample heights along an axis by natural cubic splines; masks are resampled, too.
 
     With equal spacing, the axis is only cropped.
@@ -358,10 +358,10 @@ def _splined(heights: Any, actual: float, spacing: float, points: int, axis: int
     from scipy.interpolate import CubicSpline
 
     # Round-off must not move a position beyond the last point.
-    places = np.minimum(start + np.arange(points) * ratio, last)
+    positions = np.minimum(start + np.arange(points) * ratio, last)
     if heights.dtype == np.bool_:
-        return _mask_between(heights, places, axis)
-    return np.asarray(CubicSpline(np.arange(last + 1), heights, axis=axis, bc_type="natural")(places))
+        return _mask_between_points(heights, positions, axis)
+    return np.asarray(CubicSpline(np.arange(last + 1), heights, axis=axis, bc_type="natural")(positions))
 
 
 def rotated(surface: Surface, angle: float) -> Surface:
@@ -414,7 +414,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
     actual = (rows - 1) * dy, (columns - 1) * dx
     radians = math.radians(angle)
-    height, width = _inscribed(*actual, radians)
+    height, width = _inscribed_rectangle(*actual, radians)
     shape = math.floor(height / dy) + 1, math.floor(width / dx) + 1
     if min(shape) < MIN_POINTS:
         raise ValueError(
@@ -430,20 +430,24 @@ def rotated(surface: Surface, angle: float) -> Surface:
     from_y, from_x = np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1)
     heights, missing = spline.ev(from_y, from_x), None
     if surface.missing is not None:
-        ways = [(up(from_y).astype(np.intp), over(from_x).astype(np.intp)) for up in _ROUNDINGS for over in _ROUNDINGS]
-        missing = np.logical_or.reduce([surface.missing[way] for way in ways])
-    lost = 1 - shape[0] * shape[1] / surface.heights.size
-    step = f"rotated by {angle:g} degrees, {100 * lost:.0f} % cut off"
+        corner_indices = [
+            (round_y(from_y).astype(np.intp), round_x(from_x).astype(np.intp))
+            for round_y in _ROUNDINGS
+            for round_x in _ROUNDINGS
+        ]
+        missing = np.logical_or.reduce([surface.missing[corner] for corner in corner_indices])
+    lost_fraction = 1 - shape[0] * shape[1] / surface.heights.size
+    step = f"rotated by {angle:g} degrees, {100 * lost_fraction:.0f} % cut off"
     return surface.changed(heights, step, missing=missing)
 
 
-def _inscribed(height: float, width: float, angle: float) -> tuple[float, float]:
+def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
     """Return the height and width of the largest rectangle parallel to the axes within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer, shorter = max(height, width), min(height, width)
     if shorter <= 2 * sine * cosine * longer:  # two corners of the result lie on the longer sides
-        half = shorter / 2
-        across, along = half / cosine, half / sine  # the shorter side limits the result
+        half_shorter = shorter / 2
+        across, along = half_shorter / cosine, half_shorter / sine  # the shorter side limits the result
         return (along, across) if height >= width else (across, along)
     span = cosine**2 - sine**2
     return (height * cosine - width * sine) / span, (width * cosine - height * sine) / span
@@ -454,11 +458,11 @@ def resampled(profile: Profile, spacing: float) -> Profile:
 
     The profile is unchanged if the spacing is equal.
     """
-    points = _points((len(profile) - 1) * profile.spacing, spacing)
+    points = _count_points((len(profile) - 1) * profile.spacing, spacing)
     if points > MAX_POINTS:
         raise ValueError(
             f"{profile.extent:g} µm at a spacing of {spacing:g} µm require {points} points, but at most {MAX_POINTS} "
             "are allowed"
         )
-    resampled: Profile = _on_grid(profile, (spacing,), (points,), "start")
+    resampled: Profile = _resample_to_grid(profile, (spacing,), (points,), "start")
     return resampled

@@ -38,7 +38,7 @@ class Body(PlotRepr):
     history: tuple[str, ...] = field(default=(), kw_only=True)
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
-    def _keep(self, heights: Floats, spacing: Any) -> None:
+    def _store(self, heights: Floats, spacing: Any) -> None:
         """Store valid heights and spacing, and check the history and the mask."""
         if heights.flags.writeable or not heights.flags.owndata:  # another object may still modify the array
             heights = read_only(heights.copy())
@@ -109,12 +109,12 @@ class Body(PlotRepr):
         >>> Profile.from_(profile.to_xarray()).spacing
         0.5
         """
-        taken = extract_heights("other", other, unit=unit)
-        targets, result = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, taken.heights.ndim))
+        extracted = extract_heights("other", other, unit=unit)
+        targets, result = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, extracted.heights.ndim))
         if result != targets:
             raise ValueError(f"other must be a {targets}, got a {result}; see {result.capitalize()}.from_")
-        spacing = taken.spacing[0] if cls._ndim == 1 else taken.spacing
-        return cls(taken.heights, spacing=spacing, history=taken.history, missing=taken.missing)
+        spacing = extracted.spacing[0] if cls._ndim == 1 else extracted.spacing
+        return cls(extracted.heights, spacing=spacing, history=extracted.history, missing=extracted.missing)
 
     def to_xarray(self) -> xarray.DataArray:
         """Return the heights as an xarray.DataArray with coordinates, units and history.
@@ -157,7 +157,7 @@ class Profile(Body):
         heights = float_array("heights", self.heights, ndim=1)
         if heights.size < MIN_POINTS:
             raise ValueError(f"heights must have at least {MIN_POINTS} points, got {heights.size}")
-        self._keep(heights, number("spacing", self.spacing, unit="µm", above=0))
+        self._store(heights, number("spacing", self.spacing, unit="µm", above=0))
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -202,7 +202,7 @@ def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
     masks = [body.missing for body in (upper, lower) if body.missing is not None]
     missing: NDArray[np.bool_] | None = np.logical_or.reduce(masks) if masks else None
     if missing is not None and missing.all():
-        raise ValueError("upper and lower must have points above each other that were measured in both")
+        raise ValueError("upper and lower must have at least one position that was measured in both")
     return missing
 
 

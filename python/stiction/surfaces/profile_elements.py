@@ -30,9 +30,9 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     crossings = np.flatnonzero(above[:-1] != above[1:])
     if last.size < 3:
         return np.empty(0), np.empty(0)
-    places = crossings + heights[crossings] / (heights[crossings] - heights[crossings + 1])
-    first = places[np.searchsorted(crossings, last)]
-    final = places[np.searchsorted(crossings, following) - 1]
+    crossing_positions = crossings + heights[crossings] / (heights[crossings] - heights[crossings + 1])
+    first = crossing_positions[np.searchsorted(crossings, last)]
+    final = crossing_positions[np.searchsorted(crossings, following) - 1]
     ends = (first + final) / 2
     # The highest and the lowest point are found between one end and the next.
     starts = np.ceil(ends).astype(np.intp)

@@ -25,13 +25,13 @@ MAX_NOISE_FRACTION = 0.1
 MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of smaller ranges would underflow
 MIN_CORRELATION = 0.5  # smallest correlation at which two scans are taken to show the same area
 # widths (points) of the Gaussian filters in the successive stages of the alignment
-_SMOOTHED = (8.0, 4.0, 2.0, 1.0, 0.0)
+_SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NEWTON_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
 # points per independent value of white noise that was filtered with a width of 1 point
 _CORRELATED_POINTS = 2 * math.sqrt(math.pi)
-_MARGIN = 3  # number of points beyond the overlap that spline interpolation needs
+_OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation needs
 _CANDIDATES = 400  # number of trial cutoffs
-_ON_POINT = 1e-4  # largest deviation from an integer shift, in points, that is attributed to round-off
+_INTEGER_SHIFT_TOLERANCE = 1e-4  # largest deviation from an integer shift, in points, that is attributed to round-off
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -123,19 +123,19 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     >>> compare_repeated_scans(place, drifted).shift
     (0.3,)
     """
-    _check(first, second)
+    _check_scans(first, second)
     kind: Any = type(first)
     if np.array_equal(first.heights, second.heights):
         raise ValueError("first and second must be two scans, but are identical, so the noise cannot be estimated")
     trend: Any = "line" if kind is Profile else "plane"
-    solution, other, moved = _aligned(levelled(first, trend).heights, levelled(second, trend).heights)
+    solution, other, shift_found = _align_scans(levelled(first, trend).heights, levelled(second, trend).heights)
     spacing = np.atleast_1d(first.spacing)
-    shift = tuple(round(float(item), 12) for item in moved * spacing)
+    shift = tuple(round(float(item), 12) for item in shift_found * spacing)
     solution, other = (levelled(kind(value, spacing=first.spacing), trend).heights for value in (solution, other))
-    alike = float(np.corrcoef(solution.ravel(), other.ravel())[0, 1])
-    if not alike > MIN_CORRELATION:
+    variances = float(np.corrcoef(solution.ravel(), other.ravel())[0, 1])
+    if not variances > MIN_CORRELATION:
         raise ValueError(
-            f"first and second must be scans of the same area, but their correlation is {alike:.2f} at best"
+            f"first and second must be scans of the same area, but their correlation is {variances:.2f} at best"
         )
     step = f"mean of two scans of the same area, the second shifted by {', '.join(f'{item:.4g}' for item in shift)} µm"
     scan = kind((solution + other) / 2, spacing=first.spacing, history=(*first.history, step))
@@ -152,11 +152,11 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     noise, common = (np.sqrt(np.maximum(np.bincount(octave, value), 0)) for value in (2 * half, of_mean - half))
     wavelength = read_only(np.asarray(shortest * np.exp2(np.arange(noise.size)), np.float64))
     rms, longest = float(np.std(solution - other) / math.sqrt(2)), float(np.min(scan.extent)) / 3
-    limit = _limit(q, of_mean, half, shortest, longest)
-    return RepeatedScans(scan, shift, alike, wavelength, read_only(noise), read_only(common), rms, limit)
+    limit = _find_noise_limit(q, of_mean, half, shortest, longest)
+    return RepeatedScans(scan, shift, variances, wavelength, read_only(noise), read_only(common), rms, limit)
 
 
-def _check(first: Any, second: Any) -> None:
+def _check_scans(first: Any, second: Any) -> None:
     for name, body in (("first", first), ("second", second)):
         as_body(name, body)
         reject_missing(body, "the comparison of two scans")
@@ -164,12 +164,13 @@ def _check(first: Any, second: Any) -> None:
             raise ValueError(f"{name} must not be flat")
     if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
         raise ValueError(
-            f"first and second must be two of a kind with equal spacings, got a {type(first).__name__} with "
+            "first and second must be two profiles or two surfaces with equal spacings, "
+            f"got a {type(first).__name__} with "
             f"{first.spacing!r} µm and a {type(second).__name__} with {second.spacing!r} µm"
         )
 
 
-def _limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
+def _find_noise_limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
     """Return the shortest cutoff wavelength that limits the noise fraction of the mean square slope."""
     if noise @ q**2 <= MAX_NOISE_FRACTION * (of_mean @ q**2):
         return shortest
@@ -181,38 +182,38 @@ def _limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: 
     return math.nan
 
 
-def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
+def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the heights of both scans in their overlap after alignment, and the shift of the second scan in points."""
     from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 
-    moved, best = _roughly(a, b), (math.inf, np.zeros(a.ndim))
-    for width in _SMOOTHED:
+    shift_found, best = _find_integer_shift(a, b), (math.inf, np.zeros(a.ndim))
+    for width in _SMOOTHING_WIDTHS:
         item, other = (gaussian_filter(value, width) if width else value for value in (a, b))
         other = spline_filter(other, 3)
         for _ in range(_NEWTON_STEPS):
-            above, places = _overlap(a.shape, b.shape, moved)
-            occupied = map_coordinates(other, np.meshgrid(*places, indexing="ij"), order=3, prefilter=False)
-            slopes = _slopes(occupied)
-            basis = [*(-slope for slope in slopes), np.ones(occupied.shape), *np.indices(occupied.shape)]
+            above, positions = _overlap(a.shape, b.shape, shift_found)
+            second_heights = map_coordinates(other, np.meshgrid(*positions, indexing="ij"), order=3, prefilter=False)
+            slopes = _slopes(second_heights)
+            basis = [*(-slope for slope in slopes), np.ones(second_heights.shape), *np.indices(second_heights.shape)]
             columns = np.stack([function.ravel() for function in basis], axis=1)
-            step, off = np.linalg.lstsq(columns, (item[above] - occupied).ravel())[:2]
-            moved = moved + np.clip(step[: occupied.ndim], -2 - width, 2 + width)
+            step, residual = np.linalg.lstsq(columns, (item[above] - second_heights).ravel())[:2]
+            shift_found = shift_found + np.clip(step[: second_heights.ndim], -2 - width, 2 + width)
         # The variance of the shift follows from the residual, which the filter correlates, and from the slopes of both
         # scans.
-        alike = [float((actual * slope).mean()) for actual, slope in zip(_slopes(item[above]), slopes, strict=True)]
+        variances = [float((actual * slope).mean()) for actual, slope in zip(_slopes(item[above]), slopes, strict=True)]
         spread = sum(
-            float(np.square(slope).mean()) / both**2 if both**2 > 0 else math.inf
-            for slope, both in zip(slopes, alike, strict=True)
+            float(np.square(slope).mean()) / variance**2 if variance**2 > 0 else math.inf
+            for slope, variance in zip(slopes, variances, strict=True)
         )
-        spread *= float(np.sum(off)) * max(1.0, _CORRELATED_POINTS * width) ** a.ndim
-        best = min(best, (spread, moved), key=lambda item: item[0])
-    moved = best[1]
-    above, places = _overlap(a.shape, b.shape, moved)
-    whole = np.round(moved)
-    if np.abs(moved - whole).max() < _ON_POINT:  # no interpolation
-        moved, places = whole, [np.round(place) for place in places]
-        return a[above], b[np.ix_(*(place.astype(np.intp) for place in places))], moved
-    return a[above], map_coordinates(b, np.meshgrid(*places, indexing="ij"), order=5), moved
+        spread *= float(np.sum(residual)) * max(1.0, _CORRELATED_POINTS * width) ** a.ndim
+        best = min(best, (spread, shift_found), key=lambda item: item[0])
+    shift_found = best[1]
+    above, positions = _overlap(a.shape, b.shape, shift_found)
+    rounded_shift = np.round(shift_found)
+    if np.abs(shift_found - rounded_shift).max() < _INTEGER_SHIFT_TOLERANCE:  # no interpolation
+        shift_found, positions = rounded_shift, [np.round(place) for place in positions]
+        return a[above], b[np.ix_(*(place.astype(np.intp) for place in positions))], shift_found
+    return a[above], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5), shift_found
 
 
 def _slopes(heights: Floats) -> list[Floats]:
@@ -220,33 +221,40 @@ def _slopes(heights: Floats) -> list[Floats]:
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 
 
-def _roughly(a: Floats, b: Floats) -> Floats:
+def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     """Find the integer shift with the largest correlation among the shifts with an overlap of more than half."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
     ones, others = ([rfftn(value, shape) for value in (np.ones(c.shape), c, c**2)] for c in (a, b))
 
-    def over(of_a: int, of_b: int) -> Floats:
+    def sum_products(of_a: int, of_b: int) -> Floats:
         """Sum the products of powers of the heights of both scans over the overlap, at every shift."""
         return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
 
-    count = np.maximum(np.rint(over(0, 0)), 1)
-    varied = [over(2, 0) - over(1, 0) ** 2 / count, over(0, 2) - over(0, 1) ** 2 / count]
-    alike = (over(1, 1) - over(1, 0) * over(0, 1) / count) / np.sqrt(np.maximum(np.prod(varied, axis=0), 1e-300))
-    alike = np.where(count > min(a.size, b.size) / 2, alike, -1.0)
-    peak = np.array(np.unravel_index(int(np.argmax(alike)), alike.shape))
+    count = np.maximum(np.rint(sum_products(0, 0)), 1)
+    deviations = [
+        sum_products(2, 0) - sum_products(1, 0) ** 2 / count,
+        sum_products(0, 2) - sum_products(0, 1) ** 2 / count,
+    ]
+    variances = (sum_products(1, 1) - sum_products(1, 0) * sum_products(0, 1) / count) / np.sqrt(
+        np.maximum(np.prod(deviations, axis=0), 1e-300)
+    )
+    variances = np.where(count > min(a.size, b.size) / 2, variances, -1.0)
+    peak = np.array(np.unravel_index(int(np.argmax(variances)), variances.shape))
     return np.where(peak < a.shape, peak, peak - shape).astype(np.float64)
 
 
-def _overlap(shape: tuple[int, ...], other: tuple[int, ...], moved: Floats) -> tuple[tuple[slice, ...], list[Floats]]:
+def _overlap(
+    shape: tuple[int, ...], other: tuple[int, ...], shift_found: Floats
+) -> tuple[tuple[slice, ...], list[Floats]]:
     """Return the overlap in the first scan at a shift in points, and its positions in the second scan."""
-    selected, places = [], []
-    for points, others, step in zip(shape, other, moved.tolist(), strict=True):
-        first = max(0, math.ceil(step) + (_MARGIN if step > 0 else 0))
-        end = min(points, math.floor(others + step) - (_MARGIN if others + step < points else 0))
+    selected, positions = [], []
+    for points, others, step in zip(shape, other, shift_found.tolist(), strict=True):
+        first = max(0, math.ceil(step) + (_OVERLAP_MARGIN if step > 0 else 0))
+        end = min(points, math.floor(others + step) - (_OVERLAP_MARGIN if others + step < points else 0))
         if end - first <= min(points, others) / 2:
             raise ValueError("first and second must overlap by more than half, or are not of the same area")
         selected.append(slice(first, end))
-        places.append(np.clip(np.arange(first, end) - step, 0, others - 1))
-    return tuple(selected), places
+        positions.append(np.clip(np.arange(first, end) - step, 0, others - 1))
+    return tuple(selected), positions

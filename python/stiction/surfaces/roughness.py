@@ -9,7 +9,14 @@ import numpy as np
 
 from stiction._checks import Floats, check_choice
 from stiction.surfaces.features import feature_parameters
-from stiction.surfaces.material_ratio import EXTREME_PEAK_RATIOS, PEAKS, VALLEYS, core_parameters, heights_at, volumes
+from stiction.surfaces.material_ratio import (
+    EXTREME_PEAK_RATIOS,
+    PEAK_RATIO,
+    VALLEY_RATIO,
+    core_parameters,
+    heights_at_ratios,
+    material_volumes,
+)
 from stiction.surfaces.parameters import NOT_LEVELLED, PROFILE_PARAMETERS, SURFACE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import surface_spectrum
@@ -19,7 +26,7 @@ Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
 DECAY_LEVEL = 0.2  # value of the autocorrelation that defines the decay lengths, with the default of ISO 25178-3
 _NUM_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
-_SECTORS = 90  # number of angular sectors, each two degrees wide, over which the spectral power is summed
+_NUM_SECTORS = 90  # number of angular sectors, each two degrees wide, over which the spectral power is summed
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
@@ -208,10 +215,14 @@ def surface_parameters(
     scale = float(np.abs(deviation).max())
     deviation /= scale  # the scaling prevents overflow and underflow of the fourth power
     values = {
-        **_heights(deviation, scale), **_material_ratio(deviation, scale), **_texture(surface, deviation),
-        **_features(deviation, scale, surface.spacing),
-        "Sz": float(np.ptp(z)), "Sdq": rms_gradient(surface, derivative), "Sdr": _developed(z, surface.spacing),
-    }  # fmt: skip
+        **_height_parameters(deviation, scale),
+        **_material_ratio(deviation, scale),
+        **_texture_parameters(surface, deviation),
+        **_feature_values(deviation, scale, surface.spacing),
+        "Sz": float(np.ptp(z)),
+        "Sdq": rms_gradient(surface, derivative),
+        "Sdr": _developed_area_ratio(z, surface.spacing),
+    }
     return SurfaceParameters(
         {parameter.name: values[parameter.name] for parameter in SURFACE_PARAMETERS},
         describe_levelling(surface.history),
@@ -226,7 +237,7 @@ def check_roughness(surface: Surface) -> None:
         raise ValueError(f"surface must have at least {least} rows and {least} columns, got {shape}")
 
 
-def _heights(deviation: Floats, scale: float) -> dict[str, float]:
+def _height_parameters(deviation: Floats, scale: float) -> dict[str, float]:
     rms = float(np.sqrt(np.mean(deviation**2)))
     return {
         "Sq": scale * rms, "Sa": scale * float(np.mean(np.abs(deviation))), "Sp": scale * float(deviation.max()),
@@ -236,8 +247,8 @@ def _heights(deviation: Floats, scale: float) -> dict[str, float]:
 
 
 def _material_ratio(deviation: Floats, scale: float) -> dict[str, float]:
-    stratified, parts = core_parameters(deviation), volumes(deviation)
-    peak, middle, upper, lower = heights_at(deviation, [*EXTREME_PEAK_RATIOS, PEAKS, VALLEYS]).tolist()
+    stratified, parts = core_parameters(deviation), material_volumes(deviation)
+    peak, middle, upper, lower = heights_at_ratios(deviation, [*EXTREME_PEAK_RATIOS, PEAK_RATIO, VALLEY_RATIO]).tolist()
     return {
         "Smr": float(np.mean(deviation > 0)), "Sdc": scale * (upper - lower), "Sxp": scale * (peak - middle),
         "Sk": scale * stratified.height, "Spk": scale * stratified.peaks, "Svk": scale * stratified.valleys,
@@ -246,14 +257,14 @@ def _material_ratio(deviation: Floats, scale: float) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _texture(surface: Surface, deviation: Floats) -> dict[str, float]:
+def _texture_parameters(surface: Surface, deviation: Floats) -> dict[str, float]:
     shortest, longest = _decay_lengths(deviation, surface.spacing)
     q, angle, density = surface_spectrum(surface).waves()
     selected = q > 2.5 * 2 * math.pi / max(surface.extent)
-    sector = np.rint(angle[selected] * _SECTORS / 180).astype(np.intp) % _SECTORS
-    strongest = int(np.argmax(np.bincount(sector, density[selected], minlength=_SECTORS)))
+    sector = np.rint(angle[selected] * _NUM_SECTORS / 180).astype(np.intp) % _NUM_SECTORS
+    strongest = int(np.argmax(np.bincount(sector, density[selected], minlength=_NUM_SECTORS)))
     return {
-        "Sal": shortest, "Str": shortest / longest, "Std": float(strongest * 180 / _SECTORS),
+        "Sal": shortest, "Str": shortest / longest, "Std": float(strongest * 180 / _NUM_SECTORS),
         "Ssw": _dominant_wavelength(deviation, surface.spacing),
     }  # fmt: skip
 
@@ -271,20 +282,26 @@ def _dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> flo
     return 1 / math.hypot(*map(float, wave_number))
 
 
-def _features(deviation: Floats, scale: float, spacing: tuple[float, float]) -> dict[str, float]:
+def _feature_values(deviation: Floats, scale: float, spacing: tuple[float, float]) -> dict[str, float]:
     result = feature_parameters(deviation, spacing)
-    high, deep = scale * result.peak_height, scale * result.pit_depth
-    return {"Spd": result.density, "Spc": scale * result.curvature, "S5p": high, "S5v": deep, "S10z": high + deep}
+    high, pit_height = scale * result.peak_height, scale * result.pit_depth
+    return {
+        "Spd": result.density,
+        "Spc": scale * result.curvature,
+        "S5p": high,
+        "S5v": pit_height,
+        "S10z": high + pit_height,
+    }
 
 
 def rms_gradient(surface: Surface, derivative: Derivative) -> float:
     """Compute the root-mean-square gradient Sdq of a surface."""
     z = surface.heights - surface.heights.mean()
-    squares = (float(np.mean(_slopes(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1))
+    squares = (float(np.mean(_slopes_along(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1))
     return math.sqrt(sum(squares))
 
 
-def _slopes(heights: Floats, axis: int, derivative: Derivative) -> Floats:
+def _slopes_along(heights: Floats, axis: int, derivative: Derivative) -> Floats:
     """Return the slopes along an axis, in heights per point."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)
@@ -296,7 +313,7 @@ def _slopes(heights: Floats, axis: int, derivative: Derivative) -> Floats:
     return total
 
 
-def _developed(heights: Floats, spacing: tuple[float, float]) -> float:
+def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> float:
     """Return the area of the triangles between points divided by the projected area, minus 1."""
     total = 0.0
     corners = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
@@ -320,27 +337,27 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     # Steps are half of the finer spacing. They end where a direction leaves the half of the surface.
     towards = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))  # points per µm
     with np.errstate(divide="ignore"):
-        furthest = np.min(np.array(half)[:, np.newaxis] / towards, axis=0)
+        max_distance = np.min(np.array(half)[:, np.newaxis] / towards, axis=0)
     step = min(spacing) / 2
-    reached = np.full(_NUM_DIRECTIONS, np.nan)
+    decay_distance = np.full(_NUM_DIRECTIONS, np.nan)
     before = np.ones(_NUM_DIRECTIONS)
-    for index in range(1, int(furthest.max() / step) + 1):
-        open_still = np.flatnonzero(np.isnan(reached) & (index * step <= furthest))
-        if not open_still.size:
+    for index in range(1, int(max_distance.max() / step) + 1):
+        unfinished = np.flatnonzero(np.isnan(decay_distance) & (index * step <= max_distance))
+        if not unfinished.size:
             break
         distance = index * step
-        y = distance * np.sin(angle[open_still]) / spacing[0]
-        x = distance * np.cos(angle[open_still]) / spacing[1]
-        now = _bilinear(correlation, y, x)
-        fallen = now < DECAY_LEVEL
-        last = before[open_still]
-        reached[open_still[fallen]] = (
-            distance - step + step * (last[fallen] - DECAY_LEVEL) / (last[fallen] - now[fallen])
+        y = distance * np.sin(angle[unfinished]) / spacing[0]
+        x = distance * np.cos(angle[unfinished]) / spacing[1]
+        current = _interpolate_bilinear(correlation, y, x)
+        has_decayed = current < DECAY_LEVEL
+        last = before[unfinished]
+        decay_distance[unfinished[has_decayed]] = (
+            distance - step + step * (last[has_decayed] - DECAY_LEVEL) / (last[has_decayed] - current[has_decayed])
         )
-        before[open_still] = now
-    if np.isnan(reached).all():
+        before[unfinished] = current
+    if np.isnan(decay_distance).all():
         return math.nan, math.nan
-    return float(np.nanmin(reached)), math.nan if np.isnan(reached).any() else float(reached.max())
+    return float(np.nanmin(decay_distance)), math.nan if np.isnan(decay_distance).any() else float(decay_distance.max())
 
 
 def autocorrelation(deviation: Floats) -> Floats:
@@ -360,7 +377,7 @@ def autocorrelation(deviation: Floats) -> Floats:
     return np.asarray(products[along_y[:, np.newaxis], along_x] / overlap / np.mean(deviation**2))
 
 
-def _bilinear(correlation: Floats, y: Floats, x: Floats) -> Floats:
+def _interpolate_bilinear(correlation: Floats, y: Floats, x: Floats) -> Floats:
     x = x + correlation.shape[1] // 2
     row = np.minimum(y.astype(np.intp), correlation.shape[0] - 2)
     column = np.clip(x.astype(np.intp), 0, correlation.shape[1] - 2)

@@ -1,4 +1,4 @@
-"""Scale-dependent slope and curvature, and the wavelength limit of the instrument."""
+"""Slope and curvature of a body as functions of the shortest wavelength, and the wavelength limit of the instrument."""
 
 from __future__ import annotations
 
@@ -13,34 +13,47 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, check_bool, float_array, number, read_only
 from stiction._repr import TableRepr, TextRepr
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS, transmission
-from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, between_harmonics, find_period
+from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_period
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
-TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R resolves an rms curvature below c/R
-_PER_DECADE = 48  # wave number bins per decade for slope and curvature
-_PER_OCTAVE = 8  # wave number bins per octave in the search for instrument noise
-_WINDOW_OCTAVES = (1.0, 2.0)  # octaves over which a spectral exponent is fitted
-_DEVIATIONS = 3.0  # standard deviations between a measured exponent and that of H = 0, the roughest self-affine surface
-_MAX_HUMP_POINTS = 24.0  # largest wavelength, in points, of an instrument hump; a hump above it is texture
-_MIN_TRUSTED_RATIO = 4.0  # smallest density of trusted wavelengths over the lowest density of the spectrum
-_MIN_RISE_RATIO = 3.0  # density over the lowest density at longer wavelengths: no surface has such a rise
-MAX_UNKNOWN_FRACTION = 0.1  # largest mean square slope fraction of unattributed wavelengths in a quotable result
-CUTOFF_MARGIN = 1.9  # cutoff over the wavelength to remove: a Gaussian filter then transmits 8 % of its amplitude
-_MIN_SLOPE_FRACTION = 1e-4  # mean square slope fractions below this may be round-off
-_MAX_ALIASED_EXPONENT = 0.6  # a rough surface falls faster than this in its last octave, even with aliasing
-_MIN_ROUNDED_FRACTION = 0.3  # mean square second difference due to rounding, over the total, of quantised heights
-_MAX_FLAT_EXPONENT = 0.35  # largest exponent, and rms log density, of a flat spectrum
-_MAX_FLOOR_EXPONENT = 0.7  # largest exponent of a noise floor that includes some of the surface's spectrum
-_NOISE_WAVELENGTH_RATIO = 0.7  # wavelength over the limit below which the spectrum consists of noise only
-INSTRUMENT_REASONS = ("noise floor", "quantisation")  # reasons that always indicate the instrument
+# Constant c of `instrument_limit`: a tip of radius R resolves an rms curvature below c/R.
+TIP_FACTOR = 0.1
+_PER_DECADE = 48  # number of wave number bins per decade for slope and curvature
+_PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
+_WINDOW_OCTAVES = (1.0, 2.0)  # widths, in octaves, of the windows in which a spectral exponent is fitted
+# Minimum difference of a measured exponent from that of H = 0, the roughest self-affine surface, in standard
+# deviations.
+_DEVIATIONS = 3.0
+# Largest wavelength, in points, of a hump that the instrument causes. A hump at a longer wavelength is texture.
+_MAX_HUMP_POINTS = 24.0
+# Smallest density of trusted wavelengths as a multiple of the lowest density of the spectrum.
+_MIN_TRUSTED_RATIO = 4.0
+# Smallest rise of the density above the lowest density at longer wavelengths. No surface has such a rise.
+_MIN_RISE_RATIO = 3.0
+# Largest fraction of the mean square slope that unattributed wavelengths may contribute to a quotable result.
+MAX_UNKNOWN_FRACTION = 0.1
+# Cutoff as a multiple of the wavelength to remove. A Gaussian filter then transmits 8 % of the amplitude.
+CUTOFF_MARGIN = 1.9
+_MIN_SLOPE_FRACTION = 1e-4  # fraction of the mean square slope below which a contribution may be round-off
+# Smallest exponent of a rough surface in its last octave, even with aliasing.
+_MAX_ALIASED_EXPONENT = 0.6
+# Smallest fraction of the mean square second difference that is due to rounding in quantised heights.
+_MIN_ROUNDED_FRACTION = 0.3
+_MAX_FLAT_EXPONENT = 0.35  # largest exponent of a flat spectrum, and largest rms deviation of its log density
+# Largest exponent of a noise floor that includes a part of the spectrum of the surface.
+_MAX_FLOOR_EXPONENT = 0.7
+# Wavelength below which the spectrum consists only of noise, as a fraction of the limit.
+_NOISE_WAVELENGTH_RATIO = 0.7
+INSTRUMENT_REASONS = ("noise floor", "quantisation")  # reasons that always indicate the instrument and not the surface
 _MAX_NOISE_RATIO = 2.0  # largest ratio of the noise densities along both axes of the same noise
 _MIN_HIDDEN_RATIO = 0.8  # smallest density over that of hidden noise; 1 but for chance
 _MIN_NOISE_LINES = 8.0  # smallest number of independent lines of noise that differs between lines
-_MIN_EXTRAPOLATION_RATIO = 1e-6  # shortest wavelength of the extrapolation over the shortest of the scan
+# shortest wavelength of the extrapolation as a fraction of the shortest wavelength of the scan
+_MIN_EXTRAPOLATION_RATIO = 1e-6
 _HALVINGS = 60
 
 Origin = Literal["instrument", "unknown"]
@@ -52,7 +65,7 @@ Spectrum = tuple[Floats, Floats, Floats, float]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScaleDependentRoughness(TextRepr):
-    """Root-mean-square slope and curvature over all wavelengths from the longest down to a given one.
+    """Root-mean-square slope and curvature of all wavelengths from the longest wavelength down to a given one.
 
     Attributes
     ----------
@@ -84,19 +97,24 @@ class ScaleDependentRoughness(TextRepr):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h'_rms of wavelengths at or above the given ones (µm), of any shape, constant below the shortest."""
+        """Return h'_rms of all wavelengths at or above the given wavelengths (µm), which may have any shape.
+
+        The result is constant below the shortest wavelength of the body.
+        """
         return _interpolate_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h''_rms (1/µm) of wavelengths at or above the given ones (µm), as `gradient_at`."""
+        """Return h''_rms (1/µm) of all wavelengths at or above the given wavelengths (µm), as in `gradient_at`."""
         return _interpolate_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """Return the fraction of the mean square slope below a wavelength (µm)."""
+        """Return the fraction of the mean square slope that is due to wavelengths below a wavelength (µm)."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return h'_rms down to unresolved wavelengths (µm), extrapolated with the power law of a Hurst exponent.
+        r"""Return h'_rms down to unresolved wavelengths (µm).
+
+        It is extrapolated with the power law of a Hurst exponent.
 
         Notes
         -----
@@ -114,7 +132,7 @@ class ScaleDependentRoughness(TextRepr):
         return np.asarray(np.sqrt(np.square(measured) + extrapolated_slope(estimate, finer)))
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
-        """Find the wavelength (µm) above which all wavelengths together have an rms gradient.
+        """Find the wavelength (µm) above which all wavelengths together have a given rms gradient.
 
         The power law of `estimate`, if given, extrapolates the spectrum.
 
@@ -138,7 +156,10 @@ class ScaleDependentRoughness(TextRepr):
 
 
 def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and those with the lower and upper exponent through the centre of the band."""
+    """Return the fitted power law and two power laws with the lower and upper exponent.
+
+    All agree at the centre of the band.
+    """
     middle = 2 * math.pi / math.sqrt(estimate.shortest_wavelength * estimate.longest_wavelength)
     lower, upper = (
         replace(estimate, value=value, prefactor=estimate.prefactor * middle ** (2 * (value - estimate.value)))
@@ -148,11 +169,11 @@ def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEs
 
 
 def extrapolated_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope between a wavelength (µm) and the shortest of the band, by the power law."""
+    """Return the mean square slope of the power law from a wavelength (µm) to the shortest wavelength of the band."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
-    # Equals (end^x - start^x) / x, also at x = 0.
+    # The expression equals (end^x - start^x) / x, also at x = 0.
     grown = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * grown)
 
@@ -222,7 +243,10 @@ def scale_dependent_roughness(
 
 
 def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
-    """Return wave numbers (1/µm) and their mean square heights (µm²), levelled unless the body is periodic."""
+    """Return the wave numbers (1/µm) of a body and their mean square heights (µm²).
+
+    Bodies that are not periodic are levelled.
+    """
     if isinstance(body, Profile):
         line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
         return line.wave_number, line.density * line.count * (line.resolution / math.pi)
@@ -234,7 +258,7 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
 
 
 def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
-    """Interpolate log-log at other wavelengths; zero above the longest wavelength."""
+    """Interpolate on logarithmic axes at other wavelengths. The result is zero above the longest wavelength."""
     lengths = float_array("wavelength", targets)
     if not (lengths > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {targets!r}")
@@ -245,7 +269,7 @@ def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> 
 
 @dataclass(frozen=True, repr=False)
 class InstrumentLimit(TableRepr):
-    """Wavelength below which a scan shows the instrument rather than the surface, with its reason.
+    """Wavelength below which a scan shows the instrument rather than the surface, and the reason.
 
     Attributes
     ----------
@@ -382,7 +406,7 @@ def instrument_limit(
     spectra = _line_spectra(body, periodic)
     disturbances = [_find_disturbance(*item, periodic=periodic, textured=texture) for item in spectra]
     total_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
-    # Along an axis without roughness there is only round-off.
+    # Along an axis without roughness, the spectrum contains only round-off.
     waves = [item.wave if item.slope > _MIN_SLOPE_FRACTION * total_slope else math.nan for item in disturbances]
     slopes = [item.slope if wave > 0 else 0.0 for item, wave in zip(disturbances, waves, strict=True)]
     period = next((item.period for item in disturbances if item.period > 0), math.nan)
@@ -439,7 +463,8 @@ def _equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, uppe
         middle = (low + high) / 2
         selected = float(slope @ np.square(transmission(q, math.exp(middle)))) / float(slope.sum())
         low, high = (middle, high) if selected > 1 - fraction else (low, middle)
-    return max(lower, float(f"{math.exp(high):.1e}"))  # two digits: repeated scans then give the same cutoff
+    # the cutoff has two digits, so that repeated scans give the same cutoff
+    return max(lower, float(f"{math.exp(high):.1e}"))
 
 
 def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
@@ -461,7 +486,7 @@ def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
 
 
 def _independent_lines(transform: NDArray[np.complex128]) -> Floats:
-    """Estimate how many lines of a surface are independent, at each wave number along them.
+    """Estimate the number of independent lines of a surface at each wave number along the lines.
 
     The spectrum averaged over lines has the relative variance sum(P²)/sum(P)² of the powers P across the lines. Lines
     along straight grooves are copies of each other and count as one. P is exponentially distributed, hence the factor
@@ -508,26 +533,26 @@ def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, fl
 
 
 class _Disturbance(NamedTuple):
-    """Part of a line spectrum that is not attributed to the surface."""
+    """Part of the spectrum of lines that is not attributed to the surface."""
 
-    wave: float  # µm, upper limit of the wavelengths of this part; NaN if there is none
+    wave: float  # upper limit of the wavelengths of this part, µm; NaN if there is no such part
     kind: str
     slope: float  # mean square slope of the lines in these wavelengths, without harmonics of a texture
-    period: float  # period of a texture, µm; NaN without one
+    period: float  # period of a texture, µm; NaN if there is no texture
 
 
 def _find_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _Disturbance:
-    """Find the wavelengths not attributed to the surface, after removing the harmonics of a texture."""
+    """Find the wavelengths that are not attributed to the surface, after removal of the harmonics of a texture."""
     first, distance = find_period(density)
     period = 2 * math.pi / (float(q[0]) * first)
     if first > 0:
         if distance < MIN_HARMONIC_DISTANCE:
             return _Disturbance(math.nan, "noise floor", 0.0, period)
-        # Cusps of unequal depth give a hump near the first harmonic.
+        # Cusps of unequal depth cause a hump near the first harmonic.
         finer = slice(int(first), None)
-        density, q, count = between_harmonics(density, count, distance)[finer], q[finer], count[finer]
+        density, q, count = density_between_harmonics(density, count, distance)[finer], q[finer], count[finer]
     wave, kind = _find_noise(q, density, count, spacing, periodic=periodic)
     if not wave > 0 or (textured and kind not in INSTRUMENT_REASONS):
         return _Disturbance(math.nan, kind, 0.0, period)
@@ -540,7 +565,10 @@ def _find_disturbance(
 
 
 def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
-    """Return the limit (µm) and kind of noise in a spectrum without harmonics; NaN if there is no noise."""
+    """Return the limit (µm) and the kind of noise in a spectrum without harmonics.
+
+    The limit is NaN if there is no noise.
+    """
     nothing = math.nan, "noise floor"
     if not periodic:  # the first two harmonics contain leakage of the window
         q, density, count = q[2:], density[2:], count[2:]
@@ -580,7 +608,7 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
 
 
 def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to values of given variances; return its slope and standard deviation."""
+    """Fit a straight line to values with given variances. Return its slope and the standard deviation of the slope."""
     weight = 1 / (variance + 0.01)
     deviation = x - np.average(x, weights=weight)
     square = float(weight @ deviation**2)
@@ -588,7 +616,7 @@ def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
 
 
 def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
-    """Return whether the spectrum is nearly flat from a limiting wavelength (µm) to its end, and flat at its end."""
+    """Return whether the spectrum is nearly flat below a limiting wavelength (µm), and flat at its end."""
     for max_wave, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wave[-1]), _MAX_FLAT_EXPONENT),
@@ -609,7 +637,7 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
-    """Yield first bin, exclusive end, exponent and standard deviation of every window of `octaves` octaves."""
+    """Yield first bin, exclusive end, exponent and standard deviation of each window that is `octaves` octaves wide."""
     width = octaves * math.log(2)
     for first in range(x.size):
         end = int(np.searchsorted(x, x[first] + width + 1e-6))
@@ -620,7 +648,10 @@ def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator
 def _find_flattening(
     law: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
 ) -> int | None:
-    """Return the lowest bin where a decreasing spectrum becomes flatter than that of any surface, or None."""
+    """Return the lowest bin where a decreasing spectrum becomes flatter than that of any surface.
+
+    Return None if there is none.
+    """
     has_fallen = False
     for first, end, exponent, deviation in law:
         if exponent + _DEVIATIONS * deviation < -1:
@@ -633,7 +664,7 @@ def _find_flattening(
 
 
 def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
-    """Return the lowest bin before a strong rise at short wavelengths, or None."""
+    """Return the lowest bin before a strong rise at short wavelengths. Return None if there is no such rise."""
     lowest, lowest_bin = math.inf, 0
     for bin_ in np.flatnonzero(chance < 1 / 4):
         if (
@@ -652,5 +683,6 @@ def _is_quantised(body: Profile | Surface) -> bool:
     """Return whether the heights have so few levels that rounding explains the noise."""
     steps = np.diff(np.unique(body.heights))
     bends = float(np.square(np.diff(body.heights, 2)).mean())
-    # Rounding to a step s has the variance s²/12; second differences of white noise have six times its variance.
+    # Rounding to a step s has the variance s²/12. Second differences of white noise have six times the variance of the
+    # noise.
     return bool(steps.size < body.heights.size / 4 and np.median(steps) ** 2 / 2 > _MIN_ROUNDED_FRACTION * bends)

@@ -12,7 +12,7 @@ import numpy as np
 from stiction._checks import Floats, check_bool, check_choice, number, whole_number
 from stiction._repr import with_unit
 from stiction.surfaces.filters import gaussian_mean, robust_mean
-from stiction.surfaces.material_ratio import core_parameters, heights_at
+from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.profile_elements import mean_element
@@ -120,8 +120,8 @@ class SectionParameters(ParameterSet):
 
     def _extra_rows(self) -> dict[str, str]:
         filters = self.filters
-        short = "none" if filters.ls is None else with_unit(filters.ls, "µm")
-        lengths = f"λc {with_unit(filters.lc, 'µm')}, λs {short}, {filters.sections} sections"
+        short_cutoff_given = "none" if filters.ls is None else with_unit(filters.ls, "µm")
+        lengths = f"λc {with_unit(filters.lc, 'µm')}, λs {short_cutoff_given}, {filters.sections} sections"
         return super()._extra_rows() | {"filters": f"{lengths}: {filters.reason}"}
 
 
@@ -198,58 +198,65 @@ def section_parameters(
     check_choice("derivative", derivative, Derivative)
     check_bool("robust", robust)
     sections = whole_number("sections", sections, minimum=1)
-    short = None if ls is None else number("ls", ls, unit="µm")
-    if short is not None and short < 0:
+    short_cutoff_given = None if ls is None else number("ls", ls, unit="µm")
+    if short_cutoff_given is not None and short_cutoff_given < 0:
         raise ValueError(f"ls must be 0 or above, got {ls!r}")
     if lc is not None:
-        result = _with_cutoff(profile, number("lc", lc, unit="µm", above=0), short, sections, robust, derivative)
+        result = _compute_with_cutoff(
+            profile, number("lc", lc, unit="µm", above=0), short_cutoff_given, sections, robust, derivative
+        )
         return result
-    return _by_class(profile, short, sections, robust, derivative)
+    return _compute_by_class(profile, short_cutoff_given, sections, robust, derivative)
 
 
-def _by_class(
+def _compute_by_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: Derivative
 ) -> SectionParameters:
     """Compute the parameters with the setting class that matches the resulting Ra and RSm."""
     lengths = [setting.section_length for setting in SETTING_CLASSES]
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionError(_too_short(profile, lengths[0]))
-    fine, long = _min_section_length(profile.spacing), profile.extent * ROUND_OFF_FACTOR
-    fitting = [index for index, length in enumerate(lengths) if fine <= length * ROUND_OFF_FACTOR and length <= long]
+    min_length, max_length = _min_section_length(profile.spacing), profile.extent * ROUND_OFF_FACTOR
+    fitting = [
+        index
+        for index, length in enumerate(lengths)
+        if min_length <= length * ROUND_OFF_FACTOR and length <= max_length
+    ]
     if not fitting:
         raise SectionError(_too_coarse(profile))
-    known: dict[int, SectionParameters] = {}
+    results_by_class: dict[int, SectionParameters] = {}
 
-    def fitted(index: int) -> int:
+    def find_matching_class(index: int) -> int:
         """Return the setting class that matches the Ra and RSm that are computed with a given class."""
-        if index not in known:
+        if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
-            known[index] = _with_cutoff(profile, lc, ls, sections, robust, derivative)
-        result = known[index]
+            results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
+        result = results_by_class[index]
         by_height = next(k for k, setting in enumerate(SETTING_CLASSES) if result.Ra <= setting.largest_mean_height)
         by_element = next(k for k, item in enumerate(SETTING_CLASSES) if not result.RSm > item.largest_element)
         return max(by_height, by_element)
 
     index, visited = min(fitting, key=lambda item: abs(item - _FIRST_CLASS)), set[int]()
-    while (targets := fitted(index)) != index and index not in visited:
+    while (targets := find_matching_class(index)) != index and index not in visited:
         visited.add(index)
         following = index + 1 if targets > index else index - 1
         if following not in fitting:
-            why = _too_short_remedy(profile) if targets > index else _too_coarse(profile)
+            remedy = _too_short_remedy(profile) if targets > index else _too_coarse(profile)
             raise SectionError(
-                f"{_reasons(known[index])} call for a section length of {_format_length(lengths[targets])}; {why}"
+                f"{_format_reasons(results_by_class[index])} call for a section length of "
+                f"{_format_length(lengths[targets])}; {remedy}"
             )
         index = following
     if targets != index:  # each of the two classes leads to the other
         index = max(index, max(visited & {index - 1, index, index + 1}))
-    elif index - 1 in fitting and fitted(index - 1) == index - 1:
+    elif index - 1 in fitting and find_matching_class(index - 1) == index - 1:
         index -= 1
-    result = known[index]
-    reason = f"{SETTING_CLASSES[index].name} of ISO 21920-3, for {_reasons(result)}"
+    result = results_by_class[index]
+    reason = f"{SETTING_CLASSES[index].name} of ISO 21920-3, for {_format_reasons(result)}"
     return replace(result, filters=replace(result.filters, reason=reason))
 
 
-def _reasons(parameters: SectionParameters) -> str:
+def _format_reasons(parameters: SectionParameters) -> str:
     """Format Ra and RSm as the reasons for a setting class."""
     elements = "" if math.isnan(parameters.RSm) else f" and RSm {with_unit(parameters.RSm, 'µm')}"
     return f"Ra {with_unit(parameters.Ra, 'µm')}{elements}"
@@ -279,7 +286,7 @@ def _too_coarse(profile: Profile) -> str:
     )
 
 
-def _with_cutoff(
+def _compute_with_cutoff(
     profile: Profile, lc: float, ls: float | None, sections: int, robust: bool, derivative: Derivative
 ) -> SectionParameters:
     """Compute the parameters for a given section length (µm)."""
@@ -290,7 +297,7 @@ def _with_cutoff(
         raise ValueError(
             f"lc must be at least {SEVEN_POINTS.size} points, {_min_section_length(spacing):g} µm, got {lc:g} µm"
         )
-    given = ls is not None
+    is_ls_given = ls is not None
     if ls is None:
         ls = next(
             (setting.short_cutoff for setting in SETTING_CLASSES if math.isclose(setting.section_length, lc)), 0.0
@@ -306,28 +313,28 @@ def _with_cutoff(
     inside = slice(start, start + points)
     roughness = (primary.heights - waviness)[inside]
     ends = [min(round(index * lc / spacing), points) for index in range(count + 1)]
-    values = {f"R{stem}": value for stem, value in _roughness(roughness, ends, spacing, derivative).items()} | {
-        f"W{stem}": value for stem, value in _waviness(waviness, spacing, derivative).items()
+    values = {f"R{stem}": value for stem, value in _roughness_values(roughness, ends, spacing, derivative).items()} | {
+        f"W{stem}": value for stem, value in _waviness_values(waviness, spacing, derivative).items()
     }
     names = [parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter]]
-    reason = f"lc{' and ls' * given} given"
+    reason = f"lc{' and ls' * is_ls_given} given"
     filters = SectionFilters(lc, ls or None, count, robust, start, start + points, reason)
     return SectionParameters({name: values[name] for name in names}, describe_levelling(profile.history), filters)
 
 
-def _roughness(z: Floats, ends: list[int], spacing: float, derivative: Derivative) -> dict[str, float]:
+def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: Derivative) -> dict[str, float]:
     pieces = [z[start:stop] for start, stop in itertools.pairwise(ends)]
     peak, pit = (float(np.mean([(sign * piece).max() for piece in pieces])) for sign in (1, -1))
-    apart, tall = mean_element(z, peak, pit)
-    stratified, (upper, lower) = core_parameters(z), heights_at(z, _HEIGHT_DIFFERENCE).tolist()
+    mean_spacing, tall = mean_element(z, peak, pit)
+    stratified, (upper, lower) = core_parameters(z), heights_at_ratios(z, _HEIGHT_DIFFERENCE).tolist()
     values: dict[str, Any] = {
-        "z": peak + pit, "p": peak, "v": pit, "Sm": apart * spacing, "c": tall, "mr": float(np.mean(z > 0)),
+        "z": peak + pit, "p": peak, "v": pit, "Sm": mean_spacing * spacing, "c": tall, "mr": float(np.mean(z > 0)),
         "dc": upper - lower, "k": stratified.height, "pk": stratified.peaks, "vk": stratified.valleys,
         "mrk1": stratified.upper_ratio, "mrk2": stratified.lower_ratio,
     }  # fmt: skip
     return profile_moments(z, spacing, derivative) | values
 
 
-def _waviness(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    apart, tall = mean_element(z, float(z.max()), float(-z.min()))
-    return profile_moments(z, spacing, derivative) | {"Sm": apart * spacing, "c": tall}
+def _waviness_values(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
+    mean_spacing, tall = mean_element(z, float(z.max()), float(-z.min()))
+    return profile_moments(z, spacing, derivative) | {"Sm": mean_spacing * spacing, "c": tall}

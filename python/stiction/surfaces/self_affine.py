@@ -99,7 +99,7 @@ def self_affine(
     points = whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
     spacing = number("spacing", spacing, unit="µm", above=0)
     extent = points * spacing
-    shortest = _shortest(shortest_wavelength, 2 * spacing, "spacing")
+    shortest = _check_shortest_wavelength(shortest_wavelength, 2 * spacing, "spacing")
     longest = extent
     if longest_wavelength is not None:
         longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
@@ -136,7 +136,7 @@ def _exponent_and_height(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
     return hurst, number("rms", rms, unit="µm", above=0)
 
 
-def _shortest(wavelength: Any, finest: float, of: str) -> float:
+def _check_shortest_wavelength(wavelength: Any, finest: float, of: str) -> float:
     """Return the shortest wavelength (µm).
 
     The default is the shortest wavelength of the grid, which is twice the spacing.
@@ -221,7 +221,7 @@ def self_affine_surface(
     along_y, along_x = parse_lengths("spacing", spacing)
     extent_y, extent_x = rows * along_y, columns * along_x
     longer = max(extent_y, extent_x)
-    shortest = _shortest(shortest_wavelength, 2 * max(along_y, along_x), "larger spacing")
+    shortest = _check_shortest_wavelength(shortest_wavelength, 2 * max(along_y, along_x), "larger spacing")
     longest = longer
     if longest_wavelength is not None:
         longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)

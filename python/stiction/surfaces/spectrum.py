@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 ROUND_OFF_FACTOR = 1 + 1e-9  # tolerance for round-off in ratios of lengths
-_PEAK_BINS = 24  # number of bins per decade in the search for peaks
-_PEAK_REACH = 6  # number of bins on each side from which the median level at a bin is computed
+_PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
+_PEAK_WINDOW_BINS = 6  # number of bins on each side from which the median level at a bin is computed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,7 +76,7 @@ class PowerSpectrum(PlotRepr):
         array([  3.,   6.,  22.,  68., 217., 683.,   1.])
         """
         per_decade = whole_number("per_decade", per_decade, minimum=1)
-        return PowerSpectrum(*_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
+        return PowerSpectrum(*_average_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the spectrum and its means over tenths of a decade on logarithmic scales.
@@ -87,7 +87,7 @@ class PowerSpectrum(PlotRepr):
         return draw_spectrum(axes_for(ax), (self.wave_number, self.density), (bins.wave_number, bins.density))
 
 
-def _in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
+def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the geometric mean wave number, the mean density and the number of harmonics for bins of log q."""
     # Harmonics are multiples of the first harmonic. Round-off must not move the harmonics at decades to another bin.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
@@ -402,7 +402,7 @@ class SurfaceSpectrum(TextRepr):
         q, _, density = self.waves()
         if not q.size:
             raise ValueError(f"surface must have more than {self.density.shape} points for a mean over directions")
-        return RadialSpectrum(*_in_bins(per_decade, q, density, np.ones(q.size)))
+        return RadialSpectrum(*_average_in_bins(per_decade, q, density, np.ones(q.size)))
 
 
 def surface_spectrum(
@@ -485,14 +485,14 @@ def find_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float]
 
     Return its wavelength (µm) and the fraction of m4 in all peaks, or None.
     """
-    bins = spectrum.in_bins(_PEAK_BINS)
+    bins = spectrum.in_bins(_PEAK_BINS_PER_DECADE)
     density = np.maximum(bins.density, np.finfo(float).tiny)
     size = density.size
-    reach = np.minimum(np.minimum(np.arange(size), np.arange(size)[::-1]), _PEAK_REACH)
+    reach = np.minimum(np.minimum(np.arange(size), np.arange(size)[::-1]), _PEAK_WINDOW_BINS)
     level = np.array([np.median(density[index - item : index + item + 1]) for index, item in enumerate(reach)])
     excess = density / level
     chance = 1 + 5 * np.sqrt(2 / (bins.count * lines))
-    peaks = (reach >= _PEAK_REACH // 2) & (excess > np.maximum(3.0, chance))
+    peaks = (reach >= _PEAK_WINDOW_BINS // 2) & (excess > np.maximum(3.0, chance))
     if not peaks.any():
         return None
     power = bins.wave_number**4 * density * bins.count

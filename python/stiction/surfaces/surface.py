@@ -18,7 +18,7 @@ SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # a Profile, a Surface, or an array of heights
 
 # These are the names of the amplitude measures in the core. The measures do not depend on the order of the points.
-_OF_POINTS = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
+_CORE_MEASURES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 _MIN_HEIGHT = 1e-50  # smallest height, µm; the fourth power of heights must neither overflow nor underflow
 
 
@@ -58,7 +58,7 @@ class Surface(Body):
         heights = float_array("heights", self.heights, ndim=2)
         if min(heights.shape) < 2:
             raise ValueError(f"heights must have at least 2 rows and 2 columns, got shape {heights.shape}")
-        self._keep(heights, parse_lengths("spacing", self.spacing))
+        self._store(heights, parse_lengths("spacing", self.spacing))
 
     @property
     def x(self) -> Floats:
@@ -105,7 +105,7 @@ class Surface(Body):
         check_choice("measure", measure, SurfaceAmplitude)
         amplitude = number("amplitude", amplitude, unit="µm", above=0)
         scaled = np.empty(self.heights.size)
-        if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _OF_POINTS[measure], scaled):
+        if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _CORE_MEASURES[measure], scaled):
             raise ValueError("a flat surface has no amplitude to scale")
         return self.changed(scaled.reshape(self.heights.shape), f"scaled to {measure} {amplitude:g} µm")
 
@@ -143,14 +143,16 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
     words = " or a ".join(kind.__name__ for kind in allowed)
     if isinstance(given, allowed):
         if spacing is not None:
-            raise ValueError(f"spacing is for arrays, and {name} is a {type(given).__name__}, which has its own")
+            raise ValueError(
+                f"spacing must be omitted, because {name} is a {type(given).__name__} with its own spacing"
+            )
         return given
     is_array = isinstance(given, (np.ndarray, list, tuple))
     if not is_array or spacing is None:
         hint = "; make one by " + " or ".join(f"{kind.__name__}(z, spacing=...)" for kind in allowed)
         raise ValueError(f"{name} must be a {words}, got {type(given).__name__}{hint if is_array else ''}")
     if unit not in LENGTH_UNITS:
-        raise ValueError(f"unit must be one of length, such as um or nm, got {short_repr(unit)}")
+        raise ValueError(f"unit must be a unit of length, such as um or nm, got {short_repr(unit)}")
     heights = float_array(name, given) * float(LENGTH_UNITS[unit])
     for kind in allowed:
         if kind._ndim == heights.ndim:
@@ -161,7 +163,7 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
 def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
     """Convert two bodies with `as_body`. Spacing and unit apply to arrays only."""
     if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
-        raise ValueError("spacing is for arrays, and upper and lower have their own")
+        raise ValueError("spacing must be omitted, because upper and lower have their own spacings")
     upper, lower = (
         as_body(name, given, spacing=None if isinstance(given, Body) else spacing, unit=unit)
         for name, given in (("upper", upper), ("lower", lower))

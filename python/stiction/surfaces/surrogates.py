@@ -14,11 +14,11 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, re
 
 _RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings are merged with their neighbours
 # Weight of the smoothness penalty, in harmonics. The penalty dominates in rings of one or two harmonics.
-_PENALTY = 2.0
-_FLOOR = 1e-14  # fraction of the largest density below which a spectrum consists of round-off
+_SMOOTHNESS_PENALTY = 2.0
+_ROUND_OFF_FRACTION = 1e-14  # fraction of the largest density below which a spectrum consists of round-off
 _MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are typical
 # Largest change of the logarithm of a density in an iteration at which the fit has converged.
-_SETTLED = 1e-6
+_CONVERGENCE_TOLERANCE = 1e-6
 # Default limit of the numbers of rows and columns. A half-space solution then takes some tenths of a second.
 _MAX_DEFAULT_POINTS = 512
 
@@ -170,7 +170,7 @@ def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpe
     True
     """
     profile = as_body("profile", profile, Profile)
-    edges, density, count = _fitted(profile, periodic)
+    edges, density, count = _fit_rings(profile, periodic)
     return RadialSpectrum(wave_number=np.sqrt(edges[1:] * edges[:-1]), density=density, count=count)
 
 
@@ -227,14 +227,14 @@ def isotropic_surface(
     profile = as_body("profile", profile, Profile)
     limit = min(len(profile), _MAX_DEFAULT_POINTS)
     rows, columns = parse_shape((limit, limit) if shape is None else shape, least=4)
-    edges, density, _ = _fitted(profile, periodic)
+    edges, density, _ = _fit_rings(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
     ring = np.searchsorted(edges, q, side="right")  # index 0 belongs to wavelengths longer than the profile
     power = np.concatenate([[0.0], density, density[-1:]])[ring] * (rows * columns / profile.spacing**2)
     step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
-    heights, both = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
-    return Surface(heights, spacing=both, history=(*profile.history, step))
+    heights, spacings = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
+    return Surface(heights, spacing=spacings, history=(*profile.history, step))
 
 
 def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
@@ -249,7 +249,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     return np.asarray(ifft2(waves, overwrite_x=True).real)
 
 
-def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
+def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     """Return the edges of the rings, the fitted density C2D and the number of harmonics of every ring."""
     check_bool("periodic", periodic)
     reject_flat(profile)
@@ -264,7 +264,7 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     index = np.minimum(index, edges.size - 2)
     count = np.bincount(index, spectrum.count).astype(np.float64)
     measured = np.bincount(index, spectrum.count * spectrum.density) / count
-    measured = np.maximum(measured, _FLOOR * measured.max())
+    measured = np.maximum(measured, _ROUND_OFF_FRACTION * measured.max())
     # The corners of the grid belong to rings beyond the Nyquist wave number of a single axis.
     edges = np.append(edges, math.sqrt(2) * limit * (1 + 1e-9))
     # This is the spectrum of a section through a ring with unit density, averaged over the harmonics of every bin.
@@ -289,21 +289,23 @@ def _fit_densities(response: Floats, measured: Floats, count: Floats, density: F
 
     def cost(logarithm: Floats) -> float:
         made = response @ np.exp(logarithm)
-        return float(count @ (measured / made + np.log(made)) + _PENALTY / 2 * np.square(bend @ logarithm).sum())
+        return float(
+            count @ (measured / made + np.log(made)) + _SMOOTHNESS_PENALTY / 2 * np.square(bend @ logarithm).sum()
+        )
 
     bend = np.diff(np.eye(density.size), 2, axis=0)
     logarithm = np.log(density)
-    least = cost(logarithm)
+    lowest_cost = cost(logarithm)
     for _ in range(_MAX_SCORING_STEPS):
         parts = response * np.exp(logarithm)
         made = parts.sum(axis=1)
-        gradient = parts.T @ (count * (1 - measured / made) / made) + _PENALTY * bend.T @ (bend @ logarithm)
+        gradient = parts.T @ (count * (1 - measured / made) / made) + _SMOOTHNESS_PENALTY * bend.T @ (bend @ logarithm)
         relative = parts / made[:, np.newaxis]
-        step = np.linalg.solve((relative.T * count) @ relative + _PENALTY * bend.T @ bend, gradient)
+        step = np.linalg.solve((relative.T * count) @ relative + _SMOOTHNESS_PENALTY * bend.T @ bend, gradient)
         step *= min(1.0, 2 / np.abs(step).max())
-        while (now := cost(logarithm - step)) > least and np.abs(step).max() > _SETTLED:
+        while (current_cost := cost(logarithm - step)) > lowest_cost and np.abs(step).max() > _CONVERGENCE_TOLERANCE:
             step /= 2
-        if now > least or np.abs(step).max() <= _SETTLED:
+        if current_cost > lowest_cost or np.abs(step).max() <= _CONVERGENCE_TOLERANCE:
             break
-        logarithm, least = logarithm - step, now
+        logarithm, lowest_cost = logarithm - step, current_cost
     return np.asarray(np.exp(logarithm))

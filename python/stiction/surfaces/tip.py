@@ -12,7 +12,7 @@ from stiction._checks import Floats, number, read_only
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
-_TOUCHING = 1e-9  # largest distance at which the tip touches, relative to the height of the scan
+_TOUCH_TOLERANCE = 1e-9  # largest distance at which the tip touches, relative to the height of the scan
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
@@ -56,38 +56,40 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     scan = as_body("scan", scan)
     reject_missing(scan, "tip reconstruction")
     radius = number("radius", radius, unit="µm", above=0, below=1e9)
-    seen, spacing = scan.heights, np.array(scan.spacings)
-    deepest = float(np.ptp(seen))
-    eroded = seen.copy()
-    for selected, occupied, depth in _ball(seen.shape, spacing, radius, deepest):
-        np.minimum(eroded[selected], seen[occupied] + depth, out=eroded[selected])
-    touched, alone = np.zeros(seen.shape, np.int32), np.zeros(seen.shape, np.bool_)
-    near = _TOUCHING * max(deepest, float(np.abs(seen).max()))
-    _, limit = _reach(seen.shape, spacing, radius, deepest)
-    inside = np.zeros(seen.shape, np.bool_)
-    inside[tuple(slice(reach, points - reach) for reach, points in zip(limit, seen.shape, strict=True))] = True
+    recorded, spacing = scan.heights, np.array(scan.spacings)
+    deepest = float(np.ptp(recorded))
+    eroded = recorded.copy()
+    for selected, occupied, depth in _tip_heights(recorded.shape, spacing, radius, deepest):
+        np.minimum(eroded[selected], recorded[occupied] + depth, out=eroded[selected])
+    num_touched, is_certain = np.zeros(recorded.shape, np.int32), np.zeros(recorded.shape, np.bool_)
+    tolerance = _TOUCH_TOLERANCE * max(deepest, float(np.abs(recorded).max()))
+    _, limit = _tip_reach(recorded.shape, spacing, radius, deepest)
+    inside = np.zeros(recorded.shape, np.bool_)
+    inside[tuple(slice(reach, points - reach) for reach, points in zip(limit, recorded.shape, strict=True))] = True
     for counting in (True, False):
-        for selected, occupied, depth in _ball(seen.shape, spacing, radius, deepest):
-            index = eroded[occupied] - depth >= seen[selected] - near
+        for selected, occupied, depth in _tip_heights(recorded.shape, spacing, radius, deepest):
+            index = eroded[occupied] - depth >= recorded[selected] - tolerance
             if counting:
-                touched[selected] += index
+                num_touched[selected] += index
             else:
-                alone[occupied] |= index & (touched[selected] == 1) & inside[selected]
-    step = f"reconstructed for a tip radius of {radius:g} µm, {100 * float(alone.mean()):.0f} % of the points certain"
-    return scan.changed(eroded, step), read_only(alone)
+                is_certain[occupied] |= index & (num_touched[selected] == 1) & inside[selected]
+    step = (
+        f"reconstructed for a tip radius of {radius:g} µm, {100 * float(is_certain.mean()):.0f} % of the points certain"
+    )
+    return scan.changed(eroded, step), read_only(is_certain)
 
 
-def _ball(
+def _tip_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
     """Return grid points, their neighbours within reach of the tip, and heights of the tip above its lowest point."""
-    reach, limit = _reach(shape, spacing, radius, deepest)
+    reach, limit = _tip_reach(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in limit)):
-        moved = np.subtract(steps, limit)
-        square = float(np.square(moved * spacing).sum())
+        offsets = np.subtract(steps, limit)
+        square = float(np.square(offsets * spacing).sum())
         if square > reach**2 * (1 + 1e-12):
             continue
-        sizes = list(zip(moved.tolist(), shape, strict=True))
+        sizes = list(zip(offsets.tolist(), shape, strict=True))
         selected, occupied = (
             tuple(slice(max(0, sign * offset), points + min(0, sign * offset)) for offset, points in sizes)
             for sign in (-1, 1)
@@ -95,7 +97,7 @@ def _ball(
         yield selected, occupied, radius - math.sqrt(max(0.0, radius**2 - square))
 
 
-def _reach(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
+def _tip_reach(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
     """Return the reach of the tip from its lowest point for a height range, in µm and in points along each axis."""
     reach = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return reach, [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]

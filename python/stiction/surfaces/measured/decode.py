@@ -39,12 +39,12 @@ stand for missing points."""
 
 
 NUMERIC_CHARACTERS = b"0123456789+-.,;|*eE\"' \t\r\n"
-_DIGIT, _MARK, _NON_NUMERIC, _CONTROL = 1, 2, 4, 8
-_CHARACTER_KINDS = np.full(256, _NON_NUMERIC, np.uint8)
+_DIGIT_BIT, _MARK_BIT, _NON_NUMERIC_BIT, _CONTROL_BIT = 1, 2, 4, 8
+_CHARACTER_KINDS = np.full(256, _NON_NUMERIC_BIT, np.uint8)
 _CHARACTER_KINDS[list(NUMERIC_CHARACTERS)] = 0
-_CHARACTER_KINDS[list(b"+-.*eE'")] = _MARK
-_CHARACTER_KINDS[list(b"0123456789")] = _DIGIT
-_CHARACTER_KINDS[[*range(9), *range(14, 32)]] = _CONTROL
+_CHARACTER_KINDS[list(b"+-.*eE'")] = _MARK_BIT
+_CHARACTER_KINDS[list(b"0123456789")] = _DIGIT_BIT
+_CHARACTER_KINDS[[*range(9), *range(14, 32)]] = _CONTROL_BIT
 
 
 _KIND_TABLE = _CHARACTER_KINDS.tobytes()
@@ -66,7 +66,7 @@ class Text:
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
         """Return whether lines contain characters that numbers do not contain, such as words for missing points."""
-        return bool((self.bits[lines] & _NON_NUMERIC).any())
+        return bool((self.bits[lines] & _NON_NUMERIC_BIT).any())
 
     def __len__(self) -> int:
         return self.starts.size - 1
@@ -117,16 +117,19 @@ class Text:
         """Kind of each line."""
         bits = self.bits
         kinds = np.full(bits.size, NUMBERS, np.uint8)
-        kinds[bits & (_DIGIT | _NON_NUMERIC | _MARK) == 0] = BLANK
-        kinds[(bits & _DIGIT == 0) & (bits & _MARK != 0)] = TEXT
-        for line_number in np.flatnonzero(bits & _NON_NUMERIC).tolist():
-            rest, marks = self.missing.subn(b"", self.raw(line_number))
-            is_row = marks and not rest.translate(None, NUMERIC_CHARACTERS)
+        kinds[bits & (_DIGIT_BIT | _NON_NUMERIC_BIT | _MARK_BIT) == 0] = BLANK
+        kinds[(bits & _DIGIT_BIT == 0) & (bits & _MARK_BIT != 0)] = TEXT
+        for line_number in np.flatnonzero(bits & _NON_NUMERIC_BIT).tolist():
+            remainder, marks = self.missing.subn(b"", self.raw(line_number))
+            is_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBERS if is_row else TEXT
         # Lines of asterisks or dashes are rows of missing points if they are between rows of numbers. Otherwise they
         # are rulers.
         filled = np.flatnonzero(kinds != BLANK)
-        rulers = np.flatnonzero((kinds[filled][1:-1] == TEXT) & (bits[filled][1:-1] & (_NON_NUMERIC | _DIGIT) == 0)) + 1
+        rulers = (
+            np.flatnonzero((kinds[filled][1:-1] == TEXT) & (bits[filled][1:-1] & (_NON_NUMERIC_BIT | _DIGIT_BIT) == 0))
+            + 1
+        )
         for position in rulers.tolist():
             if kinds[filled[position - 1]] == NUMBERS == kinds[filled[position + 1]]:
                 kinds[filled[position]] = NUMBERS
@@ -146,7 +149,7 @@ def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
     encoding, text = _to_utf8(data)
     text = text.rstrip(b"\x1a")  # end-of-file mark of DOS
     if not text or text.isspace():
-        raise FormatError("contains nothing but blanks")
+        raise FormatError("contains only blanks")
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not text.isascii():
@@ -159,7 +162,7 @@ def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
     decoded = Text(text, encoding, words)
     if len(decoded) > MAX_LINES:
         raise FormatError(f"has {len(decoded)} lines; at most {MAX_LINES} can be read as text: save it as .npy")
-    if (control := int(np.count_nonzero(decoded.bits & _CONTROL))) > 0:
+    if (control := int(np.count_nonzero(decoded.bits & _CONTROL_BIT))) > 0:
         raise FormatError(f"is binary, not text (control characters in {control} lines)")
     return decoded
 

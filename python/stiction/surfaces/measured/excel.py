@@ -36,7 +36,7 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
         _reject_zip_bombs(data)
         with warnings.catch_warnings(action="ignore"):
             workbook = load_workbook(io.BytesIO(data), read_only=True, data_only=True)
-            sheets = {sheet.title: _rows(sheet) for sheet in workbook.worksheets}
+            sheets = {sheet.title: _read_rows(sheet) for sheet in workbook.worksheets}
             workbook.close()
     except (FormatError, MemoryError):
         raise
@@ -49,7 +49,7 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
     if layout is not None:
         content = layout.read(sheets)
         assert isinstance(content, ColumnTable)
-        return Channels(("DATA",), lambda _: _with_layout(content, layout.name), 0)
+        return Channels(("DATA",), lambda _: _set_layout(content, layout.name), 0)
     filled = [name for name, rows in sheets.items() if _find_numeric_columns(rows)]
     if not filled:
         raise FormatError("is a workbook without a column of numbers")
@@ -58,17 +58,17 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
     )
 
 
-def _with_layout(table: ColumnTable, layout: str) -> ColumnTable:
+def _set_layout(table: ColumnTable, layout: str) -> ColumnTable:
     return replace(table, source=replace(table.source, layout=layout))
 
 
 def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> ColumnTable:
     """Parse the numeric columns of a sheet and the header above them as a table."""
     columns = _find_numeric_columns(rows)
-    lines = [_line(row, columns) for row in rows]
+    lines = [_join_row(row, columns) for row in rows]
     content = parse_table(decode(("\n".join(lines) + "\n").encode(), words))
     if not isinstance(content, ColumnTable):
-        raise FormatError("has a sheet with several tables below each other; leave one of them")
+        raise FormatError("has a sheet with several tables below each other; keep only one of them")
     column_numbers = columns[: content.values.shape[1]]
     return replace(content, places=tuple(column_numbers), source=replace(content.source, encoding="", separator=""))
 
@@ -90,7 +90,7 @@ def _reject_zip_bombs(data: bytes) -> None:
                 tags_in_row = rows[-1] if rows else tags_in_row + first_part
 
 
-def _rows(sheet: Any) -> list[tuple[Any, ...]]:
+def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
     """Return the cells of a sheet up to its last filled row."""
     sheet.reset_dimensions()  # the stored dimensions may be wrong
     rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
@@ -110,7 +110,7 @@ def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
     return sorted(index for index, count in numbers.items() if count > 1 and 4 * count >= max_count)
 
 
-def _line(row: Sequence[Any], columns: list[int]) -> str:
+def _join_row(row: Sequence[Any], columns: list[int]) -> str:
     """Join the cells of a row by tabs. If the row contains numbers, only the numeric columns are joined."""
     selected = [row[index] if index < len(row) else None for index in columns]
     if any(map(_is_number, selected)) or (selected and all(isinstance(cell, str) for cell in selected)):

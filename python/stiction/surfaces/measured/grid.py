@@ -26,13 +26,16 @@ def to_grid(
 
     Rows are in ascending order of y, columns of x. Raises `FormatError` if the points are not on a grid.
     """
-    (dx, columns), (dy, rows) = (_axis(name, index, of) for name, index, of in zip("xy", (x, y), digits, strict=True))
+    (dx, columns), (dy, rows) = (
+        _locate_along_axis(name, index, get_digits)
+        for name, index, get_digits in zip("xy", (x, y), digits, strict=True)
+    )
     shape = (int(rows.max()) + 1, int(columns.max()) + 1)
     nodes = shape[0] * shape[1]
     if nodes > MAX_NODES_PER_POINT * z.size + 10:
         raise FormatError(
             f"lists {z.size} points that are not on a grid: it would have {shape[0]} × {shape[1]} nodes; "
-            "interpolate them onto one, or export a matrix"
+            "interpolate them onto a grid, or export a matrix"
         )
     node = rows * shape[1] + columns
     if np.unique(node).size < node.size:
@@ -47,7 +50,7 @@ def to_grid(
     return heights.reshape(shape), (dy, dx), step
 
 
-def _axis(name: str, positions: Floats, digits: Callable[[], Floats] | None) -> tuple[float, np.ndarray]:
+def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats] | None) -> tuple[float, np.ndarray]:
     """Return the grid step along an axis, and the node index of each point."""
     if not np.isfinite(positions).all():
         raise FormatError(f"lists a point without {name}")
@@ -57,18 +60,20 @@ def _axis(name: str, positions: Floats, digits: Callable[[], Floats] | None) -> 
     nodes = np.round((positions - positions.min()) / step)
     count = int(nodes.max())
     step = float(positions.max() - positions.min()) / count
-    off = np.abs(positions - positions.min() - nodes * step)
-    if off.max() > EXACT_TOLERANCE * step:  # in measured positions, both ends are as uncertain as all other positions
+    deviations = np.abs(positions - positions.min() - nodes * step)
+    # In measured positions, both ends are as uncertain as all other positions.
+    if deviations.max() > EXACT_TOLERANCE * step:
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
-        off = np.abs(positions - first - nodes * step)
-    worst = int(np.argmax(off))
+        deviations = np.abs(positions - first - nodes * step)
+    worst = int(np.argmax(deviations))
     allowed = MAX_OFFSET * step
-    if off[worst] > allowed and digits is not None:
+    if deviations[worst] > allowed and digits is not None:
         allowed += float(np.max(digits()))
-    if off[worst] > allowed or (count > 1 and off[worst] > 0.3 * step):
+    if deviations[worst] > allowed or (count > 1 and deviations[worst] > 0.3 * step):
         raise FormatError(
             f"lists points that are not on a grid: point {worst}, counted from 0, is at {name} {positions[worst]:g}, "
-            f"{off[worst] / step:.2g} steps of {step:g} from a node; interpolate onto a grid, or export a matrix"
+            f"{deviations[worst] / step:.2g} steps of {step:g} from a node; interpolate the points onto a grid, "
+            "or export a matrix"
         )
     return step, nodes.astype(np.int64)
 

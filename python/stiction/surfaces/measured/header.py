@@ -12,40 +12,40 @@ from stiction.surfaces.measured.raw import LENGTH_UNITS, Declarations, StatedLen
 from stiction.surfaces.measured.split import Dialect
 
 _T = TypeVar("_T")
-COMMENT = "#%!/ "  # characters that start a comment line in some programs
+COMMENT_CHARACTERS = "#%!/ "  # characters that start a comment line in some programs
 
-_DECIMAL = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
-_SEPARATOR = r"\s*(?:[:=,;\t]|\s)\s*"
+_DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
+_SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
 _UNIT_PATTERN = r"[^\W\d_]{1,12}"
-_LENGTHS = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
-_IN_CELL = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTHS})[\s,;]*$)|\s*)"
+_LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
+_UNIT_GAP_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
 """Space between a number and its unit, or the end of a cell if a unit of length fills the last one."""
 
-_SPACING = re.compile(
+_SPACING_PATTERN = re.compile(
     r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
     r"(spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch|dx|"
     r"Schrittweite|Punktabstand|Messpunktabstand|Abstand)\s*(?:[\[(]([^\])]{1,12})[\])])?\s*[:=,;\t ]\s*"
-    rf"({_DECIMAL}){_IN_CELL}({_UNIT_PATTERN})?\s*(/|per\b)?",
+    rf"({_DECIMAL_PATTERN}){_UNIT_GAP_PATTERN}({_UNIT_PATTERN})?\s*(/|per\b)?",
     re.IGNORECASE,
 )
-_AXIS_SPACING = {
+_AXIS_SPACING_PATTERNS = {
     axis: re.compile(
         rf"\W*(?:{axis}[\s_-]*(?:spacing|step(?:[ _-]?size)?|increment|interval|resolution|scale|pixel[ _-]?size|pitch|"
         rf"direction)|d{axis}|(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
-        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DECIMAL}){_IN_CELL}[\"']?({_UNIT_PATTERN})?",
+        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN}){_UNIT_GAP_PATTERN}[\"']?({_UNIT_PATTERN})?",
         re.IGNORECASE,
     )
     for axis in "yx"
 }
-_OWN_SPACINGS = tuple(
+_STICTION_SPACING_PATTERNS = tuple(
     re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
     for axis in "yx"
 )
 """Header lines with spacings that `write_surface` writes above a matrix."""
 
-_SIZES = tuple(
+_SIZE_PATTERNS = tuple(
     re.compile(
-        rf"\W{{0,4}}(?:{name})\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DECIMAL})\s*({_UNIT_PATTERN})?\s*",
+        rf"\W{{0,4}}(?:{name})\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\s*({_UNIT_PATTERN})?\s*",
         re.IGNORECASE,
     )
     for name in (
@@ -57,7 +57,7 @@ _SIZES = tuple(
 )
 """Header lines with the physical height and width of a matrix, as written by Gwyddion and other programs."""
 
-_UNIT_OF_HEIGHTS = re.compile(
+_HEIGHT_UNIT_PATTERN = re.compile(
     r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+|"
     r"(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?"
     r"(?:units?|einheit(?:en)?|unités?|unidad(?:es)?(?: de valor)?|unità(?: valore)?|jednotk[ay](?: hodnot)?|"
@@ -65,31 +65,31 @@ _UNIT_OF_HEIGHTS = re.compile(
     r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*)[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
     re.IGNORECASE,
 )
-_FACTOR = re.compile(
+_FACTOR_PATTERN = re.compile(
     rf"\W*(?:(?:z|height|vertical|data|value)[\s_-]*)+(?:conversion[\s_-]*)?(?:factor|scale|scaling|multiplier)"
-    rf"\s*(?:\(\s*-?>?\s*({_UNIT_PATTERN})\s*\)|[\[(]({_UNIT_PATTERN})[^\])]{{0,20}}[\])])?{_SEPARATOR}({_DECIMAL})\s*({_UNIT_PATTERN})?\W*.{{0,20}}",
+    rf"\s*(?:\(\s*-?>?\s*({_UNIT_PATTERN})\s*\)|[\[(]({_UNIT_PATTERN})[^\])]{{0,20}}[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\s*({_UNIT_PATTERN})?\W*.{{0,20}}",
     re.IGNORECASE,
 )
-_CONVERSION = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
+_CONVERSION_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
 """Words that show that a scale converts numbers to heights. Without them, a scale is often a colour range."""
 
-_CODE = re.compile(
+_CODE_PATTERN = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
-    rf"(?:data|points?|pixels?|height)?[\s_-]*(values?|code|wert)?{_SEPARATOR}({_DECIMAL})\W*",
+    rf"(?:data|points?|pixels?|height)?[\s_-]*(values?|code|wert)?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\W*",
     re.IGNORECASE,
 )
-_NUM_POINTS = re.compile(
+_POINT_COUNT_PATTERN = re.compile(
     r"\W*(?:(?:number|no\.?|anzahl) (?:of |der )?(?:data[ _-]?)?(?:points|punkte)|num[ _-]?points|data[ _-]?size|"
-    r"points|datenpunkte|messpunkte)" + _SEPARATOR + r"([0-9]{1,9})\W*",
+    r"points|datenpunkte|messpunkte)" + _SEPARATOR_PATTERN + r"([0-9]{1,9})\W*",
     re.IGNORECASE,
 )
-_TIP = re.compile(
-    rf"\W*(?:stylus|tip|probe)[\s,;:_-]*radius\s*(?:[\[(]({_UNIT_PATTERN})[\])])?{_SEPARATOR}({_DECIMAL})\s*({_UNIT_PATTERN})?\W*",
+_TIP_RADIUS_PATTERN = re.compile(
+    rf"\W*(?:stylus|tip|probe)[\s,;:_-]*radius\s*(?:[\[(]({_UNIT_PATTERN})[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\s*({_UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
-_HISTORY = "# history: "
+_HISTORY_PREFIX = "# history: "
 
-NON_LENGTH_UNIT = re.compile(
+NON_LENGTH_UNIT_PATTERN = re.compile(
     r"(?:[afpnuµμmcdhkMGT]|micror?|milli|nano|kilo)?[ -]?"
     r"(?:rad(?:ians?)?|V|A|N|s|Hz|Pa|K|C|W|J|g|F|T|volts?|amp(?:ere)?s?|newtons?|seconds?|sec|min|deg(?:rees?)?|°|°C|"
     r"counts?|cts|lsb|digits?|adu|dB|%|a\.?u\.?|arb\.?(?: ?units?)?|px|pixels?|pts?|points?|inch(?:es)?|in|mil|"
@@ -97,22 +97,22 @@ NON_LENGTH_UNIT = re.compile(
 )
 """Units of quantities other than lengths, and ambiguous units of length."""
 
-NON_HEIGHT_NAME = re.compile(
+NON_HEIGHT_NAME_PATTERN = re.compile(
     r"\b(slopes?|steigung|pente|phase|current|strom|voltage|spannung|intensity|intensität|luminance|brightness|"
     r"deflection|friction|lateral force|force|kraft|time|zeit|curvature|krümmung|gradient|temperature)\b",
     re.IGNORECASE,
 )
 """Names of quantities that are not heights."""
 
-_HEIGHT_NAME = re.compile(
+_HEIGHT_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:z|heights?|höhen?|hauteurs?|altezz[ae]|alturas?|topograph\w*|elevations?|amplitudes?)(?![^\W_])",
     re.I,
 )
-_POSITION_NAME = re.compile(
+_POSITION_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:[xy]+|xyz|positions?|coordinates?|lateral\w*|lengths?|all|spacings?|distances?|weg)(?![^\W_])", re.I
 )
-_BRACKETS = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
-_VALUE = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
+_BRACKET_PATTERN = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
+_VALUE_PATTERN = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
 
 
 @dataclass(frozen=True)
@@ -132,58 +132,79 @@ def normalise_line(line: str) -> str:
 def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> Declarations:
     """Parse the declarations above and below the numbers. The first match of each kind counts."""
     lines = [normalise_line(line) for line in (*header, *below)]
-    pixel = _first(_SPACING, lines, lambda match: _spacing(match) if match[1].casefold().startswith("pixel") else None)
-    spacings: tuple[StatedLength, StatedLength] | None = (
-        _pair([_first(pattern, lines, lambda match: parse_length(*match.groups())) for pattern in _OWN_SPACINGS])
-        or _pair([_first(_AXIS_SPACING[axis], lines, _bracketed) for axis in "yx"])
-        or _pair([pixel, pixel])
+    pixel = _find_first_match(
+        _SPACING_PATTERN,
+        lines,
+        lambda match: _parse_spacing(match) if match[1].casefold().startswith("pixel") else None,
     )
-    bare: list[float | None] = [_first(_AXIS_SPACING[axis], lines, _unitless) for axis in "yx"]
-    plain_bare = _first(_SPACING, lines, lambda match: _unitless(match) if not match[5] else None)
-    unit_line = next((line for line in lines if (match := _UNIT_OF_HEIGHTS.fullmatch(line)) and is_unit(match[1])), "")
-    scales = [line for line in lines if (match := _FACTOR.fullmatch(line)) and _unit_of_factor(match)]
-    factor_line = next((line for line in scales if _CONVERSION.search(line)), "")
+    spacings: tuple[StatedLength, StatedLength] | None = (
+        _complete_pair(
+            [
+                _find_first_match(pattern, lines, lambda match: parse_length(*match.groups()))
+                for pattern in _STICTION_SPACING_PATTERNS
+            ]
+        )
+        or _complete_pair(
+            [_find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_bracketed_length) for axis in "yx"]
+        )
+        or _complete_pair([pixel, pixel])
+    )
+    bare: list[float | None] = [
+        _find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_unitless_number) for axis in "yx"
+    ]
+    plain_bare = _find_first_match(
+        _SPACING_PATTERN, lines, lambda match: _parse_unitless_number(match) if not match[5] else None
+    )
+    unit_line = next(
+        (line for line in lines if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1])), ""
+    )
+    scales = [line for line in lines if (match := _FACTOR_PATTERN.fullmatch(line)) and _unit_of_factor(match)]
+    factor_line = next((line for line in scales if _CONVERSION_PATTERN.search(line)), "")
     unit, factor = None, None
-    if unit_line and (match := _UNIT_OF_HEIGHTS.fullmatch(unit_line)):
+    if unit_line and (match := _HEIGHT_UNIT_PATTERN.fullmatch(unit_line)):
         unit = length_unit(match[1]) or match[1]
-    if factor_line and (match := _FACTOR.fullmatch(factor_line)):
-        unit, factor = _unit_of_factor(match), _float(match[3])
-    code_lines = [match for line in lines if (match := _CODE.fullmatch(line))]
-    is_count = [match[1] is None and _float(match[2]).is_integer() and _float(match[2]) >= 0 for match in code_lines]
-    points = next((int(match[1]) for line in lines if (match := _NUM_POINTS.fullmatch(line))), None)
+    if factor_line and (match := _FACTOR_PATTERN.fullmatch(factor_line)):
+        unit, factor = _unit_of_factor(match), _parse_float(match[3])
+    code_lines = [match for line in lines if (match := _CODE_PATTERN.fullmatch(line))]
+    is_count = [
+        match[1] is None and _parse_float(match[2]).is_integer() and _parse_float(match[2]) >= 0 for match in code_lines
+    ]
+    points = next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None)
     unitless = tuple(value for value in bare if value is not None)
     return Declarations(
-        spacing=_first(_SPACING, lines, _spacing),
+        spacing=_find_first_match(_SPACING_PATTERN, lines, _parse_spacing),
         spacings=spacings,
-        size=_pair([_first(pattern, lines, _bracketed) for pattern in _SIZES]),
+        size=_complete_pair([_find_first_match(pattern, lines, _parse_bracketed_length) for pattern in _SIZE_PATTERNS]),
         bare_spacing=unitless if unitless else None if plain_bare is None else (plain_bare,),
         unit=unit,
         factor=factor,
-        codes=tuple(_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if not count),
-        counts=tuple(_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if count),
+        codes=tuple(_parse_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if not count),
+        counts=tuple(_parse_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if count),
         scale="" if factor_line else next(iter(scales), "").strip(),
         points=points,
-        tip_radius=_first(_TIP, lines, _bracketed),
+        tip_radius=_find_first_match(_TIP_RADIUS_PATTERN, lines, _parse_bracketed_length),
         line=factor_line or unit_line,
     )
 
 
 def parse_history(header: Sequence[str]) -> list[str]:
     """Return the history steps that `write_profile` and `write_surface` write above the numbers."""
-    return [line.removeprefix(_HISTORY) for line in header if line.startswith(_HISTORY)]
+    return [line.removeprefix(_HISTORY_PREFIX) for line in header if line.startswith(_HISTORY_PREFIX)]
 
 
-def _first(pattern: re.Pattern[str], lines: Sequence[str], read: Callable[[re.Match[str]], _T | None]) -> _T | None:
+def _find_first_match(
+    pattern: re.Pattern[str], lines: Sequence[str], read: Callable[[re.Match[str]], _T | None]
+) -> _T | None:
     matches = (match for line in lines if (match := pattern.match(line)))
     return next((value for match in matches if (value := read(match)) is not None), None)
 
 
-def _pair(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
+def _complete_pair(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
     first, second = pair
     return None if first is None or second is None else (first, second)
 
 
-def _spacing(match: re.Match[str]) -> StatedLength | None:
+def _parse_spacing(match: re.Match[str]) -> StatedLength | None:
     """Parse a spacing. A resolution counts as a spacing only if it is a length per sample."""
     if match[1].casefold() == "resolution" and not match[5]:
         return None
@@ -193,15 +214,15 @@ def _spacing(match: re.Match[str]) -> StatedLength | None:
     return parse_length(match[3], match[4] or match[2])
 
 
-def _bracketed(match: re.Match[str]) -> StatedLength | None:
+def _parse_bracketed_length(match: re.Match[str]) -> StatedLength | None:
     """Parse a length whose unit follows the number, or is in brackets after the name."""
     return parse_length(match[2], match[3] or match[1])
 
 
-def _unitless(match: re.Match[str]) -> float | None:
+def _parse_unitless_number(match: re.Match[str]) -> float | None:
     """Parse a number without a unit."""
     number, units = (match[3], (match[4], match[2])) if len(match.groups()) == 5 else (match[2], (match[3], match[1]))
-    return None if any(units) else _float(number)
+    return None if any(units) else _parse_float(number)
 
 
 def parse_length(digits: str, unit: str | None) -> StatedLength | None:
@@ -213,7 +234,7 @@ def parse_length(digits: str, unit: str | None) -> StatedLength | None:
     return StatedLength(float(f"{mantissa}e{exponent or 0}"), digit, str(length_unit(unit)))
 
 
-def _float(digits: str) -> float:
+def _parse_float(digits: str) -> float:
     return float(digits.replace(",", "."))
 
 
@@ -224,16 +245,16 @@ def _unit_of_factor(match: re.Match[str]) -> str | None:
 
 def _is_declaration(line: str) -> bool:
     """Return whether a line is a declaration. A declaration is not a line of column names."""
-    full_patterns = (_UNIT_OF_HEIGHTS, _FACTOR, _CODE, _NUM_POINTS)
-    prefix_patterns = (_SPACING, *_AXIS_SPACING.values(), *_SIZES)
+    full_patterns = (_HEIGHT_UNIT_PATTERN, _FACTOR_PATTERN, _CODE_PATTERN, _POINT_COUNT_PATTERN)
+    prefix_patterns = (_SPACING_PATTERN, *_AXIS_SPACING_PATTERNS.values(), *_SIZE_PATTERNS)
     return any(pattern.fullmatch(line) for pattern in full_patterns) or any(
         pattern.match(line) for pattern in prefix_patterns
     )
 
 
-def _last_named(lines: Sequence[str]) -> str | None:
+def _last_line_of_names(lines: Sequence[str]) -> str | None:
     """Return the last line that contains letters."""
-    return next((line.lstrip(COMMENT) for line in reversed(lines) if any(map(str.isalpha, line))), None)
+    return next((line.lstrip(COMMENT_CHARACTERS) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
 def _names_heights_alone(line: str) -> bool:
@@ -241,8 +262,8 @@ def _names_heights_alone(line: str) -> bool:
     return bool(
         len(_units_in(line)) == 1
         and not _has_value(line)
-        and _HEIGHT_NAME.search(line)
-        and not _POSITION_NAME.search(line)
+        and _HEIGHT_NAME_PATTERN.search(line)
+        and not _POSITION_NAME_PATTERN.search(line)
     )
 
 
@@ -251,7 +272,7 @@ def _units_in(line: str) -> list[str]:
 
     They are the units in brackets or, if there are none, the units that are separate words.
     """
-    bracketed = [word for word in _BRACKETS.findall(line) if is_unit(word)]
+    bracketed = [word for word in _BRACKET_PATTERN.findall(line) if is_unit(word)]
     units = [length_unit(word.strip(" \"'.:")) or word for word in bracketed]
     return units or [unit for word in re.split(r"[\s,;]+", line) if (unit := length_unit(word.strip(" \"'.:")))]
 
@@ -261,12 +282,12 @@ def _has_value(line: str) -> bool:
 
     Such a line does not name columns.
     """
-    return _VALUE.search(_BRACKETS.sub(" ", line)) is not None
+    return _VALUE_PATTERN.search(_BRACKET_PATTERN.sub(" ", line)) is not None
 
 
 def is_unit(word: str) -> bool:
     """Return whether a word is a unit of length or of another quantity."""
-    return length_unit(word) is not None or NON_LENGTH_UNIT.fullmatch(word) is not None
+    return length_unit(word) is not None or NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 
 # ---- Column names ---------------------------------------------------------------------------------------------------
@@ -277,15 +298,15 @@ def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> C
     lines = [line for line in map(normalise_line, header) if not _is_declaration(line)]
     if not lines:
         return ColumnHeads()
-    names, units = _names(lines, width, dialect), _units(lines, width, dialect)
-    name_line = _last_named(lines)
+    names, units = _parse_names(lines, width, dialect), _parse_units(lines, width, dialect)
+    name_line = _last_line_of_names(lines)
     is_of_heights = width > 2 and not any(units) and name_line is not None and _names_heights_alone(name_line)
     return ColumnHeads(names, units, _units_in(name_line)[0] if is_of_heights and name_line is not None else None)
 
 
 def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
     """Split a line of names into `width` cells. Its separator may differ from the separator of the numbers below."""
-    uncommented = line.lstrip(COMMENT) if line.lstrip(" ")[:1] in tuple("#%!/") else line
+    uncommented = line.lstrip(COMMENT_CHARACTERS) if line.lstrip(" ")[:1] in tuple("#%!/") else line
     candidates = [
         dialect.cells(uncommented),
         *(uncommented.split(separator) for separator in "\t;,|"),
@@ -302,7 +323,7 @@ def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
     return None
 
 
-def _names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str, ...]:
+def _parse_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str, ...]:
     if width == 1:
         return ()
     names = split_names(lines[-1], width, dialect)
@@ -317,9 +338,9 @@ def _names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str, ...
     return tuple(names)
 
 
-def _units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
+def _parse_units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
     """Return the unit of each column from the line of names above the data."""
-    name_line = _last_named(lines)
+    name_line = _last_line_of_names(lines)
     if name_line is None or _has_value(name_line):
         return (None,) * width
     cells = split_names(name_line, width, dialect) if width > 1 else None
@@ -334,8 +355,8 @@ def _units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | No
 
 def unit_in_name(cell: str) -> str | None:
     """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm"."""
-    bracketed = _BRACKETS.findall(cell)
+    bracketed = _BRACKET_PATTERN.findall(cell)
     last = bracketed[-1].strip() if bracketed else cell.strip(" \"'")
-    if NON_LENGTH_UNIT.fullmatch(last):  # the unit raises an error if this column is used as heights
+    if NON_LENGTH_UNIT_PATTERN.fullmatch(last):  # the unit raises an error if this column is used as heights
         return last
     return length_unit((last if bracketed else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))

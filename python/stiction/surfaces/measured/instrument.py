@@ -30,14 +30,14 @@ def read_instrument(path: Path) -> Channels:
             f"ends in {path.suffix}, which the package SurfaceTopography may be able to read: "
             "pip install SurfaceTopography; text should end in .csv or .txt"
         ) from None
-    with _opened(path) as reader:
+    with _open_reader(path) as reader:
         names = tuple(str(channel.name)[:80] for channel in reader.channels)
         default = int(reader.default_channel.index)
-    return Channels(names, lambda index: _channel(path, index, names[index]), default)
+    return Channels(names, lambda index: _read_channel(path, index, names[index]), default)
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Any]:
+def _open_reader(path: Path) -> Iterator[Any]:
     from SurfaceTopography import open_topography
 
     try:
@@ -55,8 +55,8 @@ def _opened(path: Path) -> Iterator[Any]:
         ) from None
 
 
-def _channel(path: Path, index: int, name: str) -> Raw:
-    with _opened(path) as reader:
+def _read_channel(path: Path, index: int, name: str) -> Raw:
+    with _open_reader(path) as reader:
         channel = reader.channels[index]
         points = int(np.prod(channel.nb_grid_pts))
         if points > MAX_POINTS:

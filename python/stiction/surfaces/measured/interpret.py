@@ -59,7 +59,7 @@ def read_options(
     codes, words = _parse_codes(missing_value)
     accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
     if not set(accepted) <= set(CAVEATS):
-        raise ValueError(f"accept must be one of {', '.join(CAVEATS)}, or several, got {accept!r}")
+        raise ValueError(f"accept must be one or several of {', '.join(CAVEATS)}, got {accept!r}")
     check_choice("missing", missing, Missing)
     check_choice("outliers", outliers, Outliers)
     crop = crop.split(",") if isinstance(crop, str) else crop
@@ -98,12 +98,12 @@ def read_options(
 
 def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
     """Split marks of missing points into numbers and words."""
-    parts = given.split(",") if isinstance(given, str) else () if given is None else given
-    parts = (parts,) if isinstance(parts, (int, float)) else parts
+    values_given = given.split(",") if isinstance(given, str) else () if given is None else given
+    values_given = (values_given,) if isinstance(values_given, (int, float)) else values_given
     codes, words = [], []
-    for part in parts:
+    for part in values_given:
         if isinstance(part, bool) or not isinstance(part, (str, int, float)) or not str(part).strip():
-            raise ValueError(f"missing_value must be a number or a word, or several, got {given!r}")
+            raise ValueError(f"missing_value must be one or several numbers or words, got {given!r}")
         try:
             codes.append(float(part))
         except ValueError:
@@ -111,7 +111,7 @@ def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
     return tuple(codes), tuple(words)
 
 
-def _without_unit_axis(raw: Raw) -> Raw:
+def _remove_unit_axis(raw: Raw) -> Raw:
     """Convert a matrix of one row or one column to a profile."""
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
@@ -134,14 +134,14 @@ class InterpretedScan(Generic[_Body]):
 
 def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
     """Convert the content of a file to a profile or a surface, whichever it contains."""
-    if _without_unit_axis(raw).heights.ndim == 1:
+    if _remove_unit_axis(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
 
 
 def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile]:
     """Convert the content of a file to a profile."""
-    raw = _without_unit_axis(raw)
+    raw = _remove_unit_axis(raw)
     if raw.heights.ndim != 1:
         raise FormatError(
             f"contains {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns; a profile has one column of "
@@ -156,7 +156,7 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Pro
     if given != other:
         raise FormatError("contains a profile, which has one spacing, but two are given")
     _require_unit_or_spacing(raw, options)
-    heights, unit, caveats, coded = _heights(raw, options)
+    heights, unit, caveats, coded = _convert_heights(raw, options)
     dx, steps, spacing_caveats = _profile_spacing(raw, _position_unit(raw, options), given)
     if dx < 0:
         heights, dx = heights[::-1], -dx
@@ -169,27 +169,30 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Pro
 
 def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Surface]:
     """Convert the content of a file to a surface."""
-    raw = _without_unit_axis(raw)
+    raw = _remove_unit_axis(raw)
     if raw.heights.ndim != 2:
         raise FormatError(f"contains a profile of {raw.heights.size} points; read_profile() reads profiles")
     _require_unit_or_spacing(raw, options)
-    heights, unit, caveats, steps = _heights(raw, options)
+    heights, unit, caveats, steps = _convert_heights(raw, options)
     if raw.size is not None and raw.spacing is None:
         (dy, dx), notes = _spacings_from_size(raw.size, heights.shape, options.spacing)
         steps += notes
     elif raw.spacing is not None:
-        length = _unit("positions", raw.position_unit, _position_unit(raw, options))
+        length = _resolve_unit("positions", raw.position_unit, _position_unit(raw, options))
         dy, dx = (
-            _check_agreement(_in_um(declared, length), given)
+            _check_agreement(_to_micrometres(declared, length), given)
             for declared, given in zip(raw.spacing, options.spacing, strict=True)
         )
-        _compare_declared(raw, (dy, dx))
+        _compare_with_declarations(raw, (dy, dx))
     elif options.spacing[0] is not None and options.spacing[1] is not None:
         dy, dx = float(options.spacing[0]), float(options.spacing[1])
-        declared, tolerance = _stated_spacing(raw) or (dx, 0.0)  # the declared spacing may belong to rows or to columns
+        declared, tolerance = _declared_spacing(raw) or (
+            dx,
+            0.0,
+        )  # the declared spacing may belong to rows or to columns
         if min(abs(declared - dy), abs(declared - dx)) > tolerance:
             raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
-        _compare_bare(raw, (dy, dx))
+        _compare_with_unitless_spacing(raw, (dy, dx))
     else:
         raise FormatError(_NO_MAP_SPACING)
     return _to_body(
@@ -242,7 +245,7 @@ def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
     return length
 
 
-def _unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
+def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
     """Return the unit from the file or from the caller. They must agree, and one of them is required."""
     file_unit = None if of_file is None else length_unit(of_file)
     if of_file is not None and file_unit is None:
@@ -264,13 +267,13 @@ def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
     return None if has_own_unit else options.position_unit
 
 
-def _in_um(values: _Length, unit: str) -> _Length:
+def _to_micrometres(values: _Length, unit: str) -> _Length:
     factor = LENGTH_UNITS[unit]
     # A division by an integer, where possible, makes 100 nm exactly 0.1 µm.
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
-def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
+def _convert_heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
     """Return heights in µm with NaN at missing points, the unit of the heights, caveats, and history steps."""
     unit, caveats, steps = _height_unit(raw, options.height_unit)
     numbers = raw.heights
@@ -285,7 +288,7 @@ def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[FileCave
         if raw.factor is not None:
             numbers = numbers * raw.factor
             steps.append(f"multiplied by {raw.factor:g} {unit}, as declared in the file")
-        heights = _in_um(numbers, unit)
+        heights = _to_micrometres(numbers, unit)
         lowest, highest = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
         while not (lowest >= -_MAX_LENGTH and highest <= _MAX_LENGTH) and not np.isnan(lowest):
             value = highest if highest > _MAX_LENGTH else lowest
@@ -305,7 +308,7 @@ def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[FileCave
 def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
     """Return the unit of heights. If a file declares a factor and a unit, the unit of the caller is not needed."""
     if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
-        return _unit("heights", raw.unit, given), [], []
+        return _resolve_unit("heights", raw.unit, given), [], []
     actual, caller_unit = str(length_unit(raw.unit)), str(length_unit(given))
     if LENGTH_UNITS[actual] == LENGTH_UNITS[caller_unit]:
         return actual, [], []
@@ -338,7 +341,7 @@ def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
     )
 
 
-def _compare_bare(raw: Raw, given: tuple[float, ...]) -> None:
+def _compare_with_unitless_spacing(raw: Raw, given: tuple[float, ...]) -> None:
     """Reject a spacing that differs from a declared spacing without a unit by more than a change of units."""
     if raw.bare_spacing is None:
         return
@@ -352,14 +355,14 @@ def _compare_bare(raw: Raw, given: tuple[float, ...]) -> None:
         )
 
 
-def _compare_declared(raw: Raw, spacing: tuple[float, float]) -> None:
+def _compare_with_declarations(raw: Raw, spacing: tuple[float, float]) -> None:
     """Reject a grid (spacings in µm) that contradicts the declared spacings or the declared size."""
-    for step, stated in zip(spacing, raw.stated_spacings or (), strict=False):
-        actual = stated.length * LENGTH_UNITS[stated.unit]
-        if abs(actual - step) > max(0.51 * stated.digit * LENGTH_UNITS[stated.unit], MAX_UNEVENNESS * actual):
+    for step, declared in zip(spacing, raw.stated_spacings or (), strict=False):
+        actual = declared.length * LENGTH_UNITS[declared.unit]
+        if abs(actual - step) > max(0.51 * declared.digit * LENGTH_UNITS[declared.unit], MAX_UNEVENNESS * actual):
             raise FormatError(f"declares a spacing of {actual:g} µm, but its positions are {step:g} µm apart")
-    for step, points, stated in zip(spacing, raw.heights.shape, raw.size or (), strict=False):
-        actual, digit = stated.length * LENGTH_UNITS[stated.unit], stated.digit * LENGTH_UNITS[stated.unit]
+    for step, points, declared in zip(spacing, raw.heights.shape, raw.size or (), strict=False):
+        actual, digit = declared.length * LENGTH_UNITS[declared.unit], declared.digit * LENGTH_UNITS[declared.unit]
         tolerance = max(0.51 * digit, MAX_UNEVENNESS * actual)
         if not (points - 1) * step - tolerance <= actual <= points * step + tolerance:
             raise FormatError(f"declares a size of {actual:g} µm, but its positions span {(points - 1) * step:g} µm")
@@ -370,12 +373,12 @@ def _spacings_from_size(
 ) -> tuple[tuple[float, float], list[str]]:
     """Return the spacings from a declared size, and a history step."""
     spacings = []
-    for actual, points, stated in zip(size, shape, given, strict=True):
+    for actual, points, declared in zip(size, shape, given, strict=True):
         length = actual.length * LENGTH_UNITS[actual.unit] / points
         tolerance = max(0.51 * actual.digit * LENGTH_UNITS[actual.unit] / points, MAX_UNEVENNESS * length)
-        if stated is not None and abs(stated - length) > tolerance:
-            raise FormatError(f"declares a size with a spacing of {length:.7g} µm, but spacing is {stated.text}")
-        spacings.append(length if stated is None else float(stated))
+        if declared is not None and abs(declared - length) > tolerance:
+            raise FormatError(f"declares a size with a spacing of {length:.7g} µm, but spacing is {declared.text}")
+        spacings.append(length if declared is None else float(declared))
     height, width = (f"{actual.length:g} {actual.unit}" for actual in size)
     return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y (header)"]
 
@@ -385,24 +388,24 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
 
     The spacing is negative if positions decrease.
     """
-    stated = _stated_spacing(raw)
+    declared = _declared_spacing(raw)
     if raw.positions is None:
         if raw.spacing is not None:
-            own_spacing = _in_um(raw.spacing[0], _unit("positions", raw.position_unit, unit))
+            own_spacing = _to_micrometres(raw.spacing[0], _resolve_unit("positions", raw.position_unit, unit))
             return _check_agreement(own_spacing, given), [], []
-        if stated is not None:
-            if given is not None and abs(given - stated[0]) > stated[1]:
-                raise FormatError(f"declares a spacing of {stated[0]:g} µm, but spacing is {given.text}")
-            return given if given is not None else stated[0], [], []
+        if declared is not None:
+            if given is not None and abs(given - declared[0]) > declared[1]:
+                raise FormatError(f"declares a spacing of {declared[0]:g} µm, but spacing is {given.text}")
+            return given if given is not None else declared[0], [], []
         if given is None:
             raise FormatError(
                 'contains heights only; give the spacing of its points, as in "0.5 um" (--spacing "0.5 um")'
             )
-        _compare_bare(raw, (given,))
+        _compare_with_unitless_spacing(raw, (given,))
         return given, [], []
-    length = _unit("positions", raw.position_unit, unit)
+    length = _resolve_unit("positions", raw.position_unit, unit)
     with np.errstate(all="ignore"):
-        x = _in_um(raw.positions, length)
+        x = _to_micrometres(raw.positions, length)
         if not np.isfinite(x).all() or np.abs(x).max() > _MAX_LENGTH:
             point = int(np.flatnonzero(~(np.abs(x) <= _MAX_LENGTH))[0])
             raise FormatError(f"has no usable position at point {point}, counted from 0; each height needs one")
@@ -417,26 +420,29 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
                     f"has positions with a spacing of {abs(measured):.7g} µm, but spacing is {given.text}{numbering}"
                 )
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
-        if stated is not None and _worst_printed_deviation(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:
-            return direction * stated[0], [f"spacing {stated[0]:.7g} µm (header and positions agree)"], []
+        if (
+            declared is not None
+            and _worst_printed_deviation(x, direction * declared[0], digit, 1e-9 * declared[0]) is None
+        ):
+            return direction * declared[0], [f"spacing {declared[0]:.7g} µm (header and positions agree)"], []
         _reject_uneven(x, measured, digit)
     caveats: list[FileCaveat] = []
     step = f"spacing {abs(measured):.7g} µm from its positions"
-    if stated is not None:
-        if abs(abs(measured) - stated[0]) > stated[1] + digit.values.max() / (x.size - 1):
+    if declared is not None:
+        if abs(abs(measured) - declared[0]) > declared[1] + digit.values.max() / (x.size - 1):
             caveats.append(
                 FileCaveat(
                     "spacing",
-                    f"its declared spacing is {stated[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
+                    f"its declared spacing is {declared[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
                     "which is used",
                     "check the unit of positions, --unit",
                 )
             )
-        step += f", declared as {stated[0]:g} µm"
+        step += f", declared as {declared[0]:g} µm"
     return measured, [step], caveats
 
 
-def _stated_spacing(raw: Raw) -> tuple[float, float] | None:
+def _declared_spacing(raw: Raw) -> tuple[float, float] | None:
     """Return the declared spacing and its tolerance, µm."""
     if raw.stated is None:
         return None
@@ -456,7 +462,7 @@ class _PositionDigits:
         if self._raw.digits is None:
             return np.zeros(self._raw.positions.shape)
         with np.errstate(all="ignore"):
-            return _in_um(self._raw.digits(), self._unit)
+            return _to_micrometres(self._raw.digits(), self._unit)
 
 
 def _worst_printed_deviation(
@@ -471,14 +477,14 @@ def _worst_printed_deviation(
 def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
     """Return the point with the largest deviation from a uniform grid, unless the printed digits explain it."""
     steps = np.arange(x.size)
-    off = x - x[0] - steps * spacing
+    deviations = x - x[0] - steps * spacing
     # The first and the last point are each off by half a digit if they are rounded, or together by less than one digit
     # if they are truncated.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
-    beyond = np.abs(off) - tolerance - slack - round_off
-    point = int(np.argmax(beyond))
-    return (point, float(off[point])) if beyond[point] > 0 else None
+    excess = np.abs(deviations) - tolerance - slack - round_off
+    point = int(np.argmax(excess))
+    return (point, float(deviations[point])) if excess[point] > 0 else None
 
 
 def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
@@ -487,15 +493,16 @@ def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
         raise FormatError("has its first and last point at the same position")
     worst = _worst_printed_deviation(x, measured, digit, MAX_UNEVENNESS * abs(measured))
     if worst is not None:
-        point, off = worst
+        point, deviations = worst
         raise FormatError(
-            f"is not uniform: point {point}, counted from 0, is at {x[point]:.7g} µm, {abs(off):.3g} µm "
+            f"is not uniform: point {point}, counted from 0, is at {x[point]:.7g} µm, {abs(deviations):.3g} µm "
             f"from its position at a spacing of {abs(measured):.6g} µm; resample it first"
         )
     is_uniform = np.abs(np.diff(x) - measured).max() <= MAX_UNEVENNESS * abs(measured)
     if not is_uniform and abs(x[-1] - x[0]) < MIN_LENGTH_DIGITS * digit.values.max():
         raise FormatError(
-            f'has positions with too few digits for their spacing ({abs(measured):.3g} µm?); give it, as in "0.5 um"'
+            f"has positions with too few digits for their spacing ({abs(measured):.3g} µm?); give the spacing, as in "
+            '"0.5 um"'
         )
 
 

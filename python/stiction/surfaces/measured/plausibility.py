@@ -70,7 +70,7 @@ def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
     )
 
 
-def _repeated_extremes(scan: Scan) -> Iterator[str]:
+def _find_repeated_extremes(scan: Scan) -> Iterator[str]:
     """Find extreme values that repeat exactly and are far from all other heights."""
     heights = scan.known
     for _ in range(MAX_CODES):
@@ -117,7 +117,7 @@ def _range_without(heights: Floats, excluded: NDArray[np.bool_]) -> tuple[float,
     )
 
 
-def _whole_numbers(scan: Scan) -> Iterator[str]:
+def _find_whole_numbers(scan: Scan) -> Iterator[str]:
     """Find heights that are all integers, if their unit is 1 µm or larger."""
     if scan.factor < 1 or not scan.from_text:
         return
@@ -133,7 +133,7 @@ def _whole_numbers(scan: Scan) -> Iterator[str]:
         yield f"all heights are multiples of {with_unit(scan.factor, 'µm')}, like counts of a converter"
 
 
-def _sizes(scan: Scan) -> Iterator[str]:
+def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
     """Find scans of a metre or more, points a centimetre or more apart, and spacings below an ångström."""
     for axis, points, step in zip("xy", scan.heights.shape[::-1], scan.spacing[::-1], strict=False):
         if points * step >= MAX_EXTENT:
@@ -144,7 +144,7 @@ def _sizes(scan: Scan) -> Iterator[str]:
             yield f"points are {step * 1e6:.3g} pm apart along {axis}, closer than atoms"
 
 
-def _tall(scan: Scan) -> Iterator[str]:
+def _find_tall_scans(scan: Scan) -> Iterator[str]:
     """Find heights with a range larger than the scan."""
     length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
     if scan.span > length:
@@ -152,12 +152,12 @@ def _tall(scan: Scan) -> Iterator[str]:
 
 
 CHECKS = (
-    PlausibilityCheck("repeated-extreme", _repeated_extremes, "--missing-value {} treats them as missing points"),
+    PlausibilityCheck("repeated-extreme", _find_repeated_extremes, "--missing-value {} treats them as missing points"),
     PlausibilityCheck(
-        "whole-numbers", _whole_numbers, "multiply counts by their height first; see the header and the manual"
+        "whole-numbers", _find_whole_numbers, "multiply counts by their height first; see the header and the manual"
     ),
-    PlausibilityCheck("size", _sizes, "check the unit of the spacing, --unit and --spacing"),
-    PlausibilityCheck("tall", _tall, "check the units of heights and spacing, --unit and --spacing"),
+    PlausibilityCheck("size", _find_implausible_sizes, "check the unit of the spacing, --unit and --spacing"),
+    PlausibilityCheck("tall", _find_tall_scans, "check the units of heights and spacing, --unit and --spacing"),
 )
 """Checks that every scan undergoes."""
 

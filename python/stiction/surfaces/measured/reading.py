@@ -83,16 +83,16 @@ class Reading(Generic[_Body]):
     def __str__(self) -> str:
         shape = " × ".join(map(str, self.body.heights.shape))
         steps = np.unique(self.body.spacings).tolist()
-        apart = with_unit(steps[0], "µm")
+        spacing_text = with_unit(steps[0], "µm")
         if len(steps) > 1:
-            apart = (
+            spacing_text = (
                 f"{with_unit(self.body.spacings[1], 'µm')} along x and {with_unit(self.body.spacings[0], 'µm')} along y"
             )
         source = self.source
         heights = (
             f"heights from {printable(source.column)} in {self.unit}" if source.column else f"heights in {self.unit}"
         )
-        parts = [source.layout or "unknown layout", f"{shape} points", f"{apart} apart", heights]
+        parts = [source.layout or "unknown layout", f"{shape} points", f"{spacing_text} apart", heights]
         parts += [f"{self.missing} of {self.points} missing" if self.missing else "none missing"]
         if source.lines is not None:
             skipped = " and ".join(
@@ -205,7 +205,7 @@ def read_profile(
     >>> read_profile(path).extent
     8.0
     """
-    return _read(
+    return _read_body(
         path, read_options(unit, spacing, missing, channel, columns, outliers, crop, missing_value, accept), to_profile
     )
 
@@ -272,7 +272,7 @@ def read_surface(
     >>> read_surface(path, unit="nm", spacing="0.1 um")
     Surface of 8 × 8 points, 0.1 µm apart, Sq 0.3307 nm, not levelled; read from map.npy
     """
-    return _read(
+    return _read_body(
         path, read_options(unit, spacing, missing, channel, None, outliers, crop, missing_value, accept), to_surface
     )
 
@@ -330,7 +330,7 @@ def read_measurement(
     >>> read_measurement(path).spacing
     0.5
     """
-    return _read(
+    return _read_body(
         path,
         read_options(unit, spacing, missing, channel, columns, outliers, crop, missing_value, accept),
         to_profile_or_surface,
@@ -347,22 +347,22 @@ def load_reading(path: str | os.PathLike[str], **options: Any) -> Reading[Profil
     if options:
         raise ValueError(f"{next(iter(options))} is not an option for a file ({', '.join(allowed)})")
     names = {name: given.get(name) for name in allowed}
-    return _reading(path, read_options(**names), to_profile_or_surface)  # type: ignore[arg-type]
+    return _interpret_file(path, read_options(**names), to_profile_or_surface)  # type: ignore[arg-type]
 
 
-def _read(
+def _read_body(
     path: str | os.PathLike[str],
     options: ReadOptions,
     convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],
 ) -> _Body:
     """Return the body in a file, and issue its caveats as warnings."""
-    reading = _reading(path, options, convert)
+    reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
         warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)  # the public caller
     return reading.body
 
 
-def _reading(
+def _interpret_file(
     path: str | os.PathLike[str],
     options: ReadOptions,
     convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],

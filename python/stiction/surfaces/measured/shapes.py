@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._text import printable
 from stiction.surfaces.measured.grid import to_grid
-from stiction.surfaces.measured.header import NON_HEIGHT_NAME
+from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN
 from stiction.surfaces.measured.raw import (
     LENGTH_UNITS,
     Channels,
@@ -41,11 +41,13 @@ MIN_COMPARED_NUMBERS = 20  # minimum number of heights with equal decimals that 
 MIN_STEP_DIGITS = 3.0
 Selection = str | int
 
-_NUMBERING = re.compile(r"|index|unnamed: ?0|no\.?|nr\.?|#|n|i|points?|pt\.?|punkt|zeile|line|row|dataline|trace", re.I)
-_VALID = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
-_INVALID = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
+_NUMBERING_NAME_PATTERN = re.compile(
+    r"|index|unnamed: ?0|no\.?|nr\.?|#|n|i|points?|pt\.?|punkt|zeile|line|row|dataline|trace", re.I
+)
+_VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
+_INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
 # names that do not define the meaning of the flags
-_FLAG_NAME = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
+_FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 _X, _Y = (re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy")
 _Z = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
 
@@ -64,27 +66,27 @@ def select_heights(content: Content, channel: Selection | None, columns: Sequenc
     if channel is not None:
         raise FormatError(f"has no channels to choose from, but channel is {channel!r}")
     if isinstance(content, ColumnTable):
-        table = _with_flags(_without_words(content, columns), columns)
-        raw = _select_columns(table, columns) if columns is not None else _by_shape(table)
+        table = _apply_flags(_without_words(content, columns), columns)
+        raw = _select_columns(table, columns) if columns is not None else _read_by_shape(table)
         return replace(raw, history=(*table.history, *raw.history), caveats=(*table.caveats, *raw.caveats))
     if columns is not None:
         raise FormatError("has no columns to choose from, but columns are given")
     return content
 
 
-def _select_channel(channels: Channels, chosen: Selection | None) -> int:
-    if chosen is not None:
-        return _find_column(channels.names, chosen, range(len(channels.names)), "channel")
+def _select_channel(channels: Channels, selected: Selection | None) -> int:
+    if selected is not None:
+        return _find_column(channels.names, selected, range(len(channels.names)), "channel")
     if channels.default is None:
         raise FormatError(f"contains {list_names(channels.names)}; choose one by channel (--channel)")
     return channels.default
 
 
-def _find_column(names: Sequence[str], chosen: Selection, numbers: Sequence[int], kind: str) -> int:
+def _find_column(names: Sequence[str], selected: Selection, numbers: Sequence[int], kind: str) -> int:
     """Return the index of a column or a channel, given by its name or by its number in the file."""
-    text = str(chosen).strip()
-    for folded in (lambda name: name, lambda name: name.casefold(), _without_unit):
-        matches = [index for index, name in enumerate(names) if folded(name.strip()) == folded(text) and text]
+    text = str(selected).strip()
+    for normalise in (lambda name: name, lambda name: name.casefold(), _remove_unit):
+        matches = [index for index, name in enumerate(names) if normalise(name.strip()) == normalise(text) and text]
         if len(matches) > 1:
             raise FormatError(f"has more than one {kind} {text!r}; give its number: {list_names(names, numbers)}")
         if matches:
@@ -99,7 +101,7 @@ def _find_column(names: Sequence[str], chosen: Selection, numbers: Sequence[int]
     )
 
 
-def _without_unit(name: str) -> str:
+def _remove_unit(name: str) -> str:
     """Return the name of a column without its unit."""
     return re.sub(r"\s*[(\[{<].{0,40}$|\s*/\s*\S{0,12}$", "", name).casefold()
 
@@ -119,16 +121,16 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
     return range(table.values.shape[1]) if table.places is None else table.places
 
 
-def _select_columns(table: ColumnTable, chosen: Sequence[Selection]) -> Raw:
+def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> Raw:
     """Return the heights in one column, with positions in another column, or with x and y in two other columns."""
     numbers = _column_numbers(table)
-    indices = [_find_column(table.names, item, numbers, "column") for item in chosen]
+    indices = [_find_column(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
         f"{numbers[index]} ({printable(table.names[index])})" if table.names else str(numbers[index])
         for index in indices
     )
     step = f"column {description}" if len(indices) == 1 else f"columns {description}"
-    raw = _triplets(table, *indices) if len(indices) == 3 else _profile(table, *indices[-2:])
+    raw = _read_triplets(table, *indices) if len(indices) == 3 else _select_profile(table, *indices[-2:])
     return replace(raw, history=(step, *raw.history))
 
 
@@ -160,7 +162,7 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
     return declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
 
 
-def _profile(table: ColumnTable, *places: int) -> Raw:
+def _select_profile(table: ColumnTable, *places: int) -> Raw:
     """Return the heights of one column, or the positions and heights of two columns over their common length."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
@@ -173,8 +175,8 @@ def _profile(table: ColumnTable, *places: int) -> Raw:
     if len(places) == 1:
         filled = np.flatnonzero(~np.isnan(heights))
         end = int(filled[-1]) + 1 if filled.size and table.values.shape[1] > 1 else heights.size
-        heights, history = _without_count(heights[:end], table.values.shape[1])
-        caveats = () if history else _first_number_caveat(table)
+        heights, history = _remove_count(heights[:end], table.values.shape[1])
+        caveats = () if history else _find_first_number_caveat(table)
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
     is_empty = np.isnan(positions) & np.isnan(heights)  # the rows follow the end of the shorter of two adjacent tables
@@ -183,7 +185,7 @@ def _profile(table: ColumnTable, *places: int) -> Raw:
     return replace(
         raw, heights=heights[:end], positions=positions[:end], position_unit=_units(table)[places[0]],
         digits=None if digits is None else lambda: digits()[:end],
-        caveats=(*raw.caveats, *_numbering_caveat(table, positions[:end], places[0])),
+        caveats=(*raw.caveats, *_find_numbering_caveat(table, positions[:end], places[0])),
     )  # fmt: skip
 
 
@@ -203,7 +205,7 @@ def _height_unit(table: ColumnTable, place: int) -> str | None:
     if unit is not None and length_unit(unit) is None:
         return unit
     name = table.names[place] if table.names else ""
-    if (match := NON_HEIGHT_NAME.search(name)) is not None:
+    if (match := NON_HEIGHT_NAME_PATTERN.search(name)) is not None:
         raise FormatError(
             f"has a column named {printable(name)!r}: {match[0].lower()} is not a height; "
             "choose another by columns (--columns)"
@@ -211,7 +213,7 @@ def _height_unit(table: ColumnTable, place: int) -> str | None:
     return unit if unit is not None and table.declared.factor is None else table.declared.unit or unit
 
 
-def _without_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
+def _remove_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
     """Return a height column without its first number if this number is the count of the other numbers."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         if heights[place] == heights.size - 1 - place:
@@ -229,7 +231,7 @@ def _without_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]
     return heights, ()
 
 
-def _first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
+def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
     """Return a caveat if the first number of a column has fewer decimals than all others."""
     if (
         table.values.shape != (table.values.size, 1)
@@ -237,17 +239,17 @@ def _first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
         or table.row_digits is None
     ):
         return ()
-    first, *rest = (float(table.row_digits(index)[0]) for index in range(MIN_COMPARED_NUMBERS + 1))
-    if len(set(rest)) > 1 or not first > 50 * rest[0]:
+    first, *following = (float(table.row_digits(index)[0]) for index in range(MIN_COMPARED_NUMBERS + 1))
+    if len(set(following)) > 1 or not first > 50 * following[0]:
         return ()
     text = f"the first number, {table.values[0, 0]:g}, has fewer decimals than all others"
     return (FileCaveat("first-number", text, "delete it if it is a step or a size instead of a height, or accept it"),)
 
 
-def _numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
+def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
     """Return a caveat if positions may be point numbers."""
     name = table.names[place] if table.names else ""
-    if _units(table)[place] is not None or (name and not _NUMBERING.fullmatch(name.strip())):
+    if _units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
         return ()
     first = positions[0] if positions.size else np.nan
     if (
@@ -280,7 +282,9 @@ def _without_words(table: ColumnTable, columns: Sequence[Selection] | None) -> C
             step = f"{int(column.missing.sum())} points missing according to the words in {text}"
             table = replace(table, values=_mask_heights(table.values, column.missing, others))
         elif columns is None:
-            chosen = [place for place in others if not (table.names and _NUMBERING.fullmatch(table.names[place]))]
+            chosen = [
+                place for place in others if not (table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[place]))
+            ]
             example = ",".join(map(str, chosen[:MAX_PROFILE_COLUMNS]))
             raise FormatError(
                 f"has words in {text}: {column.words}; choose columns of numbers by columns (--columns {example}) to "
@@ -290,7 +294,7 @@ def _without_words(table: ColumnTable, columns: Sequence[Selection] | None) -> C
         else:
             step = f"the words in {text} are ignored"
         table = replace(table, history=(*table.history, step))
-    return replace(_with_columns(table, others), word_columns=()) if word_places else table
+    return replace(_select_table_columns(table, others), word_columns=()) if word_places else table
 
 
 def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
@@ -302,14 +306,17 @@ def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[i
     return masked
 
 
-def _with_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
+def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
     """Apply a column of flags. Remove the column, and the heights that it marks as invalid.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
     """
     for place, name in enumerate(table.names):
         flags = table.values[:, place]
-        senses = [pattern.fullmatch(name.strip()) is not None for pattern in (_VALID, _INVALID, _FLAG_NAME)]
+        senses = [
+            pattern.fullmatch(name.strip()) is not None
+            for pattern in (_VALID_NAME_PATTERN, _INVALID_NAME_PATTERN, _FLAG_NAME_PATTERN)
+        ]
         if table.values.shape[1] < 2 or not any(senses) or not np.isin(flags, (0.0, 1.0)).all():
             continue
         is_valid, is_invalid, _ = senses
@@ -324,15 +331,15 @@ def _with_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> Colu
                 )
             reason = "removed: all its flags are equal" if not (zeros and ones) else "is ignored"
             step = f"column {place} ({printable(name)}) {reason}"
-            return replace(_with_columns(table, other_columns), history=(*table.history, step))
+            return replace(_select_table_columns(table, other_columns), history=(*table.history, step))
         missing = flags == (1 if is_invalid else 0)
         values = _mask_heights(table.values, missing, other_columns)
         step = f"{int(missing.sum())} points missing according to the flags in column {place} ({printable(name)})"
-        return replace(_with_columns(table, other_columns, values=values), history=(*table.history, step))
+        return replace(_select_table_columns(table, other_columns, values=values), history=(*table.history, step))
     return table
 
 
-def _with_columns(table: ColumnTable, selection: Sequence[int], values: Floats | None = None) -> ColumnTable:
+def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: Floats | None = None) -> ColumnTable:
     """Return a table with a selection of its columns."""
     digits, numbers = table.digits, _column_numbers(table)
     return replace(
@@ -355,28 +362,28 @@ class Shape:
     read: Callable[[ColumnTable], Raw]
 
 
-def _by_shape(table: ColumnTable) -> Raw:
+def _read_by_shape(table: ColumnTable) -> Raw:
     """Return the heights of a table with the first shape that recognises it."""
-    table, step = _without_numbering(table)
+    table, step = _remove_numbering(table)
     empty = np.isnan(table.values).all(axis=0)
     if table.places is not None and empty.any() and not empty.all():
-        table = _with_columns(table, np.flatnonzero(~empty).tolist())
+        table = _select_table_columns(table, np.flatnonzero(~empty).tolist())
     shape = next(shape for shape in SHAPES if shape.recognise(table))
     raw = shape.read(table)
     source = replace(raw.source, layout=table.source.layout or shape.name)
     return replace(raw, history=(*step, *raw.history), source=source)
 
 
-def _without_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
+def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
     """Return a table without row numbers and column numbers that a program has added."""
     rows, columns = table.values.shape
-    if columns > 1 and table.names and _NUMBERING.fullmatch(table.names[0].strip()):
+    if columns > 1 and table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[0].strip()):
         first = table.values[0, 0]
         if first not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first + np.arange(rows)):
             return table, ()
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
             return table, ()  # positions, with a caveat
-        return _with_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
+        return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
     if (
         numbered
@@ -392,7 +399,7 @@ def _without_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]
 
 def _read_matrix(table: ColumnTable) -> Raw:
     """Return a matrix of heights. Raises `FormatError` if the first row or column contains positions."""
-    table, history = _without_positions(table)
+    table, history = _remove_positions(table)
     raw = _to_raw(table, table.values, _common_unit(table, _units(table)), history=history)
     if (spacings := table.declared.spacings) is None:
         return raw
@@ -402,7 +409,7 @@ def _read_matrix(table: ColumnTable) -> Raw:
     )
 
 
-def _without_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
+def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
     """Remove a first column of positions that agree with the declared spacing. Return the table and a history step.
 
     Raises `FormatError` if the first row or column contains other positions. A single row or column is heights.
@@ -419,12 +426,12 @@ def _without_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]
         step = float(heights[-1, 0] - heights[1, 0]) / (rows - 2)
         if abs(step - spacings[0].length) <= max(0.51 * spacings[0].digit, MAX_UNEVENNESS * spacings[0].length):
             text = f"the first column removed: positions {step:g} {spacings[0].unit} apart, as its header declares"
-            return _with_columns(table, range(1, columns)), (text,)
+            return _select_table_columns(table, range(1, columns)), (text,)
     if first_column or first_row:
-        both = first_column and first_row
+        both_first = first_column and first_row
         raise FormatError(
             f"contains {rows} rows of {columns} columns, of which the first "
-            f"{'row and column have' if both else 'column has' if first_column else 'row has'} "
+            f"{'row and column have' if both_first else 'column has' if first_column else 'row has'} "
             "equal steps, like positions; leave only heights in the file, or choose one column or two by columns "
         )
     return table, ()
@@ -433,9 +440,9 @@ def _without_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]
 def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
     """Return whether the first line contains positions, and the other lines do not rise like a tilted plane."""
     first = lines[0]
-    others = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
+    other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _counts_evenly_as_printed(first, digits):
-        return not all(counts_evenly(other) for other in others)
+        return not all(counts_evenly(other) for other in other_lines)
     if first.size < MIN_JITTERED_POSITIONS or not np.isfinite(first[1:]).all():
         return False
     steps = np.diff(first[1:])
@@ -443,7 +450,7 @@ def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
         return False
     # Measured positions have unequal steps. Raw heights of a tilted surface rise similarly, but they do so in all
     # lines.
-    return any(_correlation(other) < MIN_TILT_CORRELATION for other in others)
+    return any(_correlation(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 
 def _correlation(values: Floats) -> float:
@@ -456,17 +463,17 @@ def _correlation(values: Floats) -> float:
 
 def counts_evenly(values: Floats, slack: float = 0.0) -> bool:
     """Return whether values rise or fall in equal steps. The first value is ignored, because it may be a corner."""
-    rest = values[1:]
-    if rest.size < 4 or not np.isfinite(rest).all():
+    following = values[1:]
+    if following.size < 4 or not np.isfinite(following).all():
         return False
-    steps = np.diff(rest)
-    mean = (rest[-1] - rest[0]) / (rest.size - 1)
+    steps = np.diff(following)
+    mean = (following[-1] - following[0]) / (following.size - 1)
     if mean == 0:
         return False
     if np.ptp(steps) <= MAX_UNEVENNESS * abs(mean):
         return True
-    off = np.abs(rest - rest[0] - mean * np.arange(rest.size))
-    return bool(slack > 0 and off.max() <= slack and abs(mean) > MIN_STEP_DIGITS * slack)
+    deviations = np.abs(following - following[0] - mean * np.arange(following.size))
+    return bool(slack > 0 and deviations.max() <= slack and abs(mean) > MIN_STEP_DIGITS * slack)
 
 
 def _counts_evenly_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:
@@ -504,7 +511,7 @@ def _read_labelled(table: ColumnTable) -> Raw:
     )  # fmt: skip
 
 
-def _xyz(table: ColumnTable) -> tuple[int, int, int] | None:
+def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
     """Return the columns of x, y and z in a list of points. They are found by name, or are the only three columns."""
     columns = table.values.shape[1]
     if not any(table.names):
@@ -519,7 +526,7 @@ def _xyz(table: ColumnTable) -> tuple[int, int, int] | None:
 
 
 def _are_triplets(table: ColumnTable) -> bool:
-    if table.area or table.values.shape[0] < 4 or (places := _xyz(table)) is None:
+    if table.area or table.values.shape[0] < 4 or (places := _find_xyz_columns(table)) is None:
         return False
     x, y = (table.values[:, index] for index in places[:2])
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
@@ -532,7 +539,7 @@ def _are_triplets(table: ColumnTable) -> bool:
     )
 
 
-def _triplets(table: ColumnTable, *places: int) -> Raw:
+def _read_triplets(table: ColumnTable, *places: int) -> Raw:
     x, y, z = (table.values[:, index] for index in places)
     digits = [table.column_digits(index) for index in places[:2]]
     heights, spacing, step = to_grid(x, y, z, digits)
@@ -549,7 +556,7 @@ def _triplets(table: ColumnTable, *places: int) -> Raw:
 
 def _is_line_of_points(table: ColumnTable) -> bool:
     """Return whether points x, y, z are a profile along x, which has a single y."""
-    places = _xyz(table)
+    places = _find_xyz_columns(table)
     if places is None or table.area or (table.values.shape[1] != 3):
         return False
     x, y = (table.values[:, index] for index in places[:2])
@@ -563,11 +570,11 @@ def _reject_columns(table: ColumnTable) -> Raw:
     raise FormatError(
         f"has {columns} columns of numbers that may be positions and several heights{names}; choose by columns "
         "(--columns): one for heights, two for positions and heights, or three for x, y and z; a surface is a matrix "
-        f"of at least four columns without names{_also_missing(table)}"
+        f"of at least four columns without names{_describe_missing_information(table)}"
     )
 
 
-def _also_missing(table: ColumnTable) -> str:
+def _describe_missing_information(table: ColumnTable) -> str:
     """Return the other missing information of a table, as the end of a sentence."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _units(table)) and declared.unit is None:
@@ -589,17 +596,25 @@ def _has_separate_columns(table: ColumnTable) -> bool:
 
 
 SHAPES: tuple[Shape, ...] = (
-    Shape("heights, a column", lambda table: table.values.shape[1] == 1, lambda table: _profile(table, 0)),
+    Shape("heights, a column", lambda table: table.values.shape[1] == 1, lambda table: _select_profile(table, 0)),
     Shape(
         "positions and heights",
         lambda table: (
             table.values.shape[1] == 2
             and (not table.area or (table.values.shape[0] > 2 and counts_evenly(table.values[:, 0])))
         ),
-        lambda table: _profile(table, 0, 1),
+        lambda table: _select_profile(table, 0, 1),
     ),
-    Shape("points x, y, z on a grid", _are_triplets, lambda table: _triplets(table, *(_xyz(table) or ()))),
-    Shape("points x, y, z on a line", _is_line_of_points, lambda table: _profile(table, *(_xyz(table) or ())[::2])),
+    Shape(
+        "points x, y, z on a grid",
+        _are_triplets,
+        lambda table: _read_triplets(table, *(_find_xyz_columns(table) or ())),
+    ),
+    Shape(
+        "points x, y, z on a line",
+        _is_line_of_points,
+        lambda table: _select_profile(table, *(_find_xyz_columns(table) or ())[::2]),
+    ),
     Shape("matrix with positions along its sides", _is_labelled, _read_labelled),
     Shape("columns to choose from", _has_separate_columns, _reject_columns),
     Shape("matrix", lambda table: True, _read_matrix),

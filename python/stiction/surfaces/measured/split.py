@@ -21,8 +21,8 @@ _SAMPLE_SIZE = 10_000  # maximum number of characters of all these lines togethe
 _LONG_LINE = 200  # mean length of lines above which the cells are counted line by line
 MAX_SAMPLED = 20_000  # maximum number of rows that are searched for the printed digits of a column
 MAX_COUNT_CELLS = 2  # maximum number of cells of a line of counts or sizes above the numbers
-_JOINT = "\x1f"  # character that replaces the separator in quoted cells
-_EXPONENT = r"(?:[eE]([+-]?[0-9]{1,3}))?"
+_QUOTED_SEPARATOR = "\x1f"  # character that replaces the separator in quoted cells
+_EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
 Lines = NDArray[np.int64]
 
@@ -50,7 +50,9 @@ class Dialect:
             cells = line.split(self.separator)
         cells = [cell.strip() for cell in cells]
         if self.pairs and len(cells) % 2 == 0:
-            cells = [f"{whole}.{decimals}" for whole, decimals in zip(cells[::2], cells[1::2], strict=True)]
+            cells = [
+                f"{integer_digits}.{decimals}" for integer_digits, decimals in zip(cells[::2], cells[1::2], strict=True)
+            ]
         while cells and not cells[-1]:
             cells.pop()
         return cells
@@ -59,10 +61,12 @@ class Dialect:
     def number(self) -> re.Pattern[str]:
         """Pattern of a number. Its groups are sign, integer digits, decimals and exponent."""
         point = "." if self.pairs else self.point
-        whole = "[0-9]{0,400}"
+        integer_digits = "[0-9]{0,400}"
         if self.thousands:
-            whole = rf"[0-9]{{1,3}}(?:{re.escape(self.thousands)}[0-9]{{3}}){{1,9}}|{whole}"
-        return re.compile(rf"([+-]?)({whole})(?:{re.escape(point)}([0-9]{{0,400}}))?{_EXPONENT}", re.ASCII)
+            integer_digits = rf"[0-9]{{1,3}}(?:{re.escape(self.thousands)}[0-9]{{3}}){{1,9}}|{integer_digits}"
+        return re.compile(
+            rf"([+-]?)({integer_digits})(?:{re.escape(point)}([0-9]{{0,400}}))?{_EXPONENT_PATTERN}", re.ASCII
+        )
 
 
 _PLAIN_DIALECTS = [
@@ -262,7 +266,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
     lines = _filled_lines(text, first, last, dialect)
     if not lines.size:
         raise FormatError("has no lines of numbers where its heights should be")
-    blob, joint = _plain(text, lines, dialect)
+    blob, joint = _to_plain_rows(text, lines, dialect)
     starts, cells = _cells_of_rows(blob, joint)
     usual = Counter(cells.tolist()).most_common(1)[0][0]
     if usual == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
@@ -333,7 +337,7 @@ def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
     return np.flatnonzero(filled) + first
 
 
-def _plain(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
+def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
     """Return rows with decimal points and without quotes and blanks, and the separator of their cells."""
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
@@ -343,12 +347,12 @@ def _plain(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
     if text.has_words(lines):
         blob = text.missing.sub(b"nan", blob)
     if b"*" in blob or _has_dashes(blob):
-        blob = _MISSING_MARKS.sub(b"nan", blob)
+        blob = _MISSING_MARK_PATTERN.sub(b"nan", blob)
     separator = dialect.separator
     if b'"' in blob and separator is not None:
         reader = csv.reader(io.StringIO(blob.decode()), delimiter=separator, skipinitialspace=True)
-        blob = "\n".join(_JOINT.join(map(str.strip, row)) for row in reader).encode()
-        separator = _JOINT
+        blob = "\n".join(_QUOTED_SEPARATOR.join(map(str.strip, row)) for row in reader).encode()
+        separator = _QUOTED_SEPARATOR
     if dialect.pairs:
         blob = re.sub(rb"([0-9]+),([0-9]+)", rb"\1.\2", blob)
     elif dialect.thousands:
@@ -361,14 +365,14 @@ def _plain(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
             blob = blob.replace(b"  ", b" ")
         return blob.replace(b" \n", b"\n").replace(b"\n ", b"\n").strip(b" "), b" "
     if b" " in blob:
-        if _TORN.search(blob):
+        if _BLANK_IN_NUMBER_PATTERN.search(blob):
             _reject_blanks_in_numbers(text, lines)
         blob = blob.translate(None, b" ")
     return blob, separator.encode()
 
 
-_MISSING_MARKS = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-_TORN = re.compile(rb"[0-9.] +[-+0-9.]")  # a number that contains a blank
+_MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
+_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # a number that contains a blank
 
 
 def _has_dashes(blob: bytes) -> bool:
@@ -379,7 +383,7 @@ def _has_dashes(blob: bytes) -> bool:
 
 def _reject_blanks_in_numbers(text: Text, lines: Lines) -> None:
     for line in lines.tolist():
-        if _TORN.search(text.raw(line)):
+        if _BLANK_IN_NUMBER_PATTERN.search(text.raw(line)):
             raise FormatError(
                 f"{text.describe_line(line)} has blanks between digits; separate all cells in the same way"
             )
@@ -403,7 +407,7 @@ def _parse_numbers(text: Text, lines: Lines, width: int, column: bytes) -> Float
 
     # The default parser of pandas before version 3.1 has errors in the last bit.
     column = column if column[-1:].strip() else column + b"\n"
-    precision = {} if _version(pandas.__version__) >= (3, 1) else {"float_precision": "round_trip"}
+    precision = {} if _parse_version(pandas.__version__) >= (3, 1) else {"float_precision": "round_trip"}
     try:
         frame = pandas.read_csv(
             io.BytesIO(column), header=None, names=["z"], dtype=np.float64, skip_blank_lines=False,
@@ -422,7 +426,7 @@ def _parse_numbers(text: Text, lines: Lines, width: int, column: bytes) -> Float
     return np.asarray(frame["z"].to_numpy(), dtype=np.float64)
 
 
-def _version(text: str) -> tuple[int, ...]:
+def _parse_version(text: str) -> tuple[int, ...]:
     return tuple(int(digits) for digits in re.findall("[0-9]+", text)[:2])
 
 

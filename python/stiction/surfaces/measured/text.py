@@ -68,7 +68,7 @@ def parse_table(text: Text) -> ColumnTable | Channels:
         )
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
     dialect = detect_dialect(text, first, last)
-    labels = _with_label_row(text, first, last, dialect)
+    labels = _include_label_row(text, first, last, dialect)
     if labels < first:  # the line of labels starts with a word, which is not a number
         first, text = labels, replace(text, words=(*text.words, dialect.cells(text.line(labels))[0]))
     _reject_unreadable(text, dialect, len(dialect.cells(text.line(last))), runs)
@@ -81,12 +81,12 @@ def parse_table(text: Text) -> ColumnTable | Channels:
         line = end + int(np.argmax(text.kinds[end:] == 1))
         raise FormatError(
             f"{text.describe_line(line)} has numbers of another table than lines {first + 1} to {end}; "
-            "leave one of them in the file"
+            "keep only one of them in the file"
         )
-    return _table(text, block, 0, word_columns)
+    return _to_table(text, block, 0, word_columns)
 
 
-def _table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence[FoundColumn] = ()) -> ColumnTable:
+def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence[FoundColumn] = ()) -> ColumnTable:
     """Return a block, its header, which starts at line `begin`, and its footer as a table."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = text.lines(begin, first), text.lines(end, len(text)) if begin == 0 else []
@@ -134,7 +134,7 @@ def describe_source(block: NumberBlock) -> Source:
     )  # fmt: skip
 
 
-def _with_label_row(text: Text, first: int, last: int, dialect: Dialect) -> int:
+def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> int:
     """Return the first line of a run, or the line above if it is a row of labels after a word in the corner."""
     above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if above < 0 or dialect.separator is None:
@@ -206,7 +206,7 @@ def _to_channels(
         names = [f"{name}, line {first + 1}" for name, (first, _) in zip(names, runs, strict=True)]
 
     def read(line: int) -> Raw | ColumnTable:
-        table = _table(text, parse_block(text, *runs[line], dialect, ragged=True), begins[line], word_columns)
+        table = _to_table(text, parse_block(text, *runs[line], dialect, ragged=True), begins[line], word_columns)
         return replace(table, source=replace(table.source, column=names[line]))
 
     return Channels(tuple(names), read, None)

@@ -52,7 +52,7 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
     check_instance("profile", profile, Profile, "a Profile")
     pairs = zip(profile.x.tolist(), heights_with_nan(profile).tolist(), strict=True)
     rows = itertools.chain(["x (um),z (um)\n"], (f"{x!r},{z!r}\n" for x, z in pairs))
-    _write(profile, path, [f"# spacing: {profile.spacing!r} um\n"], rows)
+    _write_body(profile, path, [f"# spacing: {profile.spacing!r} um\n"], rows)
 
 
 def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
@@ -93,10 +93,10 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
         )
     head = [f"# spacing along {axis}: {step!r} um\n" for axis, step in zip("yx", surface.spacing, strict=True)]
     rows = (",".join(map(repr, row)) + "\n" for row in heights_with_nan(surface).tolist())
-    _write(surface, path, head, itertools.chain(["# heights (um)\n"], rows))
+    _write_body(surface, path, head, itertools.chain(["# heights (um)\n"], rows))
 
 
-def _write(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
+def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
     """Write a body in the format of its file name: text with the history below the head, or arrays."""
     path = Path(path)
     if path.suffix.lower() not in (".csv", ".npy"):

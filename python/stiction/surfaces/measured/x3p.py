@@ -18,7 +18,7 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FileCaveat, FormatErr
 from stiction.surfaces.profile import MAX_POINTS
 
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
-_MAIN = "main.xml"
+_MAIN_XML = "main.xml"
 
 _XML_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
 """Numbers of XML Schema, which have no underscores and only ASCII digits."""
@@ -34,24 +34,24 @@ def read_x3p(data: bytes) -> Raw:
     """Read an X3P file. Lengths in the file are in metres."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            return _read(archive)
+            return _read_archive(archive)
     except FormatError:
         raise
     except Exception as error:  # zipfile and zlib raise many kinds of errors
         raise FormatError(f"is a damaged X3P file ({type(error).__name__}: {str(error)[:80]})") from None
 
 
-def _read(archive: zipfile.ZipFile) -> Raw:
-    mains = [name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN and name.count("/") <= 1]
+def _read_archive(archive: zipfile.ZipFile) -> Raw:
+    mains = [name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN_XML and name.count("/") <= 1]
     if not mains:
-        raise FormatError(f"is a zip archive without {_MAIN}, so it is not an X3P file")
-    folder = min(mains, key=len).removesuffix(_MAIN)  # some programs put all members into a directory
+        raise FormatError(f"is a zip archive without {_MAIN_XML}, so it is not an X3P file")
+    folder = min(mains, key=len).removesuffix(_MAIN_XML)  # some programs put all members into a directory
     root = _MainXml(archive, folder)
-    feature = _text(root, "Record1/FeatureType")
+    feature = _get_text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
         raise FormatError(f"contains the feature type {feature!r}; profiles (PRF) and surfaces (SUR) can be read")
     axes = {name: _StoredAxis(root, name) for name in "XYZ"}
-    shape = _shape(root)
+    shape = _read_shape(root)
     points = math.prod(shape)
     if not 0 < points <= MAX_POINTS:
         raise FormatError(f"declares {points} points; from 1 to {MAX_POINTS} can be read")
@@ -60,9 +60,9 @@ def _read(archive: zipfile.ZipFile) -> Raw:
         raise FormatError("has incremental heights, which X3P does not allow")
     if feature == "SUR" and absolute != ["Z"]:
         raise FormatError("contains a surface with a position for each point instead of a grid; it cannot be read")
-    columns = _columns(archive, root, {name: axes[name].stored for name in absolute}, points)
+    columns = _read_columns(archive, root, {name: axes[name].stored for name in absolute}, points)
     heights = axes["Z"].lengths(columns["Z"])
-    if (link := _text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
+    if (link := _get_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
         bits = np.frombuffer(
             b"".join(read_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_BYTES)), dtype=np.uint8
         )
@@ -99,22 +99,24 @@ class _MainXml:
         self._elements = 0
         parser = expat.ParserCreate(namespace_separator="}")  # some programs add a namespace to all elements
         parser.buffer_text = True
-        parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._refuse
+        parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._reject_document_type
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
         parser.CharacterDataHandler = self._words.append
         num_bytes = 0
-        for chunk in read_chunks(archive, folder + _MAIN, MAX_TEXT_BYTES):
+        for chunk in read_chunks(archive, folder + _MAIN_XML, MAX_TEXT_BYTES):
             parser.Parse(chunk)
             num_bytes += len(chunk)
             if num_bytes > _MAX_MAIN_BYTES + (
-                0 if self.listed is None else _MAX_BYTES_PER_POINT * math.prod(_shape(self))
+                0 if self.listed is None else _MAX_BYTES_PER_POINT * math.prod(_read_shape(self))
             ):
-                raise FormatError(f"has a {_MAIN} of more than {num_bytes - len(chunk)} bytes, too many for its points")
+                raise FormatError(
+                    f"has a {_MAIN_XML} of more than {num_bytes - len(chunk)} bytes, too many for its points"
+                )
         parser.Parse(b"", True)
 
-    def _refuse(self, *_: object) -> None:
-        raise FormatError(f"has a document type in {_MAIN}, which X3P does not allow")
+    def _reject_document_type(self, *_: object) -> None:
+        raise FormatError(f"has a document type in {_MAIN_XML}, which X3P does not allow")
 
     def _start(self, tag: str, _: object) -> None:
         name = tag.rpartition("}")[2]
@@ -125,7 +127,7 @@ class _MainXml:
         if name != "Datum":
             self._elements += 1
             if self._elements > _MAX_ELEMENTS:
-                raise FormatError(f"has more than {_MAX_ELEMENTS} elements in {_MAIN}")
+                raise FormatError(f"has more than {_MAX_ELEMENTS} elements in {_MAIN_XML}")
 
     def _end(self, _: str) -> None:
         text = "".join(self._words)
@@ -142,15 +144,15 @@ class _StoredAxis:
 
     def __init__(self, root: _MainXml, name: str) -> None:
         path = f"Record1/Axes/C{name}"
-        kind = _text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
-        stored = _text(root, f"{path}/DataType", "D")
+        kind = _get_text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
+        stored = _get_text(root, f"{path}/DataType", "D")
         if kind not in ("I", "A") or stored not in _TYPES:
             raise FormatError(
                 f"has a {name} axis of type {kind!r} stored as {stored!r}; I or A, stored as I, L, F or D, is allowed"
             )
         self.absolute = kind == "A"
         self.stored = _TYPES[stored]
-        self.increment = _number(root, f"{path}/Increment", math.nan)
+        self.increment = _get_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
         if self.absolute and stored in ("F", "D"):  # lengths in floating point need no factor
             if abs(self.increment) > 0 and self.increment != 1:
@@ -166,34 +168,36 @@ class _StoredAxis:
             self.increment = 1.0
         elif self.absolute and not abs(self.increment) > 0:
             raise FormatError(f"has integers for {name}, but no Increment to multiply them by")
-        self.offset = _number(root, f"{path}/Offset", 0.0)
+        self.offset = _get_number(root, f"{path}/Offset", 0.0)
 
     def lengths(self, stored: NDArray[Any]) -> Floats:
         with np.errstate(all="ignore"):
             return stored.astype(np.float64) * self.increment + self.offset
 
 
-def _shape(root: _MainXml) -> tuple[int, int]:
+def _read_shape(root: _MainXml) -> tuple[int, int]:
     """Return the numbers of rows and columns."""
-    if (listed := _text(root, "Record3/ListDimension", "")) != "":
-        return 1, _count(listed)
-    x, y, z = (_count(_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
+    if (listed := _get_text(root, "Record3/ListDimension", "")) != "":
+        return 1, _parse_count(listed)
+    x, y, z = (_parse_count(_get_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
     if z != 1:
         raise FormatError(f"contains {z} layers; one can be read")
     return y, x
 
 
-def _columns(archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int) -> dict[str, NDArray[Any]]:
+def _read_columns(
+    archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
+) -> dict[str, NDArray[Any]]:
     """Return the stored values of all points for each axis."""
     if root.listed is not None:
         return _parse_listed_points(root.listed, list(stored), points)
     kind = np.dtype(list(stored.items()))
-    link, num_bytes = root.folder + _text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
+    link, num_bytes = root.folder + _get_text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
     size = archive.getinfo(link).file_size if link in archive.namelist() else num_bytes
     data = b"".join(read_chunks(archive, link, num_bytes)) if size == num_bytes else b""
     if len(data) != num_bytes:
         raise FormatError(f"declares {points} points of {kind.itemsize} bytes, but has {len(data) or size} bytes")
-    checksum = _text(root, "Record3/DataLink/MD5ChecksumPointData", "").lower()
+    checksum = _get_text(root, "Record3/DataLink/MD5ChecksumPointData", "").lower()
     if checksum not in ("", hashlib.md5(data, usedforsecurity=False).hexdigest()):
         raise FormatError("is damaged: its heights do not match its checksum")
     table = np.frombuffer(data, dtype=kind)
@@ -215,31 +219,31 @@ def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> d
                 f"lists {row[:40]!r} as point {index}, counted from 0; {len(absolute)} number(s) are needed"
             )
         for name, cell in zip(absolute, cells, strict=True):
-            columns[name][index] = _float(cell)
+            columns[name][index] = _parse_float(cell)
     return columns
 
 
-def _text(root: _MainXml, path: str, default: str | None = None) -> str:
+def _get_text(root: _MainXml, path: str, default: str | None = None) -> str:
     text = root.texts.get(path, "").strip()
     if text:
         return text
     if default is None:
-        raise FormatError(f"lacks {path} in {_MAIN}")
+        raise FormatError(f"lacks {path} in {_MAIN_XML}")
     return default
 
 
-def _number(root: _MainXml, path: str, default: float) -> float:
-    text = _text(root, path, "")
-    return _float(text) if text else default
+def _get_number(root: _MainXml, path: str, default: float) -> float:
+    text = _get_text(root, path, "")
+    return _parse_float(text) if text else default
 
 
-def _float(text: str) -> float:
+def _parse_float(text: str) -> float:
     if _XML_NUMBER.fullmatch(text) is None:
         raise FormatError(f"has {text[:40]!r} instead of a number")
     return float(text)
 
 
-def _count(text: str) -> int:
+def _parse_count(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 12):
         raise FormatError(f"has {text[:40]!r} instead of a number of points")
     return int(text)
