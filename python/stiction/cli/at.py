@@ -98,8 +98,8 @@ def at(
 ) -> None:
     """Print the static friction, true contact area and stiffness of a result at given loads, with intervals.
 
-    Loads, mu0 and tau0 default to the values of the study. Of many points, a few are printed; --verbose prints all, and
-    --json contains all. Other values need no new contact computation. Each factor of
+    Loads, mu0 and tau0 default to the values of the study. Other values need no new contact computation. If there are
+    more points than fit on a screen, a selection is printed; --verbose and --json contain all points. Each factor of
     --scale-heights is computed once and stored with the result.
     """
     from stiction.views import rows, text
