@@ -5,7 +5,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
-from stiction.views.style import FULL_WIDTH, LEANING, MILLIMETRE, STYLE, save_figure
+from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE, NOT_OPPOSING_COLOUR, PAGE_WIDTH, save_figure
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
@@ -59,10 +59,10 @@ def measured(table: str) -> dict[str, dict[str, float]]:
 def draw() -> None:
     """Draw a group of bars for each task, stiction first."""
     groups = measured((DOCS / "generated/performance.md").read_text(encoding="utf-8"))
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_STYLE):
         bars = sum(1 + len(group) for group in groups.values())
         height = 3.2 * bars + 5.5 * len(groups) + 11
-        figure = Figure(figsize=(FULL_WIDTH, height * MILLIMETRE))
+        figure = Figure(figsize=(PAGE_WIDTH, height * MILLIMETRE))
         axes = figure.add_axes((0.2, 9 / height, 0.75, 1 - 10 / height))
         place, places, names = 0.0, [], []
         for task, group in groups.items():
@@ -71,7 +71,7 @@ def draw() -> None:
                 place -= 1
                 places.append(place)
                 names.append(name)
-                colour = LEANING if name == "stiction" else "0.65"
+                colour = NOT_OPPOSING_COLOUR if name == "stiction" else "0.65"
                 axes.barh(place, ratio - 0.7, left=0.7, color=colour, height=0.75)
                 text = f"{ratio:.2g} ×" if ratio < 100 else f"{ratio:.0f} ×"
                 axes.text(1.1 * ratio, place, text, va="center", fontsize=6)

@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import Surface, pair, read_surface, self_affine
-from stiction.views.style import STYLE, WIDTH
+from stiction.views.style import COLUMN_WIDTH, MATPLOTLIB_STYLE
 
 
 def stand_in(side):
@@ -31,8 +31,8 @@ for load in mean["load"].values[::4]:
     middle, least, most = at["friction_coefficient"].values
     beyond = float(at["share_beyond_hertz"].sel(statistic="mean"))
     print(f"{1000 * load:8.3g} µN: μ_s = {middle:.2f} [{least:.2f}, {most:.2f}], {beyond:.0%} of the load beyond Hertz")
-with mpl.rc_context(STYLE):
-    figure = Figure(figsize=(WIDTH, 0.7 * WIDTH), layout="constrained")
+with mpl.rc_context(MATPLOTLIB_STYLE):
+    figure = Figure(figsize=(COLUMN_WIDTH, 0.7 * COLUMN_WIDTH), layout="constrained")
     axes = figure.subplots()
     middle, least, most = mean["friction_coefficient"].transpose("statistic", "load").values
     axes.fill_between(loads, least, most, alpha=0.3, linewidth=0, label="95 %")

@@ -6,9 +6,9 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import Surface, levelled, pair, self_affine_surface, surface_parameters, surrogate
-from stiction.views.style import STYLE
+from stiction.views.style import MATPLOTLIB_STYLE
 
-plt.rcParams.update(STYLE)
+plt.rcParams.update(MATPLOTLIB_STYLE)
 
 # A rough surface whose peaks are worn to a plateau with finer roughness.
 rough, fine = (

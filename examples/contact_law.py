@@ -6,9 +6,9 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import friction_table, run, table_study
-from stiction.views.style import FORCE, FRICTION, STYLE
+from stiction.views.style import FORCE_COLOUR, FRICTION_COLOUR, MATPLOTLIB_STYLE
 
-plt.rcParams.update(STYLE)
+plt.rcParams.update(MATPLOTLIB_STYLE)
 
 study = table_study(
     hurst_exponents=[0.8], rms=[0.05], pressures=[0.001, 0.003, 0.01, 0.03, 0.1], mu0=[0.4], points=128, repetitions=8,
@@ -55,9 +55,9 @@ print(f"A/A0 = {float(a):.3g} p within {100 * float(mean['area_deviation']):.0f}
 print(f"k/A0 = {float(b):.3g} p^{float(c):.3g} within {100 * float(mean['stiffness_deviation']):.0f} %, p in GPa")
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(5.4, 2.2), layout="constrained")
-left.semilogy(1000 * approach, 1000 * pressure, "o-", markersize=3, color=FORCE)
+left.semilogy(1000 * approach, 1000 * pressure, "o-", markersize=3, color=FORCE_COLOUR)
 left.set(xlabel="overlap of the mean planes (nm)", ylabel="nominal pressure (MPa)", title="the contact law")
-for values, words, colour in ((normal, "normal force", FORCE), (push, "push", FRICTION)):
+for values, words, colour in ((normal, "normal force", FORCE_COLOUR), (push, "push", FRICTION_COLOUR)):
     right.plot(time, values, color=colour)
     right.annotate(words, (30, values[time > 30][0]), (0, 3), textcoords="offset points", ha="right", color=colour)
 right.axvline(time[first], color="0.5", linestyle=":")

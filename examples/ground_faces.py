@@ -6,9 +6,9 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import Surface, cropped, levelled, on_common_grid, pair, rotated, self_affine_surface
-from stiction.views.style import AREA, STRENGTHS, STYLE
+from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, STRENGTH_COLOURS
 
-plt.rcParams.update(STYLE)
+plt.rcParams.update(MATPLOTLIB_STYLE)
 
 ANGLES = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 90.0])
 SIDE = 38.4  # µm
@@ -40,7 +40,7 @@ for angle in ANGLES:
 
 
 figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
-for tau0, colour in zip((0.0, 0.5), STRENGTHS, strict=True):
+for tau0, colour in zip((0.0, 0.5), STRENGTH_COLOURS, strict=True):
     for axis, style, words in ((0.0, "-", "across the lower grooves"), (90.0, "--", "along them")):
         # Both senses of an axis together, so that slopes that lean one way do not count.
         chosen = {"sliding": "opposing", "tau0": tau0, "axis": axis}
@@ -49,8 +49,8 @@ for tau0, colour in zip((0.0, 0.5), STRENGTHS, strict=True):
         label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         top.plot(ANGLES, middle, style, color=colour, marker="o", markersize=3, label=label)
 area, low, high = 100 * np.transpose([at["contact_area_fraction"] for at in rows])
-bottom.fill_between(ANGLES, low, high, color=AREA, alpha=0.2, linewidth=0)
-bottom.plot(ANGLES, area, "o-", markersize=3, color=AREA)
+bottom.fill_between(ANGLES, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+bottom.plot(ANGLES, area, "o-", markersize=3, color=AREA_COLOUR)
 top.set(ylabel=r"$\mu_s$, opposing contacts rub", ylim=(0, None))
 bottom.set(xlabel="angle between the lays (degrees)", ylabel="true area (%)", ylim=(0, None))
 figure.legend(

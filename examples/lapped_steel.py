@@ -6,9 +6,9 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import effective_modulus, pair, self_affine
-from stiction.views.style import STYLE, label
+from stiction.views.style import MATPLOTLIB_STYLE, axis_label
 
-plt.rcParams.update(STYLE)
+plt.rcParams.update(MATPLOTLIB_STYLE)
 
 STEEL = float(effective_modulus(210.0, 0.3, 210.0, 0.3))  # GPa
 PRESSURES = np.geomspace(1.0, 100.0, 9)  # MPa
@@ -36,6 +36,8 @@ for rms, grey in ((0.02, "0.0"), (0.05, "0.35"), (0.1, "0.6")):  # µm
     axes.fill_between(PRESSURES, lower, upper, color=grey, alpha=0.15, linewidth=0)
     axes.plot(PRESSURES, middle, color=grey)
     axes.annotate(f"Rq = {1000 * rms:.0f} nm", (PRESSURES[-1], middle[-1]), (3, -2), textcoords="offset points")
-axes.set(xscale="log", xlim=(1, 300), xlabel="pressure on the nominal area (MPa)", ylabel=label("friction_coefficient"))
+axes.set(
+    xscale="log", xlim=(1, 300), xlabel="pressure on the nominal area (MPa)", ylabel=axis_label("friction_coefficient")
+)
 axes.set(title=r"lapped steel, $\mu_0$ = 0.15, $\tau_0$ = 200 MPa")
 figure.savefig("lapped_steel.png", dpi=200)

@@ -6,9 +6,9 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import pair, self_affine_surface
-from stiction.views.style import AREA, STRENGTHS, STYLE
+from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, STRENGTH_COLOURS
 
-plt.rcParams.update(STYLE)
+plt.rcParams.update(MATPLOTLIB_STYLE)
 
 FINISHES = (0.1, 0.05, 0.02, 0.01)  # Sq of the upper face, µm; that of the lower stays 0.1
 OPTIONS = {
@@ -29,7 +29,7 @@ lower = face("lower", 0.1)
 rows = [pair(face("upper", rms), lower, **OPTIONS).at().isel(cut_off=0, load=0, mu0=0) for rms in FINISHES]
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
-for tau0, colour in zip((0.0, 0.5), STRENGTHS, strict=True):
+for tau0, colour in zip((0.0, 0.5), STRENGTH_COLOURS, strict=True):
     for rule, style, words in (("opposing", "-", "opposing contacts rub"), ("all", "--", "all rub")):
         # The mean over directions of each shift, so that slopes that lean one way do not count.
         middle, low, high = np.transpose([at["friction_all_round"].sel(sliding=rule, tau0=tau0) for at in rows])
@@ -37,8 +37,8 @@ for tau0, colour in zip((0.0, 0.5), STRENGTHS, strict=True):
         label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         left.plot(FINISHES, middle, style, color=colour, marker="o", markersize=3, label=label)
 area, low, high = 100 * np.transpose([at["contact_area_fraction"] for at in rows])
-right.fill_between(FINISHES, low, high, color=AREA, alpha=0.2, linewidth=0)
-right.plot(FINISHES, area, "o-", markersize=3, color=AREA)
+right.fill_between(FINISHES, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+right.plot(FINISHES, area, "o-", markersize=3, color=AREA_COLOUR)
 left.set(ylabel=r"$\mu_s$, mean over directions", ylim=(0, None))
 right.set(ylabel="true area (%)", ylim=(0, None))
 for axes in (left, right):

@@ -92,12 +92,12 @@ def test_package_imports_nothing_before_the_command():
 def test_help_and_version_load_no_numeric_packages():
     for option in ("--help", "--version"):
         assert loaded_of_others(
-            f"sys.argv[1:] = ['{option}']; from stiction.cli.application import start; start()"
+            f"sys.argv[1:] = ['{option}']; from stiction.cli.application import run_command_line; run_command_line()"
         ) <= (LOADED_BY_HELP)
 
 
 def test_studies_command_loads_no_tables_figures_or_readers():
-    code = "sys.argv[1:] = ['studies']; from stiction.cli.application import start; start()"
+    code = "sys.argv[1:] = ['studies']; from stiction.cli.application import run_command_line; run_command_line()"
     assert loaded_of_others(code) <= LOADED | LOADED_BY_HELP
 
 

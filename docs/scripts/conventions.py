@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Rectangle
 from stiction import Contacts, Profile, asperities, contacts, random_phases, weierstrass_mandelbrot
-from stiction.views.style import MILLIMETRE, STYLE
+from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
 
 IMAGE = Path(__file__).parents[1] / "images/conventions.png"
 
@@ -204,7 +204,7 @@ def drawing() -> Figure:
 
 
 def save(path: Path) -> None:
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_STYLE):
         drawing().savefig(path, dpi=200)
 
 

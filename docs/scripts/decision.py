@@ -5,7 +5,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
-from stiction.views.style import MILLIMETRE, STYLE
+from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 WIDTH, HEIGHT = 170.0, 84.0  # mm
@@ -40,7 +40,7 @@ ARROWS = [
 def draw(dark: bool) -> Figure:
     """Return the decision tree, for a light or a dark page."""
     colours = DARK if dark else LIGHT
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(WIDTH * MILLIMETRE, HEIGHT * MILLIMETRE))
         ax = figure.add_axes((0, 0, 1, 1))
         ax.set(xlim=(0, WIDTH), ylim=(0, HEIGHT))

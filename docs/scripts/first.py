@@ -10,7 +10,17 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import flipped, half_space, levelled, pair, read_profile
-from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULE_COLOURS, STYLE, UPPER, label, save_figure
+from stiction.views.style import (
+    LOWER_COLOUR,
+    MATPLOTLIB_STYLE,
+    MILLIMETRE,
+    NOT_OPPOSING_COLOUR,
+    OPPOSING_COLOUR,
+    RULE_COLOURS,
+    UPPER_COLOUR,
+    axis_label,
+    save_figure,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 SCANS = ROOT / "examples/scans"
@@ -71,9 +81,9 @@ def draw(curves, dark):
     )
     apart = np.abs(np.subtract.outer(climbing, leaning))
     middle = climbing[np.unravel_index(apart.argmin(), apart.shape)[0]]
-    left.fill_between(x, 1000 * lower, -1e4, color=LOWER, linewidth=0)
-    left.fill_between(x, 1000 * (lower + contact.gap.clip(0)), 1e4, color=UPPER, linewidth=0)
-    for which, colour in ((contact.opposing, OPPOSING), (~contact.opposing, LEANING)):
+    left.fill_between(x, 1000 * lower, -1e4, color=LOWER_COLOUR, linewidth=0)
+    left.fill_between(x, 1000 * (lower + contact.gap.clip(0)), 1e4, color=UPPER_COLOUR, linewidth=0)
+    for which, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
         here = touching & which
         left.plot(x[here], 1000 * lower[here], "o", markersize=2.5, color=colour)
     inside = np.abs(x - middle) < HALF_WIDTH
@@ -91,15 +101,17 @@ def draw(curves, dark):
             f"{at:.2f}", (LOAD, at), (0, 5), textcoords="offset points", ha="center", weight="bold", color=colour
         )
         right.annotate(words, (LOADS[0], at), (2, -11), textcoords="offset points", color=colour)
-    right.set(ylim=(0, 0.35), xlim=(LOADS[0], LOADS[-1]), xlabel=label("load"), title="coefficient of static friction")
-    right.set(ylabel=label("friction_coefficient"), xticks=[1, 10, 100], xticklabels=["1", "10", "100"])
+    right.set(
+        ylim=(0, 0.35), xlim=(LOADS[0], LOADS[-1]), xlabel=axis_label("load"), title="coefficient of static friction"
+    )
+    right.set(ylabel=axis_label("friction_coefficient"), xticks=[1, 10, 100], xticklabels=["1", "10", "100"])
     return figure
 
 
 def main():
     curves = friction_against_load()
     for dark, name in ((False, "first.png"), (True, "first_dark.png")):
-        with mpl.rc_context(STYLE | {"font.size": 7.5} | (DARK if dark else {})):
+        with mpl.rc_context(MATPLOTLIB_STYLE | {"font.size": 7.5} | (DARK if dark else {})):
             save_figure(draw(curves, dark), ROOT / "docs/images" / name)
 
 

@@ -14,7 +14,14 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.ndimage import gaussian_filter, zoom
 from stiction import Surface, half_space, levelled
-from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save_figure
+from stiction.views.style import (
+    ALL_CONTACTS_COLOUR,
+    FORCE_COLOUR,
+    MATPLOTLIB_STYLE,
+    MILLIMETRE,
+    PAGE_WIDTH,
+    save_figure,
+)
 
 IMAGE = Path(__file__).resolve().parents[1] / "images/fractures.png"
 DIAMETER = 122e3  # µm
@@ -52,9 +59,15 @@ def compute_closure(gap, stress, *, young=YOUNG, poisson=POISSON, boundary="free
     rough = Surface(-gap.heights, spacing=gap.spacing, missing=gap.missing)
     area = np.prod(gap.spacing) * (gap.heights.size - (0 if gap.missing is None else gap.missing.sum()))
     curve = half_space(
-        flat, rough, stress * area / 1e3, effective_modulus=young / (1 - poisson**2) / 2, boundary=boundary, tilt=tilt,
-        hardness=hardness, tolerance=1e-5,
-    )  # fmt: skip
+        flat,
+        rough,
+        stress * area / 1e3,
+        effective_modulus=young / (1 - poisson**2) / 2,
+        boundary=boundary,
+        tilt=tilt,
+        hardness=hardness,
+        tolerance=1e-5,
+    )
     return curve.closure / 1e3, curve
 
 
@@ -178,23 +191,25 @@ def combine_variants(bands):
 
 
 def draw(shown):
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(FULL_WIDTH, 100 * MILLIMETRE), layout="constrained")
+    with mpl.rc_context(MATPLOTLIB_STYLE):
+        figure = Figure(figsize=(PAGE_WIDTH, 100 * MILLIMETRE), layout="constrained")
         axes = figure.subplots(2, len(shown), sharex=True, sharey="row", squeeze=False)
         for (upper, lower), (name, (load, stress, back, falling, bands)) in zip(axes.T, shown.items(), strict=True):
             closure, stiffness = combine_variants(bands)
             for ax, (middle, low, high) in ((upper, closure), (lower, stiffness)):
-                ax.fill_between(stress, low, high, color=ALL, alpha=0.2, linewidth=0, label="all uncertainties")
-                ax.plot(stress, middle, color=ALL, label="computed, nothing fitted")
+                ax.fill_between(
+                    stress, low, high, color=ALL_CONTACTS_COLOUR, alpha=0.2, linewidth=0, label="all uncertainties"
+                )
+                ax.plot(stress, middle, color=ALL_CONTACTS_COLOUR, label="computed, nothing fitted")
             for _, item in bands["E"][:2]:
-                lower.plot(stress, item, color=ALL, linewidth=0.5, linestyle="--")
-            upper.plot(stress, load - load[0], "o", color=FORCE, markersize=3, label="measured, loading")
-            upper.plot(falling, back - load[0], "x", color=FORCE, markersize=3, label="measured, unloading")
+                lower.plot(stress, item, color=ALL_CONTACTS_COLOUR, linewidth=0.5, linestyle="--")
+            upper.plot(stress, load - load[0], "o", color=FORCE_COLOUR, markersize=3, label="measured, loading")
+            upper.plot(falling, back - load[0], "x", color=FORCE_COLOUR, markersize=3, label="measured, unloading")
             at = (stress[1:] + stress[:-1]) / 2
-            lower.plot(at, np.diff(stress) / np.diff(load), "o", color=FORCE, markersize=3)
+            lower.plot(at, np.diff(stress) / np.diff(load), "o", color=FORCE_COLOUR, markersize=3)
             rising = np.diff(back) < 0
             unloading = np.diff(falling)[rising] / np.diff(back)[rising]
-            lower.plot((falling[1:] + falling[:-1])[rising] / 2, unloading, "x", color=FORCE, markersize=3)
+            lower.plot((falling[1:] + falling[:-1])[rising] / 2, unloading, "x", color=FORCE_COLOUR, markersize=3)
             upper.set_title(name, fontsize=7)
             lower.set(xlabel="nominal stress (MPa)", xlim=(0, None), ylim=(0, 400))
         axes[0, 0].set(ylabel=f"closure since {LEAST + 0.06:.2f} MPa (mm)", ylim=(0, None))

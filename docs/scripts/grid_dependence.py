@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from stiction import Study, run
 from stiction.mechanics.friction import compute_load
 from stiction.studies.intervals import PowerSums
-from stiction.views.style import FULL_WIDTH, MILLIMETRE, STYLE, dimension_colours, save_figure
+from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE, PAGE_WIDTH, dimension_colours, save_figure
 
 DOCS = Path(__file__).parents[1]
 POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
@@ -60,13 +60,13 @@ def ratio_of_means(above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np
 
 
 def main() -> None:
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_STYLE):
         draw()
 
 
 def draw() -> None:
     results = {detection: measure_grids(detection) for detection in ("cell", "gap-minimum")}
-    figure = Figure(figsize=(FULL_WIDTH, 115 * MILLIMETRE), layout="constrained")
+    figure = Figure(figsize=(PAGE_WIDTH, 115 * MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True)
     lines = [
         "| D | detection | load at 37 500 | 150 000 | 600 000 points (mN) | μ_s at 37 500 | 150 000 | 600 000 "

@@ -16,7 +16,7 @@ from scipy.ndimage import uniform_filter
 from scipy.sparse.linalg import LinearOperator, cg
 from scipy.stats import t as student
 from stiction import Study, Surface, half_space, press, run, self_affine_surface
-from stiction._number_format import with_interval
+from stiction._number_format import format_with_interval
 
 DOCS = Path(__file__).parents[1]
 
@@ -260,7 +260,7 @@ def compute_over_dimension() -> list[str]:
                 ("tangential_stiffness", 1.0),
             ):
                 ends = [factor * float(one[name].sel(statistic=end)) for end in ("mean", "lower", "upper")]
-                cells.append(with_interval(*ends))
+                cells.append(format_with_interval(*ends))
         rows.append("| " + " | ".join(cells) + " |")
         print(rows[-1], flush=True)
     return rows

@@ -15,7 +15,14 @@ import pandas
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 from scipy.special import erf
-from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save_figure
+from stiction.views.style import (
+    ALL_CONTACTS_COLOUR,
+    FORCE_COLOUR,
+    MATPLOTLIB_STYLE,
+    MILLIMETRE,
+    PAGE_WIDTH,
+    save_figure,
+)
 
 IMAGE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 SHOWN = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
@@ -39,10 +46,10 @@ def fits(load, coefficient, error):
 def main(path):
     table = pandas.read_csv(path)
     table = table[table["load (mN)"] <= LAST].sort_values("load (mN)")
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(FULL_WIDTH, 66 * MILLIMETRE), layout="constrained")
+    with mpl.rc_context(MATPLOTLIB_STYLE):
+        figure = Figure(figsize=(PAGE_WIDTH, 66 * MILLIMETRE), layout="constrained")
         left, right = figure.subplots(1, 2)
-        for (name, own), colour in zip(table.groupby("silicone"), (ALL, FORCE), strict=True):
+        for (name, own), colour in zip(table.groupby("silicone"), (ALL_CONTACTS_COLOUR, FORCE_COLOUR), strict=True):
             load, coefficient = own["load (mN)"].to_numpy(float), own["coefficient"].to_numpy()
             scatter = own["standard deviation"].to_numpy()
             left.plot(load, coefficient * load, ".", color=colour, markersize=3, label=name)

@@ -8,7 +8,7 @@ import matplotlib as mpl
 from first import INPUTS, ROOT, SCANS
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
-from stiction.views.style import MILLIMETRE, STYLE
+from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
 
 OPTIONS = [text for name, value in (INPUTS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))]
 COLUMNS = 80  # characters in a line of the terminal
@@ -64,7 +64,7 @@ def draw(lines: list[str], dark: bool) -> Figure:
     starts = first_lines(lines)
     width = COLUMNS * CHARACTER_WIDTH + LABEL_WIDTH + 2 * MARGIN
     height = len(lines) * LINE_HEIGHT + 2 * MARGIN
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(width * MILLIMETRE, height * MILLIMETRE), facecolor=colours["paper"])
         ax = figure.add_axes((0, 0, 1, 1))
         ax.set(xlim=(0, width), ylim=(height, 0), aspect="equal")

@@ -6,7 +6,14 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, STYLE, UPPER
+from stiction.views.style import (
+    LOWER_COLOUR,
+    MATPLOTLIB_STYLE,
+    MILLIMETRE,
+    NOT_OPPOSING_COLOUR,
+    OPPOSING_COLOUR,
+    UPPER_COLOUR,
+)
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 WIDTH, HEIGHT = 170.0, 44.0  # mm
@@ -37,19 +44,22 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
     for centre, drop in zip(lower_centres, distance - rise, strict=True):
         lower = np.maximum(lower, asperities(x, np.array([centre])) + drop)
     upper = distance - asperities(x, upper_centres)
-    ax.fill_between(x, lower, -0.6, color=LOWER, linewidth=0)
-    ax.fill_between(x, upper, distance + 0.6, color=UPPER, linewidth=0)
+    ax.fill_between(x, lower, -0.6, color=LOWER_COLOUR, linewidth=0)
+    ax.fill_between(x, upper, distance + 0.6, color=UPPER_COLOUR, linewidth=0)
     for centre, offset, height, drop in zip(lower_centres, OFFSETS, rise, distance - rise, strict=True):
         opposes = offset < 0  # the upper asperity is to the left: it must climb to move to the right
-        colour = OPPOSING if opposes else LEANING
+        colour = OPPOSING_COLOUR if opposes else NOT_OPPOSING_COLOUR
         point = np.array([centre + offset / 2, drop + height / 2])
         ax.plot(*point, "o", markersize=5, color=colour, zorder=4)
         if opposes or rule == "all":
             tangent = np.array([height, -offset]) / (2 * RADIUS)
             ax.annotate(
-                "", point - ARROW * tangent, point, zorder=5,
+                "",
+                point - ARROW * tangent,
+                point,
+                zorder=5,
                 arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0},
-            )  # fmt: skip
+            )
     middle = lower_centres.mean()
     ax.annotate(
         "", (middle + 2.2, distance + 1.1), (middle - 2.2, distance + 1.1),
@@ -63,13 +73,13 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
 
 def draw(dark: bool) -> Figure:
     """Return the picture for a light or a dark page."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(WIDTH * MILLIMETRE, HEIGHT * MILLIMETRE))
         for i, rule in enumerate(TITLES):
             draw_pair(figure.add_axes((0.01 + 0.5 * i, 0.1, 0.48, 0.84)), rule, "0.92" if dark else "0.1")
         for x, colour, words in (
-            (0.2, OPPOSING, "slope opposes the motion"),
-            (0.58, LEANING, "slope assists the motion"),
+            (0.2, OPPOSING_COLOUR, "slope opposes the motion"),
+            (0.58, NOT_OPPOSING_COLOUR, "slope assists the motion"),
         ):
             figure.text(x, 0.07, "●", color=colour, va="center")
             figure.text(x + 0.02, 0.07, words, color="0.92" if dark else "0.1", va="center")

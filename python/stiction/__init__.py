@@ -62,7 +62,7 @@ _PUBLIC_NAMES = {
     "stiction.views.calibration": "calibration_figure",
     "stiction.views.pair": "pair",
 }
-"""Public names by module, as in the stub. A module is imported at the first use of one of its names."""
+"""Public names of each module, as in the stub file. A module is imported when one of its names is first used."""
 
 _MODULES = {name: module for module, names in _PUBLIC_NAMES.items() for name in names.split()}
 

@@ -97,7 +97,7 @@ def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Return a load and whether it is a pressure on the slider's area. A plain number is a force in mN.
+    """Parse a load, and return with it whether it is a pressure on the slider. A plain number is a force in mN.
 
     The load must be above 0, or at least 0 with `or_zero`.
     """

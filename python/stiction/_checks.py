@@ -100,7 +100,7 @@ def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise ValueError unless the value is an instance of a class, which `words` describe in the message."""
+    """Raise ValueError unless the value is an instance of a class; in the message, `words` describe the class."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 

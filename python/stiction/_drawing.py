@@ -27,7 +27,7 @@ def to_readable_unit(heights: Floats) -> tuple[Floats, str]:
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
-    """Draw heights over x; the axes are not equally scaled."""
+    """Draw heights against x; the two axes have different scales."""
     heights, unit = to_readable_unit(heights)
     ax.plot(x, heights, color="0.2", linewidth=0.8)
     ax.set(xlim=(0, float(x[-1])), xlabel="x (µm)", ylabel=f"height ({unit})")
@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw the spectral density over wave number, for all harmonics and for the bin means, on logarithmic scales."""
+    """Draw the spectral density against wave number on logarithmic scales: all harmonics, and their means in bins."""
     wave_number, density = harmonics
     positive = density > 0
     if not positive.any():
@@ -96,7 +96,7 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
 
 
 def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Return the left, right, bottom and top edge (µm) of a map, including the whole border cells."""
+    """Return the left, right, bottom and top edges (µm) of a map whose points are the centres of cells."""
     return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
 
 
@@ -135,7 +135,7 @@ def set_log_ticks(axes: Axes) -> None:
 
 
 def draw_area(ax: Axes, load: Floats, area: Floats) -> Axes:
-    """Draw the real contact area (µm²) over the normal load (mN)."""
+    """Draw the true contact area (µm²) against the normal load (mN)."""
     if not ((load > 0) & (area > 0)).any():
         raise ValueError("no load has contact, so there is nothing to draw")
     ax.set(xscale="log", yscale="log", xlabel="normal load (mN)")
@@ -148,7 +148,7 @@ def draw_area(ax: Axes, load: Floats, area: Floats) -> Axes:
 def draw_friction(
     ax: Axes, load: Floats, coefficient: Floats, *, mu0: ArrayLike, tau0: ArrayLike, direction: ArrayLike
 ) -> Axes:
-    """Draw friction coefficients over the load (mN), one line per material (tau0 in GPa) and direction (degrees)."""
+    """Draw friction coefficients against load (mN): one line for each direction (degrees), mu0 and tau0 (GPa)."""
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
@@ -167,7 +167,7 @@ def draw_friction(
 
 
 def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return the labels along the broadcast axes of mu0 and tau0."""
+    """Return the label of each combination of mu0 and tau0, as the only item of a list; empty for scalars."""
     materials = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if materials[0].ndim == 0:
         return []
@@ -178,7 +178,7 @@ def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
 
 
 def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
-    """Draw the contact pressure (GPa) over the heights of the lower surface, as a map or along a line."""
+    """Draw the contact pressure (GPa) on the heights of the lower surface, as a map or along a profile."""
     if pressure.ndim == 1:
         return _draw_line_contact(ax, pressure, heights, spacing[-1])
     box = map_extent(pressure.shape, spacing)
@@ -207,7 +207,7 @@ def _draw_line_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: flo
 def draw_onset(
     ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
 ) -> Axes:
-    """Draw the tangential load over the displacement, or over the slipped area if the displacement is unknown."""
+    """Draw the tangential load against the displacement, or against the slipped area if no displacement is known."""
     has_displacement = bool(np.isfinite(displacement).all())
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"

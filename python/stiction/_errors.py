@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _MessageValues(dict[str, Any]):
-    """Values of an error message by placeholder; any other placeholder is an argument name to be translated."""
+    """Mapping of the placeholders of an error message to values; unknown placeholders are names of arguments."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)

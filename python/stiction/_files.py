@@ -19,9 +19,9 @@ PARTIAL_NAME = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9
 """Name of a partial file: machine, process id, run and a random number. A killed process leaves the file behind."""
 
 MAX_PARTIAL_AGE = 3600.0  # seconds after which a partial file from another machine counts as stale
-_MACHINE = f"{zlib.crc32(platform.node().encode()):08x}"
-_THIS_RUN = secrets.token_hex(4)  # process ids are reused, so the id alone does not identify a run
-_MARK_BYTES = 2**16  # length of the head and tail of a file that are searched for its mark
+_MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
+_RUN_TOKEN = secrets.token_hex(4)  # process ids are reused, so the id alone does not identify a run
+_NUM_SEARCHED_BYTES = 2**16  # length of the head and tail of a file that are searched for its mark
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -75,7 +75,7 @@ def _partial(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]
 
 def new_partial_name() -> str:
     """Return a new, unused name for a partial file, of fixed length."""
-    return f".stiction-{_MACHINE}-{os.getpid()}-{_THIS_RUN}-{secrets.token_hex(4)}.partial"
+    return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_RUN_TOKEN}-{secrets.token_hex(4)}.partial"
 
 
 def remove_stale_partials(folder: Path) -> None:
@@ -89,10 +89,10 @@ def remove_stale_partials(folder: Path) -> None:
 
 
 def _is_stale(entry: os.DirEntry[str], machine: str, process: str, run: str) -> bool:
-    if machine != _MACHINE or os.name != "posix":
+    if machine != _MACHINE_TOKEN or os.name != "posix":
         return time.time() - entry.stat(follow_symlinks=False).st_mtime > MAX_PARTIAL_AGE
     if int(process) == os.getpid():
-        return run != _THIS_RUN
+        return run != _RUN_TOKEN
     try:
         os.kill(int(process), 0)
     except (ProcessLookupError, OverflowError):
@@ -116,9 +116,9 @@ def _has_mark(path: Path, mark: bytes) -> bool:
     if not path.is_file():
         return False
     with path.open("rb") as file:
-        head = file.read(_MARK_BYTES)
-        file.seek(max(len(head), path.stat().st_size - _MARK_BYTES))
-        return mark in head or mark in file.read(_MARK_BYTES)
+        head = file.read(_NUM_SEARCHED_BYTES)
+        file.seek(max(len(head), path.stat().st_size - _NUM_SEARCHED_BYTES))
+        return mark in head or mark in file.read(_NUM_SEARCHED_BYTES)
 
 
 # ---- Reading --------------------------------------------------------------------------------------------------------

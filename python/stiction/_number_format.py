@@ -1,12 +1,12 @@
-"""Formatting of numbers with significant digits from their interval, in the unit with the fewest zeros."""
+"""Formatting of numbers: the interval determines the digits, and the unit is the one with the fewest zeros."""
 
 from __future__ import annotations
 
 import math
 
 MAX_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is narrower
-NO_END = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-MAX_END_RATIO = 100.0  # ratio of upper end to value above which the end is printed with one digit
+UNBOUNDED_END = "\N{INFINITY}"  # text for the upper end of an unbounded interval
+MAX_PRECISE_END_RATIO = 100.0  # ratio of upper end to value above which the end is printed with one digit
 
 _PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
@@ -17,7 +17,7 @@ _PREFIXES = {
 """Minimum value, factor to core units and name of each prefixed unit, by core unit."""
 
 
-def with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
+def format_with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
     """Format a value and its interval, rounded to `digits` digits of the half-width: "0.157 [0.102, 0.216]".
 
     The value has two to four significant digits. The text is "none" for a missing value, ends with "no interval" for a
@@ -26,38 +26,38 @@ def with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
-        return f"{significant(mean, 3)} no interval"
+        return f"{format_significant(mean, 3)} no interval"
     if math.isinf(upper):
-        decimals = _decimals(mean, lower, 2 * mean - lower, digits)
-        return f"{_in_decimals(mean, decimals)} [{_in_decimals(lower, decimals)}, {NO_END})"
-    decimals = _decimals(mean, lower, upper, digits)
-    ends = [_in_decimals(end, decimals) for end in (lower, upper)]
+        decimals = _num_decimals(mean, lower, 2 * mean - lower, digits)
+        return f"{_format_decimals(mean, decimals)} [{_format_decimals(lower, decimals)}, {UNBOUNDED_END})"
+    decimals = _num_decimals(mean, lower, upper, digits)
+    ends = [_format_decimals(end, decimals) for end in (lower, upper)]
     if ends[0] == ends[1]:
-        return significant(mean, MAX_DIGITS)
-    if upper > MAX_END_RATIO * abs(mean) > 0:
-        ends[1] = significant(upper, 1)
-    return f"{_in_decimals(mean, decimals)} [{ends[0]}, {ends[1]}]"
+        return format_significant(mean, MAX_DIGITS)
+    if upper > MAX_PRECISE_END_RATIO * abs(mean) > 0:
+        ends[1] = format_significant(upper, 1)
+    return f"{_format_decimals(mean, decimals)} [{ends[0]}, {ends[1]}]"
 
 
-def quoted(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number to quote, rounded to one digit of the half-width of its interval (two digits without one)."""
+def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
+    """Format a number with its interval, rounded to one digit of the half-width; without an interval, to two digits."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
-        return _in_decimals(mean, _decimals(mean, math.nan, math.nan, 2) - MAX_DIGITS + 2)
-    return with_interval(mean, lower, upper, digits=1)
+        return _format_decimals(mean, _num_decimals(mean, math.nan, math.nan, 2) - MAX_DIGITS + 2)
+    return format_with_interval(mean, lower, upper, digits=1)
 
 
-def from_to(low: float, high: float) -> str:
+def format_limits(low: float, high: float) -> str:
     """Format both ends of a range, rounded to one digit of its half-width and at least two significant digits."""
     if math.isinf(high):
-        return f"{significant(low)} to {NO_END}"
-    decimals = _decimals(max(abs(low), abs(high)), low, high, 1)
-    ends = [_in_decimals(end, decimals) for end in (low, high)]
+        return f"{format_significant(low)} to {UNBOUNDED_END}"
+    decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
+    ends = [_format_decimals(end, decimals) for end in (low, high)]
     return ends[0] if ends[0] == ends[1] else " to ".join(ends)
 
 
-def significant(value: float, digits: int = 2) -> str:
+def format_significant(value: float, digits: int = 2) -> str:
     """Format a number to significant digits without trailing zeros, and without an exponent from 1e-6 to 1e6."""
     if math.isnan(value):
         return "none"
@@ -68,7 +68,7 @@ def significant(value: float, digits: int = 2) -> str:
     return f"{rounded:.0f}" if abs(rounded) >= 1 else f"{rounded:.{digits + 5}f}".rstrip("0")
 
 
-def _decimals(mean: float, lower: float, upper: float, digits: int) -> int:
+def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
     """Return the decimals that give `digits` digits of the half-width and two to four digits of the value."""
     size = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
@@ -79,20 +79,20 @@ def _decimals(mean: float, lower: float, upper: float, digits: int) -> int:
     return min(max(width, size + 1), size + MAX_DIGITS - 1)
 
 
-def with_unit(value: float, unit: str) -> str:
+def format_with_unit(value: float, unit: str) -> str:
     """Format a length (um), pressure (GPa), force (mN) or energy (pJ) to three digits with a suitable prefix."""
     if math.isnan(value):
         return "none"
-    factor, name = prefix(value, unit)
+    factor, name = choose_prefix(value, unit)
     text = f"{value / factor:.3g}"
     return f"{float(text):g} {name}" if "e" in text else f"{text} {name}"
 
 
-def prefix(value: float, unit: str) -> tuple[float, str]:
+def choose_prefix(value: float, unit: str) -> tuple[float, str]:
     """Return factor and name of the unit in which a value has the fewest zeros."""
     if value == 0:
         return 1.0, unit.replace("um", "µm")
-    # Rounded to the printed digits, so that 0.99996 mN is printed as 1 mN.
+    # The value is rounded to the printed digits first, so that 0.99996 mN is printed as 1 mN.
     rounded = float(f"{abs(value):.3g}")
     return next((factor, name) for minimum, factor, name in _PREFIXES[unit] if rounded >= minimum)
 
@@ -100,7 +100,7 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
 MIN_PERCENT = 0.001  # percentage below which only this limit is printed
 
 
-def duration(seconds: float) -> str:
+def format_time(seconds: float) -> str:
     """Format a time in the largest unit that gives at least 1: "1.5 h"."""
     factor, unit = next((item for item in _TIME_UNITS if seconds >= item[0]), _TIME_UNITS[-1])
     return f"{seconds / factor:.3g} {unit}"
@@ -109,7 +109,7 @@ def duration(seconds: float) -> str:
 _TIME_UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, "ms"))
 
 
-def percent(fraction: float) -> str:
+def format_percent(fraction: float) -> str:
     """Format a fraction as a percentage, with two digits below 1 %: "0.42 %", "37 %"."""
     if math.isnan(fraction):
         return "none"
@@ -119,11 +119,11 @@ def percent(fraction: float) -> str:
     return f"{value:.2g} %" if abs(value) < 1 else f"{value:.3g} %" if abs(value) < 10 else f"{value:.0f} %"
 
 
-def _in_decimals(value: float, digits: int) -> str:
+def _format_decimals(value: float, digits: int) -> str:
     text = f"{round(value, digits):.{max(digits, 0)}f}"
     return text.removeprefix("-") if float(text) == 0 else text
 
 
-def finite(value: float) -> float | None:
+def finite_or_none(value: float) -> float | None:
     """Return a number for JSON: None for NaN and infinity."""
     return float(value) if math.isfinite(value) else None

@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 NOTEBOOK_DPI = 110  # resolution of an image in a notebook
 NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of an image in a notebook, inches
 MAX_COLUMN_WIDTH = 4.0  # figures up to this width (inches) fit one column and get a higher resolution
-PNG_COMPRESSION = 4  # half the time of the default level 6; maps become a tenth larger
+PNG_COMPRESSION = 4  # takes half the time of the default level 6; images of maps are 10 % larger
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
 """Next smaller unit and its factor, used for values below 0.1."""
 
 
 class TextRepr:
-    """Mixin for a text representation with each number, and the shape and range of each array."""
+    """Mixin for a text representation that lists all numbers, and the shape and range of all arrays."""
 
     def __repr__(self) -> str:
         """Return one line per quantity, with its unit."""
@@ -49,7 +49,7 @@ class TableRepr(TextRepr):
     def _repr_html_(self) -> str:
         units = field_units(type(self))
         rows = [
-            (field.name, *number_and_unit(getattr(self, field.name), units.get(field.name, "")))
+            (field.name, *format_number_and_unit(getattr(self, field.name), units.get(field.name, "")))
             for field in fields(self)  # type: ignore[arg-type]
         ]
         return table_html(("parameter", "value", "unit"), rows)
@@ -59,12 +59,12 @@ class TableRepr(TextRepr):
 
 
 def field_units(cls: Any) -> dict[str, str]:
-    """Return the unit of each field of a dataclass that has one."""
+    """Return the units of the fields of a dataclass by field name; fields without a unit are omitted."""
     return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
 
 
-def number_and_unit(value: float, unit: str) -> tuple[str, str]:
-    """Format a number to four digits in the unit that needs few zeros; return the text and the unit."""
+def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
+    """Format a number to four digits in the unit with the fewest zeros; return the text and the unit."""
     if unit in _SMALLER_UNITS and 0 < abs(value) < 0.1:
         factor, unit = _SMALLER_UNITS[unit]
         value = value / factor
@@ -73,9 +73,9 @@ def number_and_unit(value: float, unit: str) -> tuple[str, str]:
     return f"{value:.4g}" if isinstance(value, float) else str(value), unit
 
 
-def with_unit(value: float, unit: str) -> str:
+def format_with_unit(value: float, unit: str) -> str:
     """Format a number to four digits with its unit."""
-    return " ".join(number_and_unit(float(value), unit)).strip()
+    return " ".join(format_number_and_unit(float(value), unit)).strip()
 
 
 def format_range(values: Any, unit: str = "") -> str:
@@ -100,16 +100,16 @@ def _format_fields(instance: Any) -> Iterator[tuple[str, str]]:
         elif isinstance(value, (bool, str)):
             yield name, str(value)
         elif isinstance(value, (int, float)):
-            yield name, with_unit(value, unit) if isinstance(value, float) else f"{value} {unit}".strip()
+            yield name, format_with_unit(value, unit) if isinstance(value, float) else f"{value} {unit}".strip()
         elif isinstance(value, tuple) and value and all(isinstance(item, str) for item in value):
             yield name, ", ".join(value)
         elif isinstance(value, tuple) and all(isinstance(item, (int, float)) for item in value) and value:
-            yield name, ", ".join(with_unit(item, unit) for item in value)
+            yield name, ", ".join(format_with_unit(item, unit) for item in value)
 
 
 def _format_array(values: Any, unit: str) -> str:
     if values.ndim == 0:
-        return with_unit(values.item(), unit)
+        return format_with_unit(values.item(), unit)
     if values.dtype.kind == "b":
         return f"{values.sum()} of {values.size}"
     if values.ndim == 1 and values.size <= 4 and values.dtype.kind in "iuf":

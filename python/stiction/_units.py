@@ -6,7 +6,7 @@ import re
 from decimal import Decimal
 from typing import Any
 
-_UNITS = {
+_UNIT_FACTORS = {
     "length": {"m": "1e6", "mm": "1e3", "um": "1", "µm": "1", "μm": "1", "nm": "1e-3", "pm": "1e-6"},
     "pressure": {"TPa": "1e3", "GPa": "1", "MPa": "1e-3", "kPa": "1e-6", "Pa": "1e-9"},
     "force": {"kN": "1e6", "N": "1e3", "mN": "1", "uN": "1e-3", "µN": "1e-3", "μN": "1e-3", "nN": "1e-6"},
@@ -19,7 +19,7 @@ _UNITS = {
 }
 """Factors to the core units µm, GPa, mN, s and mN/µm, with both Unicode characters for micro."""
 
-MAGNITUDES = {
+VALID_RANGES = {
     "length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "time": (1e-3, 1e10),
     "work of adhesion": (1e-9, 1),
 }  # fmt: skip
@@ -30,13 +30,13 @@ _QUANTITY = re.compile(
 )
 
 
-_TOO_LONG = re.compile(r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*")
+_NUMBER_AND_UNIT = re.compile(r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*")
 """Number and unit, with more digits or a larger exponent than any valid quantity."""
 
 
 def unit_names(kind: str) -> tuple[str, ...]:
     """Return the names of the units for a kind of quantity."""
-    return tuple(_UNITS[kind])
+    return tuple(_UNIT_FACTORS[kind])
 
 
 class Quantity(float):
@@ -61,16 +61,16 @@ def quantity(text: object, kind: str) -> Quantity:
     """
     if isinstance(text, Quantity):
         return text
-    units = _UNITS[kind]
+    units = _UNIT_FACTORS[kind]
     allowed = ", ".join(unit for unit in units if unit.isascii())
     if not isinstance(text, str):
         raise ValueError(
             f'needs a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {short_repr(text)}'
         )
     match = _QUANTITY.fullmatch(text)
-    lowest, highest = MAGNITUDES[kind]
+    lowest, highest = VALID_RANGES[kind]
     core = next(name for name, factor in units.items() if factor == "1")
-    if match is None and (out_of_range := _TOO_LONG.fullmatch(text)) is not None and out_of_range[1] in units:
+    if match is None and (out_of_range := _NUMBER_AND_UNIT.fullmatch(text)) is not None and out_of_range[1] in units:
         raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {short_repr(text)}")
     if match is None:
         raise ValueError(f'must be "number unit" with a unit of {kind} ({allowed}), got {short_repr(text)}')
@@ -132,6 +132,9 @@ def short_repr(value: object) -> str:
     """Return the representation of a value, shortened to fit a line of a message."""
     try:
         text = repr(value)
-    except (ValueError, RecursionError):  # integers of thousands of digits, deeply nested containers
+    except (
+        ValueError,
+        RecursionError,
+    ):  # repr fails for numbers with thousands of digits and for deeply nested containers
         text = type(value).__name__
     return text if len(text) <= 40 else text[:37] + "..."

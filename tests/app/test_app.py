@@ -1,7 +1,8 @@
-"""Tests of the app in a browser: its results equal those of the command."""
+"""Tests of the app in a browser; its results must equal those of the command line."""
 
 import contextlib
 import json
+import re
 import shlex
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -14,33 +15,33 @@ from support import browser
 pytest.importorskip("starlette", reason="the extra app is not installed")
 pytest.importorskip("selenium", reason="selenium is not installed")
 
-from app.served import PATIENCE, served, until, write_maps
+from app.server_process import MAX_WAITING_TIME, start_server, wait_until, write_maps
 from stiction import Profile, Study, Surface, run, write_profile, write_surface
-from stiction._number_format import with_unit
+from stiction._number_format import format_with_unit
 from stiction.app.run import MAX_WINDOW_ABSENCE, is_abandoned
-from stiction.app.server import OPTIONS
+from stiction.app.server import ALLOWED_OPTIONS
 from stiction.cli import result_output
 from support.command import call_stiction, check_stiction
 
 pytestmark = browser.BROWSER_MARKS
 
-CHANGED = "field.dispatchEvent(new Event('input', {bubbles: true}))"
-AGREEMENT = 1e-6  # the page has numbers in single precision
-HARD = {"upper": "mild steel", "lower": "brass", "load": "5 MPa", "tau0": "20", "shifts": "4"}
+DISPATCH_INPUT_EVENT = "field.dispatchEvent(new Event('input', {bubbles: true}))"
+MAX_ROUNDING_ERROR = 1e-6  # relative; the report contains numbers in single precision
+METAL_FIELDS = {"upper": "mild steel", "lower": "brass", "load": "5 MPa", "tau0": "20", "shifts": "4"}
 
 
 @pytest.fixture(scope="module")
 def app(tmp_path_factory):
-    with served(tmp_path_factory.mktemp("app"), "--keep") as server:
+    with start_server(tmp_path_factory.mktemp("app"), "--keep") as server:
         yield server
 
 
 @pytest.fixture(scope="module")
 def driver(app, tmp_path_factory):
-    """A browser with access to the server."""
+    """Browser that is logged in to the server."""
     with browser.start_browser(tmp_path_factory.mktemp("profile")) as driver:
-        driver.set_page_load_timeout(PATIENCE)
-        size(driver)
+        driver.set_page_load_timeout(MAX_WAITING_TIME)
+        set_window_size(driver)
         driver.get(app.address)
         cookie = driver.get_cookies()[0]
         assert cookie["httpOnly"]
@@ -51,16 +52,18 @@ def driver(app, tmp_path_factory):
 
 
 @pytest.fixture
-def fresh(driver, app):
-    """An unused page without errors."""
-    driver.get(f"{app.origin}/app.css")  # where no script remembers anything while it is forgotten
+def empty_page(driver, app):
+    """Page of the app without inputs; after the test, no unexpected error may be in the log of the browser."""
+    driver.get(f"{app.origin}/app.css")  # a page without scripts, which would write to the storage again
     driver.execute_script("sessionStorage.clear()")
     driver.get(app.origin)
     driver.get_log("browser")
     yield driver
-    complaints = [entry["message"] for entry in driver.get_log("browser") if entry["level"] != "INFO"]
+    error_messages = [entry["message"] for entry in driver.get_log("browser") if entry["level"] != "INFO"]
     assert [
-        complaint for complaint in complaints if "status of 400" not in complaint and "status of 413" not in complaint
+        error_message
+        for error_message in error_messages
+        if "status of 400" not in error_message and "status of 413" not in error_message
     ] == []
 
 
@@ -69,37 +72,37 @@ def maps(tmp_path_factory):
     return write_maps(tmp_path_factory.mktemp("maps"))
 
 
-def size(driver, width=1280, height=720, scheme="light"):
+def set_window_size(driver, width=1280, height=720, scheme="light"):
     metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     features = [{"name": "prefers-color-scheme", "value": scheme}]
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
 
 
-def choose(driver, side, path):
+def choose_scan(driver, side, path):
     driver.find_element("id", f"{side}-file").send_keys(str(path))
-    return until(lambda: seen(driver, side), lambda said: said["wrong"] or "…" not in said["hint"])
+    return wait_until(lambda: scan_texts(driver, side), lambda texts: texts["wrong"] or "…" not in texts["hint"])
 
 
-def drop(driver, side, path):
-    """As with the mouse."""
+def drop_scan(driver, side, path):
+    """Drop a file on the field of a scan, as with the mouse."""
     driver.execute_script(
         "const files = new DataTransfer(); files.items.add(new File([arguments[1]], arguments[2]));"
         "const dropped = new DragEvent('drop', {dataTransfer: files, bubbles: true});"
         "document.getElementById(`${arguments[0]}-drop`).dispatchEvent(dropped)",
         side, path.read_text("utf-8"), path.name,
     )  # fmt: skip
-    return until(lambda: seen(driver, side), lambda said: said["wrong"] or "Sq" in said["hint"])
+    return wait_until(lambda: scan_texts(driver, side), lambda texts: texts["wrong"] or "Sq" in texts["hint"])
 
 
-def seen(driver, side):
+def scan_texts(driver, side):
     return {
         name: driver.execute_script(f"return document.querySelector('#{side}-drop .{name}').textContent")
         for name in ("hint", "wrong")
     }
 
 
-def fill(driver, values):
+def fill_fields(driver, values):
     for name, value in values.items():
         driver.execute_script(
             "const field = document.querySelector(arguments[0]); field.value = arguments[1];"
@@ -108,243 +111,267 @@ def fill(driver, values):
         )  # fmt: skip
 
 
-def press(driver, form="pair"):
-    """Press the button, and wait until the page shows the job that this begins."""
-    before = driver.execute_script("return current")
+def press_start(driver, form="pair"):
+    """Press the start button of a form, and wait until the page shows the new job."""
+    previous_job = driver.execute_script("return current")
     driver.find_element("css selector", f"#{form} .go").send_keys("\n")
-    until(lambda: driver.execute_script("return current"), lambda now: now != before)
+    wait_until(lambda: driver.execute_script("return current"), lambda current_job: current_job != previous_job)
 
 
-def state(driver):
-    """Return the state of the latest job on the page."""
+def job_state(driver):
+    """Return the state of the job that the page shows."""
     return driver.execute_script("return jobs.find(({number}) => number === current)?.state")
 
 
-def finished(driver):
-    """Return the final state of the job, with its error if it failed."""
-    until(lambda: state(driver), lambda now: now not in (None, "waiting", "running"))
-    words = "return jobs.find(({number}) => number === current).words"
-    until(lambda: driver.execute_script(words), lambda text: not text)  # the finished part of a stopped job is read
-    return " ".join([state(driver), driver.find_element("id", "job-wrong").text]).strip()
+def wait_until_finished(driver):
+    """Wait until the job ends, and return its final state and its error message."""
+    wait_until(lambda: job_state(driver), lambda current_state: current_state not in (None, "waiting", "running"))
+    activity_script = "return jobs.find(({number}) => number === current).words"
+    wait_until(lambda: driver.execute_script(activity_script), lambda text: not text)  # reads a stopped job's result
+    return " ".join([job_state(driver), driver.find_element("id", "job-wrong").text]).strip()
 
 
-def answer(driver):
-    """Return the unrounded numbers of each sliding rule on the page, and the sentence."""
-    lines = "return [...document.querySelectorAll('#answer .value')].map((each) => ({...each.dataset}))"
-    rules = driver.execute_script(lines)
-    shown = {rule["rule"]: [float(rule[name]) for name in ("value", "lower", "upper")] for rule in rules}
-    return shown, driver.execute_script("return document.getElementById('sentence')?.textContent")
+def shown_result(driver):
+    """Return the values and intervals by sliding rule that the page shows, and the sentence about the first result."""
+    script = "return [...document.querySelectorAll('#answer .value')].map((each) => ({...each.dataset}))"
+    rules = driver.execute_script(script)
+    interval_by_rule = {
+        values_of_rule["rule"]: [float(values_of_rule[name]) for name in ("value", "lower", "upper")]
+        for values_of_rule in rules
+    }
+    return interval_by_rule, driver.execute_script("return document.getElementById('sentence')?.textContent")
 
 
-def same_as(driver, folder, monkeypatch):
-    """Return numbers and sentence of the command line that the page shows, run on the same files."""
-    line = driver.find_element("id", "command").get_property("textContent")
+def run_shown_command(driver, folder, monkeypatch):
+    """Run the command line that the page shows on the same files, and return its values and its sentence."""
+    command_line = driver.find_element("id", "command").get_property("textContent")
     monkeypatch.setattr(result_output, "write_figures", lambda *_, **__: None)
-    completed = check_stiction(*shlex.split(line)[1:], "--json", cwd=folder)
-    return of_record(json.loads(completed.stdout))
+    completed = check_stiction(*shlex.split(command_line)[1:], "--json", cwd=folder)
+    return result_of_record(json.loads(completed.stdout))
 
 
-def of_record(record):
-    first = record["answers"][0]
-    return {item["rule"]: [item["value"], item["lower"], item["upper"]] for item in first["rules"]}, first["sentence"]
+def result_of_record(record):
+    first_answer = record["answers"][0]
+    return {
+        item["rule"]: [item["value"], item["lower"], item["upper"]] for item in first_answer["rules"]
+    }, first_answer["sentence"]
 
 
-def inside(driver, script):
-    """Run a script in the report, which is the variable `inside`."""
+def run_in_report(driver, script):
+    """Run a script in which the variable `inside` is the document of the report."""
     return driver.execute_script(f"const inside = document.getElementById('page').contentDocument; {script}")
 
 
-def wait_for_page(driver):
+def wait_for_report(driver):
     """Wait until the report of the latest result is drawn."""
-    is_last = "inside?.URL.split('#')[0].endsWith(reportAddress)"
-    busy = "getElementById('main')?.getAttribute('aria-busy')"
-    busy = f"return {is_last} ? inside.{busy} : null"
-    browser.wait_for(driver, lambda _: inside(driver, busy) == "false")
+    is_last_report = "inside?.URL.split('#')[0].endsWith(reportAddress)"
+    busy_attribute = "getElementById('main')?.getAttribute('aria-busy')"
+    busy_attribute = f"return {is_last_report} ? inside.{busy_attribute} : null"
+    browser.wait_for(driver, lambda _: run_in_report(driver, busy_attribute) == "false")
 
 
-def test_fields_accept_ranges_and_hardness_scales(app, fresh, maps):
+def test_form_accepts_ranges_and_hardness_scales(app, empty_page, maps):
     for side, scan in zip(("upper", "lower"), maps, strict=True):
-        choose(fresh, side, scan)
-    fill(fresh, HARD | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
-    press(fresh)
-    until(lambda: answer(fresh)[0] or state(fresh) == "failed", bool)
-    assert finished(fresh) == "done"
-    line = fresh.find_element("id", "command").get_property("textContent")
-    assert all(f"{each}'" in line for each in ("--mu0=0.2±0.02", "--tau0=20..80 MPa", "--hardness=150 HV"))
-    value, low, high = answer(fresh)[0]["all"]
-    assert high - low > 0.2 * value
+        choose_scan(empty_page, side, scan)
+    fill_fields(empty_page, METAL_FIELDS | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
+    press_start(empty_page)
+    wait_until(lambda: shown_result(empty_page)[0] or job_state(empty_page) == "failed", bool)
+    assert wait_until_finished(empty_page) == "done"
+    command_line = empty_page.find_element("id", "command").get_property("textContent")
+    assert all(
+        f"{argument}'" in command_line for argument in ("--mu0=0.2±0.02", "--tau0=20..80 MPa", "--hardness=150 HV")
+    )
+    value, lower, upper = shown_result(empty_page)[0]["all"]
+    assert upper - lower > 0.2 * value
 
 
-def test_form_has_a_field_for_each_option_of_a_pair(fresh):
-    fill(fresh, {"upper": "numbers", "lower": "numbers", "mechanics": "half-space", "lay": "grooves"})
-    fill(fresh, {"cutoff": "0.1 um,0.2 um", "adhesion": "50", "tip": "10 nm", "mu0": "0,15..0,25", "hardness": "2±0,2"})
-    fresh.execute_script("document.querySelectorAll('[name=columns]')[1].value = 'x,z'")
-    options = fresh.execute_script("return pairOptions()")
+def test_form_has_a_field_for_each_option_of_a_pair(empty_page):
+    fill_fields(empty_page, {"upper": "numbers", "lower": "numbers", "mechanics": "half-space", "lay": "grooves"})
+    fill_fields(
+        empty_page,
+        {"cutoff": "0.1 um,0.2 um", "adhesion": "50", "tip": "10 nm", "mu0": "0,15..0,25", "hardness": "2±0,2"},
+    )
+    empty_page.execute_script("document.querySelectorAll('[name=columns]')[1].value = 'x,z'")
+    options = empty_page.execute_script("return pairOptions()")
     arguments = {"mechanics": "half-space", "lay": "grooves", "cutoff": "0.1 um,0.2 um", "adhesion": "50 mJ/m^2"}
     arguments |= {"tip": "10 nm", "hardness": "2±0.2 GPa", "mu0": "0.15..0.25"}
     assert arguments.items() <= dict(options).items()
     assert [value for name, value in options if name == "columns"] == ["", "x,z"]
-    names = set(fresh.execute_script("return [...document.querySelectorAll('#pair [name]')].map(({name}) => name)"))
-    assert names == set(OPTIONS["pair"])
-    fill(fresh, {"missing-value": "-9999,NaN", "accept": "whole-numbers", "width": "1,5 mm"})
-    options = fresh.execute_script("return pairOptions()")
+    names = set(
+        empty_page.execute_script("return [...document.querySelectorAll('#pair [name]')].map(({name}) => name)")
+    )
+    assert names == set(ALLOWED_OPTIONS["pair"])
+    fill_fields(empty_page, {"missing-value": "-9999,NaN", "accept": "whole-numbers", "width": "1,5 mm"})
+    options = empty_page.execute_script("return pairOptions()")
     assert ["width", "1.5 mm"] in options
     assert [value for name, value in options if name == "missing-value"] == ["-9999,NaN", ""]
     assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
 
 
-def test_caveat_of_file_is_accepted_by_its_field(fresh, tmp_path):
+def test_accept_field_removes_the_caveat_of_a_file(empty_page, tmp_path):
     heights = np.round(np.random.default_rng(0).standard_normal((32, 32)) * 20)
     heights[3, 4:20] = -9999
     np.savetxt(tmp_path / "map.txt", heights, fmt="%d")
     for name, value in {"unit": "um", "spacing": "10 um"}.items():
-        fresh.execute_script(f"document.querySelector('#upper-drop [name={name}]').value = '{value}'")
-    assert "-9999" in choose(fresh, "upper", tmp_path / "map.txt")["wrong"]
-    fresh.execute_script(
+        empty_page.execute_script(f"document.querySelector('#upper-drop [name={name}]').value = '{value}'")
+    assert "-9999" in choose_scan(empty_page, "upper", tmp_path / "map.txt")["wrong"]
+    empty_page.execute_script(
         "for (const [name, value] of [['missing-value', '-9999'], ['accept', 'whole-numbers'], "
         "['missing', 'interpolate']]) {"
         "const field = document.querySelector(`#upper-drop [name=${name}]`); field.value = value;"
         "field.dispatchEvent(new Event('change', {bubbles: true})); }"
     )
-    until(lambda: seen(fresh, "upper"), lambda said: "Sq 19.4 µm" in said["hint"] and not said["wrong"])
+    wait_until(
+        lambda: scan_texts(empty_page, "upper"), lambda texts: "Sq 19.4 µm" in texts["hint"] and not texts["wrong"]
+    )
 
 
-def test_columns_field_selects_columns(fresh, tmp_path):
+def test_columns_field_selects_columns_of_a_text_file(empty_page, tmp_path):
     rows = np.column_stack([0.5 * np.arange(64), 7.0 * np.ones(64), np.random.default_rng(0).standard_normal(64)])
     np.savetxt(tmp_path / "three.txt", rows)
-    assert "columns" in choose(fresh, "upper", tmp_path / "three.txt")["wrong"]
-    fresh.execute_script(
+    assert "columns" in choose_scan(empty_page, "upper", tmp_path / "three.txt")["wrong"]
+    empty_page.execute_script(
         "for (const [name, value] of [['columns', '0,2'], ['unit', 'um']]) {"
         "const field = document.querySelector(`#upper-drop [name=${name}]`); field.value = value;"
         "field.dispatchEvent(new Event('change', {bubbles: true})); }"
     )
-    until(lambda: seen(fresh, "upper")["hint"], lambda hint: "64 points; Pq" in hint)
+    wait_until(lambda: scan_texts(empty_page, "upper")["hint"], lambda hint: "64 points; Pq" in hint)
 
 
-def test_scan_that_is_being_read_is_not_reported_missing(fresh):
-    fresh.execute_script("arriving.lower = 1")
-    fresh.find_element("css selector", "#pair .go").send_keys("\n")
-    words = fresh.find_element("id", "pair-wrong").text
-    assert "the upper scan is missing" in words
-    assert "the lower scan is still being read" in words
+def test_form_distinguishes_arriving_scans_from_missing_scans(empty_page):
+    empty_page.execute_script("arriving.lower = 1")
+    empty_page.find_element("css selector", "#pair .go").send_keys("\n")
+    message = empty_page.find_element("id", "pair-wrong").text
+    assert re.search(r"upper scan.* missing.*lower scan.* being read", message, re.DOTALL)
 
 
-def test_metal_profiles_give_a_result(fresh, tmp_path, monkeypatch, rough_pair):
+def test_result_of_metal_profiles_equals_the_command(empty_page, tmp_path, monkeypatch, rough_pair):
     for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
-        choose(fresh, side, tmp_path / f"{side}.csv")
-    fill(fresh, {"upper": "mild steel", "lower": "brass", "load": "1 MPa", "tau0": "20..80"})
-    fill(fresh, {"mechanics": "half-space", "lay": "grooves"})
-    press(fresh)
-    assert finished(fresh) == "done"
-    shown = answer(fresh)
-    assert shown == same_as(fresh, tmp_path, monkeypatch)
-    assert 0.2 < shown[0]["all"][0] < 0.5
+        choose_scan(empty_page, side, tmp_path / f"{side}.csv")
+    fill_fields(empty_page, {"upper": "mild steel", "lower": "brass", "load": "1 MPa", "tau0": "20..80"})
+    fill_fields(empty_page, {"mechanics": "half-space", "lay": "grooves"})
+    press_start(empty_page)
+    assert wait_until_finished(empty_page) == "done"
+    result = shown_result(empty_page)
+    assert result == run_shown_command(empty_page, tmp_path, monkeypatch)
+    assert 0.2 < result[0]["all"][0] < 0.5
 
 
-def test_maps_give_the_result_of_the_command_at_each_step(app, fresh, maps, monkeypatch):
-    """Upload, compute, change mu0, share and reload: each step equals the command."""
+def test_result_of_maps_equals_the_command_after_each_step(app, empty_page, maps, monkeypatch):
+    """After each step, the app shows the result that the command prints: upload, compute, change mu0, save, reload."""
     roughness = json.loads(call_stiction("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
-    height = with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
-    assert f"Sq {height}," in drop(fresh, "upper", maps[0])["hint"]
-    assert "Sq" in choose(fresh, "lower", maps[1])["hint"]
-    fill(fresh, HARD)
-    press(fresh)
-    until(lambda: answer(fresh)[0] or state(fresh) == "failed", bool)
-    assert finished(fresh) == "done"
-    wait_for_page(fresh)
-    expected = same_as(fresh, maps[0].parent, monkeypatch)
-    assert answer(fresh) == expected
-    on_page = inside(fresh, "return {...inside.getElementById('readout').dataset}")
+    height = format_with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
+    assert f"Sq {height}," in drop_scan(empty_page, "upper", maps[0])["hint"]
+    assert "Sq" in choose_scan(empty_page, "lower", maps[1])["hint"]
+    fill_fields(empty_page, METAL_FIELDS)
+    press_start(empty_page)
+    wait_until(lambda: shown_result(empty_page)[0] or job_state(empty_page) == "failed", bool)
+    assert wait_until_finished(empty_page) == "done"
+    wait_for_report(empty_page)
+    expected = run_shown_command(empty_page, maps[0].parent, monkeypatch)
+    assert shown_result(empty_page) == expected
+    report_values = run_in_report(empty_page, "return {...inside.getElementById('readout').dataset}")
     np.testing.assert_allclose(
-        [float(on_page[name]) for name in ("value", "lower", "upper")], expected[0]["all"], rtol=AGREEMENT
+        [float(report_values[name]) for name in ("value", "lower", "upper")],
+        expected[0]["all"],
+        rtol=MAX_ROUNDING_ERROR,
     )
 
-    # The slider of the page, and then the field of the form: the other follows, and so do words and line.
-    for move in (
-        lambda: inside(fresh, "const field = inside.getElementById('mu0'); field.value = 0.3;" + CHANGED),
-        lambda: fill(fresh, {"mu0": "0.35"}),
+    # A change of mu0 by the slider or by the field changes the other one, the sentence and the command line.
+    for change_mu0 in (
+        lambda: run_in_report(
+            empty_page, "const field = inside.getElementById('mu0'); field.value = 0.3;" + DISPATCH_INPUT_EVENT
+        ),
+        lambda: fill_fields(empty_page, {"mu0": "0.35"}),
     ):
-        before = answer(fresh)[1]
-        move()
-        until(lambda: answer(fresh)[1], lambda sentence, before=before: sentence != before)
-        mu0 = inside(fresh, "return inside.getElementById('mu0-number').value")
-        assert fresh.find_element("name", "mu0").get_property("value") == mu0
-        assert f"--mu0={mu0}" in fresh.find_element("id", "command").get_property("textContent")
-        assert f"μ0 = {mu0}," in answer(fresh)[1]
-    shown, message = answer(fresh)
-    numbers, sentence = same_as(fresh, maps[0].parent, monkeypatch)
-    assert message == sentence
-    assert shown == {rule: pytest.approx(values, rel=1e-12) for rule, values in numbers.items()}
+        sentence_before = shown_result(empty_page)[1]
+        change_mu0()
+        wait_until(
+            lambda: shown_result(empty_page)[1],
+            lambda expected_sentence, sentence_before=sentence_before: expected_sentence != sentence_before,
+        )
+        mu0 = run_in_report(empty_page, "return inside.getElementById('mu0-number').value")
+        assert empty_page.find_element("name", "mu0").get_property("value") == mu0
+        assert f"--mu0={mu0}" in empty_page.find_element("id", "command").get_property("textContent")
+        assert f"μ0 = {mu0}," in shown_result(empty_page)[1]
+    shown_intervals, shown_sentence = shown_result(empty_page)
+    expected_intervals, expected_sentence = run_shown_command(empty_page, maps[0].parent, monkeypatch)
+    assert shown_sentence == expected_sentence
+    assert shown_intervals == {rule: pytest.approx(values, rel=1e-12) for rule, values in expected_intervals.items()}
 
-    job = fresh.execute_script("return current")
-    for name, begins in (
+    job = empty_page.execute_script("return current")
+    for name, expected_start in (
         ("page.html", "<!doctype html>"), ("result.csv", "load"), ("result.json", "{"), ("study.toml", "# Written by"),
     ):  # fmt: skip
-        status, headers, body = app.ask("GET", f"/jobs/{job}/{name}?save")
+        status, headers, body = app.request("GET", f"/jobs/{job}/{name}?save")
         assert status == 200
         assert headers["Content-Disposition"] == f'attachment; filename="{name}"'
-        assert body.decode().lower().startswith(begins.lower()) or begins in body.decode().splitlines()[0]
+        assert (
+            body.decode().lower().startswith(expected_start.lower()) or expected_start in body.decode().splitlines()[0]
+        )
         assert str(app.folder) not in body.decode(), name
-    assert of_record(json.loads(app.ask("GET", f"/jobs/{job}/result.json")[2])) == expected
+    assert result_of_record(json.loads(app.request("GET", f"/jobs/{job}/result.json")[2])) == expected
 
-    assert app.ask("GET", f"/jobs/{job}/at?load=1&mu0=0.2&tau0=0&d=1.2")[0] == 400  # it has no dimensions
+    assert (
+        app.request("GET", f"/jobs/{job}/at?load=1&mu0=0.2&tau0=0&d=1.2")[0] == 400
+    )  # measured surfaces have no fractal dimension
 
-    fresh.refresh()
-    assert finished(fresh) == "done"
-    until(lambda: answer(fresh), lambda now: now == expected)
-    until(lambda: seen(fresh, "upper")["hint"], lambda hint: height in hint)
+    empty_page.refresh()
+    assert wait_until_finished(empty_page) == "done"
+    wait_until(lambda: shown_result(empty_page), lambda current_result: current_result == expected)
+    wait_until(lambda: scan_texts(empty_page, "upper")["hint"], lambda hint: height in hint)
 
-    # Without the page's own private names it is the study of these files, wherever they are.
-    (maps[0].parent / "study.toml").write_bytes(app.ask("GET", f"/jobs/{job}/study.toml")[2])
+    # The saved study contains no private paths of the server, so that it runs in any folder with these files.
+    (maps[0].parent / "study.toml").write_bytes(app.request("GET", f"/jobs/{job}/study.toml")[2])
     check_stiction("run", "study.toml", "--part=1/2", "--output=again", cwd=maps[0].parent)
 
 
-def test_stopped_job_is_stored_and_resumes_with_another_window_open(fresh, tmp_path, app):
+def test_stopped_job_is_stored_and_resumed(empty_page, tmp_path, app):
     for side, path in zip(("upper", "lower"), write_maps(tmp_path, 64), strict=True):
-        choose(fresh, side, path)
-    fill(fresh, HARD | {"shifts": "400"})
-    with app.held(40) as let_go:
-        press(fresh)
-        # Both at once: what the page has drawn so far, and that more is finished than it has drawn.
-        until(lambda: app.jobs()[-1], lambda job: job["versions"] > 1 and job["finished"] > 8)
-        until(lambda: fresh.find_element("id", "words").text, lambda text: "of 400" in text)
-        fresh.find_element("id", "stop").click()
-        until(lambda: app.jobs()[-1], is_ending)
-        let_go()
-        assert finished(fresh) == "stopped"
-    told = app.jobs()[-1]
-    assert 8 < told["finished"] < 400
-    assert f"{told['finished']} of 400 are finished" in fresh.find_element("id", "answer").text
-    studies = app.private()[0].glob("results/*/pair/study.toml")
+        choose_scan(empty_page, side, path)
+    fill_fields(empty_page, METAL_FIELDS | {"shifts": "400"})
+    with app.block_commands(40) as unblock:
+        press_start(empty_page)
+        # Wait until the page has drawn an intermediate result and further members are finished.
+        wait_until(lambda: app.list_jobs()[-1], lambda job: job["versions"] > 1 and job["finished"] > 8)
+        wait_until(lambda: empty_page.find_element("id", "words").text, lambda text: "of 400" in text)
+        empty_page.find_element("id", "stop").click()
+        wait_until(lambda: app.list_jobs()[-1], is_ending)
+        unblock()
+        assert wait_until_finished(empty_page) == "stopped"
+    stopped_job = app.list_jobs()[-1]
+    assert 8 < stopped_job["finished"] < 400
+    assert f"{stopped_job['finished']} of 400 are finished" in empty_page.find_element("id", "answer").text
+    studies = app.find_private_folders()[0].glob("results/*/pair/study.toml")
     (folder,) = [path.parent for path in studies if "repetitions = 400" in path.read_text("utf-8")]
-    message = call_stiction("info", folder, "--json", cwd=app.folder)
-    assert answer(fresh) == of_record(json.loads(message.stdout))
-    with app.held(200):
-        press(fresh)
-        until(lambda: app.jobs()[-1]["finished"], lambda count: count > told["finished"])
-        look_at_another_window(fresh, app)
+    info = call_stiction("info", folder, "--json", cwd=app.folder)
+    assert shown_result(empty_page) == result_of_record(json.loads(info.stdout))
+    with app.block_commands(200):
+        press_start(empty_page)
+        wait_until(lambda: app.list_jobs()[-1]["finished"], lambda count: count > stopped_job["finished"])
+        check_second_window(empty_page, app)
 
 
-def look_at_another_window(fresh, app):
-    """Check another window, whose job waits for this one."""
-    first = fresh.current_window_handle
-    fresh.switch_to.new_window("tab")
+def check_second_window(empty_page, app):
+    """Start a job in a second window, which waits for the job of the first window, and stop both."""
+    first_window = empty_page.current_window_handle
+    empty_page.switch_to.new_window("tab")
     try:
-        fresh.get(app.origin)
-        fresh.find_element("css selector", "#made > summary").click()
-        press(fresh, "run")
-        until(lambda: state(fresh), bool)
-        assert [job["state"] for job in app.jobs()[-2:]] == ["running", "waiting"]
-        assert fresh.find_element("id", "title").text == "Generated profiles"
-        fresh.find_element("id", "stop").click()
-        assert finished(fresh) == "stopped"
+        empty_page.get(app.origin)
+        empty_page.find_element("css selector", "#made > summary").click()
+        press_start(empty_page, "run")
+        wait_until(lambda: job_state(empty_page), bool)
+        assert [job["state"] for job in app.list_jobs()[-2:]] == ["running", "waiting"]
+        assert empty_page.find_element("id", "title").text == "Generated profiles"
+        empty_page.find_element("id", "stop").click()
+        assert wait_until_finished(empty_page) == "stopped"
     finally:
-        fresh.close()
-        fresh.switch_to.window(first)
-    assert fresh.find_element("id", "title").text == "upper_face.csv on lower_face.csv"
-    fresh.find_element("id", "stop").click()
-    until(lambda: app.jobs()[-2], is_ending)
+        empty_page.close()
+        empty_page.switch_to.window(first_window)
+    assert empty_page.find_element("id", "title").text == "upper_face.csv on lower_face.csv"
+    empty_page.find_element("id", "stop").click()
+    wait_until(lambda: app.list_jobs()[-2], is_ending)
 
 
 def is_ending(job):
@@ -352,172 +379,178 @@ def is_ending(job):
     return "stopping" in job["words"] or job["state"] == "stopped"
 
 
-def test_errors_are_those_of_the_command_at_their_field(fresh, maps, tmp_path, monkeypatch):
-    broken, plain = tmp_path / "broken.x3p", tmp_path / "plain.txt"
-    broken.write_bytes(b"PK\3\4" + bytes(100))
-    np.savetxt(plain, np.random.default_rng(0).standard_normal((24, 24)))
+def test_error_of_the_command_is_shown_at_its_field(empty_page, maps, tmp_path, monkeypatch):
+    broken_file, text_file = tmp_path / "broken.x3p", tmp_path / "plain.txt"
+    broken_file.write_bytes(b"PK\3\4" + bytes(100))
+    np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
 
-    def told(path, *options):
+    def command_error(path, *options):
         return (
             call_stiction("characterise", path.name, *options, cwd=tmp_path).stderr.removeprefix("stiction: ").strip()
         )
 
-    def mend(name, value):
-        fresh.execute_script(
+    def change_reading_field(name, value):
+        empty_page.execute_script(
             "const field = document.querySelector(`#upper-drop [name=${arguments[0]}]`); field.value = arguments[1];"
             "field.dispatchEvent(new Event('change', {bubbles: true}))",
             name, value,
         )  # fmt: skip
 
-    assert choose(fresh, "upper", broken)["wrong"] == told(broken)
-    assert choose(fresh, "upper", plain)["wrong"] == told(plain)
-    mend("unit", "nm")
-    expected = told(plain, "--unit", "nm")
-    until(lambda: seen(fresh, "upper")["wrong"], lambda wrong: wrong == expected)
-    mend("spacing", "0.1 um")
-    until(lambda: seen(fresh, "upper")["hint"], lambda hint: "2.4 µm" in hint)
-    fresh.find_element("css selector", "#pair .go").send_keys("\n")
-    assert "the lower scan is missing" in fresh.find_element("id", "pair-wrong").text
-    # A map whose file says its unit, and another grid, beside one whose file does not.
-    other = tmp_path / "coarse.csv"
-    write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), other)
-    choose(fresh, "lower", other)
-    fill(fresh, HARD | {"load": "5 apples"})
-    press(fresh)
-    assert finished(fresh).startswith("failed")
-    assert "'5 apples'" in fresh.find_element("id", "pair-wrong").text
-    assert fresh.find_element("name", "load").get_attribute("aria-invalid") == "true"
-    fill(fresh, {"load": "5 MPa"})
-    press(fresh)
-    assert finished(fresh) == "done"
-    assert answer(fresh) == same_as(fresh, tmp_path, monkeypatch)
+    assert choose_scan(empty_page, "upper", broken_file)["wrong"] == command_error(broken_file)
+    assert choose_scan(empty_page, "upper", text_file)["wrong"] == command_error(text_file)
+    change_reading_field("unit", "nm")
+    expected_message = command_error(text_file, "--unit", "nm")
+    wait_until(lambda: scan_texts(empty_page, "upper")["wrong"], lambda wrong: wrong == expected_message)
+    change_reading_field("spacing", "0.1 um")
+    wait_until(lambda: scan_texts(empty_page, "upper")["hint"], lambda hint: "2.4 µm" in hint)
+    empty_page.find_element("css selector", "#pair .go").send_keys("\n")
+    assert "the lower scan is missing" in empty_page.find_element("id", "pair-wrong").text
+    # The file of the second map has another grid and contains its units.
+    csv_file = tmp_path / "coarse.csv"
+    write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), csv_file)
+    choose_scan(empty_page, "lower", csv_file)
+    fill_fields(empty_page, METAL_FIELDS | {"load": "5 apples"})
+    press_start(empty_page)
+    assert wait_until_finished(empty_page).startswith("failed")
+    assert "'5 apples'" in empty_page.find_element("id", "pair-wrong").text
+    assert empty_page.find_element("name", "load").get_attribute("aria-invalid") == "true"
+    fill_fields(empty_page, {"load": "5 MPa"})
+    press_start(empty_page)
+    assert wait_until_finished(empty_page) == "done"
+    assert shown_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
-def test_first_result_has_at_most_the_requested_positions(app, fresh):
-    """And sample surfaces can be saved, so that the line can be repeated; what is so far said of how many."""
-    fresh.find_element("id", "demo").click()
+def test_preview_has_at_most_the_requested_positions(app, empty_page):
+    """The sample surfaces can be saved, too, so that the command line can be repeated."""
+    empty_page.find_element("id", "demo").click()
     for side in ("upper", "lower"):
-        assert "128 × 128" in until(lambda side=side: seen(fresh, side)["hint"], lambda hint: "Sq" in hint)
-        link = fresh.find_element("css selector", f"#{side}-drop .save").get_attribute("href")
-        _, headers, body = app.ask("GET", link.removeprefix(app.origin))
+        assert "128 × 128" in wait_until(
+            lambda side=side: scan_texts(empty_page, side)["hint"], lambda hint: "Sq" in hint
+        )
+        link = empty_page.find_element("css selector", f"#{side}-drop .save").get_attribute("href")
+        _, headers, body = app.request("GET", link.removeprefix(app.origin))
         assert headers["Content-Disposition"] == f'attachment; filename="{side}.csv"'
         assert body.count(b"\n") >= 128
-    until(lambda: state(fresh), bool)  # they are pressed at once
-    fresh.execute_script("postJson(`/jobs/${current}/stop`)")
-    assert finished(fresh) in ("stopped", "done")
-    fill(fresh, {"shifts": "2"})
-    by = "preview with the asperity model, without hardness, at 2 positions, here and in the pictures"
-    with app.held(0):
-        press(fresh)
-        until(lambda: fresh.find_element("id", "answer").text, lambda text: by in text)
-        wait_for_page(fresh)
-        fresh.find_element("id", "stop").click()
-        until(lambda: app.jobs()[-1], is_ending)
-    assert finished(fresh) == "stopped"
-    shown = fresh.find_element("id", "answer").text
-    assert shown.startswith("stopped")
-    assert by in shown
+    wait_until(lambda: job_state(empty_page), bool)  # the sample surfaces are computed without a click
+    empty_page.execute_script("postJson(`/jobs/${current}/stop`)")
+    assert wait_until_finished(empty_page) in ("stopped", "done")
+    fill_fields(empty_page, {"shifts": "2"})
+    preview_description = "preview with the asperity model, without hardness, at 2 positions, here and in the pictures"
+    with app.block_commands(0):
+        press_start(empty_page)
+        wait_until(lambda: empty_page.find_element("id", "answer").text, lambda text: preview_description in text)
+        wait_for_report(empty_page)
+        empty_page.find_element("id", "stop").click()
+        wait_until(lambda: app.list_jobs()[-1], is_ending)
+    assert wait_until_finished(empty_page) == "stopped"
+    answer_text = empty_page.find_element("id", "answer").text
+    assert answer_text.startswith("stopped")
+    assert preview_description in answer_text
 
 
-def test_cookie_sent_to_another_port_gives_no_access(app, fresh):
-    """A browser sends cookies to every port: of those it has one secret, and not the other."""
-    seen = []
+def test_cookie_sent_to_another_port_gives_no_access(app, empty_page):
+    """A browser sends a cookie to all ports of a host, so that access also requires the key of the page."""
+    received_requests = []
 
-    class Other(BaseHTTPRequestHandler):
+    class RecordingHandler(BaseHTTPRequestHandler):
         def do_GET(self):
-            seen.append(f"{self.path}\n{self.headers}")
+            received_requests.append(f"{self.path}\n{self.headers}")
             self.send_response(200)
             self.end_headers()
 
         def log_message(self, *_):
             """Print nothing."""
 
-    with ThreadingHTTPServer(("127.0.0.1", 0), Other) as other:
-        threading.Thread(target=other.serve_forever).start()
+    with ThreadingHTTPServer(("127.0.0.1", 0), RecordingHandler) as other_server:
+        threading.Thread(target=other_server.serve_forever).start()
         try:
-            fresh.get(f"http://127.0.0.1:{other.server_port}/")
-            assert fresh.execute_script("return localStorage.getItem('key')") is None
+            empty_page.get(f"http://127.0.0.1:{other_server.server_port}/")
+            assert empty_page.execute_script("return localStorage.getItem('key')") is None
         finally:
-            other.shutdown()
-    assert any(app.cookie in item for item in seen)
-    assert not any(app.key in item for item in seen)
-    status, _, page = app.ask("GET", "/", X_Stiction_Key=None)
+            other_server.shutdown()
+    assert any(app.cookie in received_request for received_request in received_requests)
+    assert not any(app.key in received_request for received_request in received_requests)
+    status, _, start_page = app.request("GET", "/", X_Stiction_Key=None)
     assert status == 200
-    assert app.key not in page.decode()
+    assert app.key not in start_page.decode()
     for path in ("/jobs", "/jobs?key=", "/results", "/scans/x", "/jobs/1/page.html", "/profiles?set=[]"):
-        assert app.ask("GET", path, X_Stiction_Key=None)[0] == 403
+        assert app.request("GET", path, X_Stiction_Key=None)[0] == 403
     for method, path in (("POST", "/jobs"), ("POST", "/demo"), ("PUT", "/scans?name=a.csv"), ("POST", "/menu")):
-        assert app.ask(method, path, b"{}", X_Stiction_Key=None)[0] == 403
+        assert app.request(method, path, b"{}", X_Stiction_Key=None)[0] == 403
 
 
-def test_profiles_use_asperity_model_by_default(fresh, tmp_path, monkeypatch, rough_pair):
+def test_profiles_use_asperity_model_by_default(empty_page, tmp_path, monkeypatch, rough_pair):
     for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
-        assert "Pq" in choose(fresh, side, tmp_path / f"{side}.csv")["hint"]
-    fill(fresh, {"upper": "numbers", "lower": "numbers", "load": "1 mN", "tau0": "5"})
+        assert "Pq" in choose_scan(empty_page, side, tmp_path / f"{side}.csv")["hint"]
+    fill_fields(empty_page, {"upper": "numbers", "lower": "numbers", "load": "1 mN", "tau0": "5"})
     for name, values in (("young", (200, 70)), ("poisson", (0.3, 0.33))):
-        for field, value in zip(fresh.find_elements("name", name), values, strict=True):
+        for field, value in zip(empty_page.find_elements("name", name), values, strict=True):
             field.send_keys(str(value))
-    press(fresh)
-    assert finished(fresh) == "done"
-    assert answer(fresh) == same_as(fresh, tmp_path, monkeypatch)
+    press_start(empty_page)
+    assert wait_until_finished(empty_page) == "done"
+    assert shown_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
-def test_sliders_change_generated_profiles_and_mark_the_map(fresh):
-    fresh.find_element("css selector", "#made > summary").click()
-    lines = "return document.getElementById('profile').src"
-    before = until(lambda: fresh.execute_script(lines), bool)
-    fill(fresh, {"#d": "2", "#seed": "5"})
-    until(lambda: fresh.execute_script(lines), lambda now: now != before)
-    press(fresh, "run")
-    assert finished(fresh) == "done"
-    wait_for_page(fresh)
-    assert float(inside(fresh, "return inside.getElementById('readout').dataset.dimension")) == pytest.approx(1.1)
-    assert inside(fresh, "return inside.getElementById('map-panel').hidden") is False
+def test_sliders_change_generated_profiles_and_the_selected_point(empty_page):
+    empty_page.find_element("css selector", "#made > summary").click()
+    image_address_script = "return document.getElementById('profile').src"
+    previous_address = wait_until(lambda: empty_page.execute_script(image_address_script), bool)
+    fill_fields(empty_page, {"#d": "2", "#seed": "5"})
+    wait_until(
+        lambda: empty_page.execute_script(image_address_script), lambda image_address: image_address != previous_address
+    )
+    press_start(empty_page, "run")
+    assert wait_until_finished(empty_page) == "done"
+    wait_for_report(empty_page)
+    assert float(
+        run_in_report(empty_page, "return inside.getElementById('readout').dataset.dimension")
+    ) == pytest.approx(1.1)
+    assert run_in_report(empty_page, "return inside.getElementById('map-panel').hidden") is False
 
 
-def test_results_in_directory_are_listed_and_opened(fresh, app):
-    few = {"ensemble.repetitions": 2, "surfaces.points": 3000}
-    run(Study.named("quick").with_changes(few), store=app.folder / "mine")
+def test_results_in_the_working_directory_are_listed_and_opened(empty_page, app):
+    changes = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    run(Study.named("quick").with_changes(changes), store=app.folder / "mine")
     (app.folder / "broken").mkdir()
     (app.folder / "broken" / "study.toml").write_text("surfaces = 3\n")
     (app.folder / "broken" / "blocks").mkdir()
-    fresh.find_element("css selector", "#there > summary").click()
-    button = until(lambda: fresh.find_elements("css selector", "#results li:last-child button"), bool)[0]
-    assert "a study, 2 of 2" in fresh.find_element("id", "results").text
+    empty_page.find_element("css selector", "#there > summary").click()
+    button = wait_until(lambda: empty_page.find_elements("css selector", "#results li:last-child button"), bool)[0]
+    assert "a study, 2 of 2" in empty_page.find_element("id", "results").text
     button.click()
-    assert finished(fresh) == "done"
-    assert fresh.find_element("id", "title").text == "mine"
-    until(lambda: fresh.find_element("id", "page").is_displayed(), bool)
+    assert wait_until_finished(empty_page) == "done"
+    assert empty_page.find_element("id", "title").text == "mine"
+    wait_until(lambda: empty_page.find_element("id", "page").is_displayed(), bool)
 
 
-def test_app_has_no_accessibility_violations(fresh, maps):
-    """No finding of axe, without and with an answer, on a screen by day and a phone by night; nothing is cut off."""
-    script = browser.load_axe_script()
+def test_app_has_no_accessibility_violations(empty_page, maps):
+    """The page is checked without and with a result, on a light screen and on a dark phone."""
+    axe_script = browser.load_axe_script()
 
-    def check():
+    def check_accessibility():
         for width, scheme in ((1280, "light"), (390, "dark")):
-            size(fresh, width, 720, scheme)
-            assert browser.find_accessibility_faults(fresh, script) == []
-            assert fresh.execute_script("return document.documentElement.scrollWidth <= innerWidth")
-        size(fresh)
+            set_window_size(empty_page, width, 720, scheme)
+            assert browser.find_accessibility_faults(empty_page, axe_script) == []
+            assert empty_page.execute_script("return document.documentElement.scrollWidth <= innerWidth")
+        set_window_size(empty_page)
 
     try:
-        for place in ("#made", "#there", "details[name=what]"):  # by keys alone
-            fresh.find_element("css selector", f"{place} > summary").send_keys("\n")
-            check()
+        for section in ("#made", "#there", "details[name=what]"):  # opened by the keyboard
+            empty_page.find_element("css selector", f"{section} > summary").send_keys("\n")
+            check_accessibility()
         for side, path in zip(("upper", "lower"), maps, strict=True):
-            choose(fresh, side, path)
-        fill(fresh, HARD)
-        press(fresh)
-        assert finished(fresh) == "done"
-        wait_for_page(fresh)
-        check()
+            choose_scan(empty_page, side, path)
+        fill_fields(empty_page, METAL_FIELDS)
+        press_start(empty_page)
+        assert wait_until_finished(empty_page) == "done"
+        wait_for_report(empty_page)
+        check_accessibility()
     finally:
-        size(fresh)
+        set_window_size(empty_page)
 
 
-def test_server_waits_longer_for_the_first_window():
+def test_server_is_not_abandoned_before_its_first_window():
     window = SimpleNamespace(last_request_time=100.0, has_window=True)
     assert not is_abandoned(window, 100.0 + MAX_WINDOW_ABSENCE)
     assert is_abandoned(window, 100.5 + MAX_WINDOW_ABSENCE)
@@ -525,13 +558,16 @@ def test_server_waits_longer_for_the_first_window():
 
 
 def test_server_ends_after_its_last_window_is_closed(tmp_path, tmp_path_factory):
-    """Here it asks whether anybody is there once somebody was, and that is the last that it hears."""
+    """The page that is closed here has sent only one request about open windows."""
     code = "from stiction.app import run; from stiction.cli.application import print_message; "
     code += "run.MAX_WINDOW_ABSENCE = 1.5; run.run(print_message=print_message)"
-    with served(tmp_path, code=code) as server, browser.start_browser(tmp_path_factory.mktemp("profile")) as driver:
+    with (
+        start_server(tmp_path, code=code) as server,
+        browser.start_browser(tmp_path_factory.mktemp("profile")) as driver,
+    ):
         driver.get(server.address)
         driver.get("about:blank")
-        assert server.process.wait(PATIENCE) == 0
-        assert server.private() == []
+        assert server.process.wait(MAX_WAITING_TIME) == 0
+        assert server.find_private_folders() == []
         with contextlib.suppress(OSError):
-            assert server.ask("GET", "/")[0] is None
+            assert server.request("GET", "/")[0] is None

@@ -1,31 +1,31 @@
-"""Fields of the app's form, made from the options of a pair."""
+"""Tests of the form of the app, which has a field for each option of `pair`."""
 
 import html
 import json
 
 import pytest
-from stiction.app.form import FIELDS, READING, fields_html, first_option, page_facts, with_labels
+from stiction.app.form import FIELDS, READING_FIELDS, fields_html, find_first_option, page_facts, replace_option_names
 from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_choices
 
 
-def test_reading_fields_are_reading_options():
-    names = {flag.replace("-", "_") for flag in READING}
+def test_reading_fields_are_options_of_file_readers():
+    names = {flag.replace("-", "_") for flag in READING_FIELDS}
     assert names < set(ReadingOptions.model_fields)
 
 
 @pytest.mark.parametrize("flag", FIELDS)
-def test_field_is_in_one_place_of_the_form(flag):
+def test_form_contains_each_field_at_its_place_only(flag):
     places = [place for place in ("scan", "more") if f'name="{flag}"' in fields_html(place)]
     assert places == ([FIELDS[flag].place] if FIELDS[flag].place in ("scan", "more") else [])
 
 
-def test_choices_of_fields_are_values_of_their_options():
+def test_choices_of_form_field_are_values_of_its_option():
     for name, option in PAIR_OPTIONS.items():
         if option.field and option.field.choices and list_choices(name):
             assert {value for value, _ in option.field.choices} <= set(list_choices(name))
 
 
-def test_units_are_added_to_bare_numbers_of_quantities_alone():
+def test_form_adds_units_to_quantities_but_not_to_texts():
     numbers = json.loads(html.unescape(page_facts()))
     assert numbers["units"]["hardness"] == " GPa"
     assert set(numbers["units"]) | set(numbers["texts"]) <= set(FIELDS)
@@ -45,6 +45,6 @@ def test_units_are_added_to_bare_numbers_of_quantities_alone():
         ("a.csv: cannot be read", "a.csv: cannot be read", ""),
     ],
 )
-def test_messages_name_fields_by_their_labels(message, labelled, option):
-    assert with_labels(message) == labelled
-    assert first_option(message) == option
+def test_error_message_names_the_form_field_by_its_label(message, labelled, option):
+    assert replace_option_names(message) == labelled
+    assert find_first_option(message) == option

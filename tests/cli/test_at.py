@@ -1,4 +1,4 @@
-"""Tests of at, info, export, plot and run on results of a study, of profiles and of maps."""
+"""Tests of the commands at, info, export, plot and run on a study, a pair of profiles and a pair of maps."""
 
 import csv
 import json
@@ -7,28 +7,28 @@ import shutil
 import pytest
 import xarray
 from stiction import open_result, run, self_affine, self_affine_surface, write_profile, write_surface
-from stiction._number_format import quoted
+from stiction._number_format import format_estimate
 from stiction.studies.evaluation import at_load
 from stiction.studies.store import open_stored
 from stiction.studies.summary import summarize
-from stiction.views.rows import SCHEMA
+from stiction.views.rows import SCHEMA_VERSION
 from support.command import assert_rejected, call_stiction, check_stiction
 from support.generated_studies import SMALL_STUDY
 
-MATERIAL = ("--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "0 MPa,20 MPa")
+MATERIAL_OPTIONS = ("--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "0 MPa,20 MPa")
 
-PAIRS = {
-    "lines": ("upper.csv", "lower.csv", *MATERIAL, "--load", "0.1 mN", "--offsets", "8"),
+PAIR_ARGUMENTS = {
+    "lines": ("upper.csv", "lower.csv", *MATERIAL_OPTIONS, "--load", "0.1 mN", "--offsets", "8"),
     "maps": (
-        "upper.npy", "lower.npy", "--unit", "um", "--spacing", "0.2 um", *MATERIAL,
+        "upper.npy", "lower.npy", "--unit", "um", "--spacing", "0.2 um", *MATERIAL_OPTIONS,
         "--load", "10 MPa", "--load", "5 MPa", "--shifts", "3", "--mechanics", "asperities",
     ),
 }  # fmt: skip
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory, no_figures):
-    """Two scans, two maps, a study, and a pair of each kind."""
+def results_folder(tmp_path_factory, no_figures):
+    """Folder with two profiles, two maps and three results: of a study, of the profiles and of the maps."""
     path = tmp_path_factory.mktemp("results")
     for side in ("upper", "lower"):
         scan = self_affine(1, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side)
@@ -40,12 +40,12 @@ def folder(tmp_path_factory, no_figures):
         store=path / "study",
     )
     with no_figures():
-        for name, arguments in PAIRS.items():
-            assert said("pair", *arguments, "--output", name, cwd=path)
+        for name, arguments in PAIR_ARGUMENTS.items():
+            assert stiction_output("pair", *arguments, "--output", name, cwd=path)
     return path
 
 
-def said(*arguments, cwd):
+def stiction_output(*arguments, cwd):
     completed = check_stiction(*arguments, cwd=cwd, without_figures=True)
     return completed.stdout
 
@@ -53,7 +53,7 @@ def said(*arguments, cwd):
 # ---- at --------------------------------------------------------------------------------------------------------------
 
 
-AT = {
+CONDITIONS = {
     "study": (
         ("--load", "1 uN", "--d", "1.3", "--mu0", "0.35", "--tau0", "20 MPa"), [1e-3], {"mu0": [0.35], "tau0": [0.02]},
     ),
@@ -62,73 +62,88 @@ AT = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", AT)
-def test_at_equals_library_for_any_mu0_and_tau0(folder, name):
-    arguments, loads, material = AT[name]
-    record = json.loads(said("at", name, *arguments, "--json", cwd=folder))
-    stored = open_stored(folder / name)
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_at_prints_values_of_the_library_for_any_mu0_and_tau0(results_folder, name):
+    options, loads, friction_parameters = CONDITIONS[name]
+    output_record = json.loads(stiction_output("at", name, *options, "--json", cwd=results_folder))
+    stored = open_stored(results_folder / name)
     if name == "maps":
-        loads = [8e-3 * record["nominal_area"]]
-    expected = at_load(stored, loads, **material)
+        loads = [8e-3 * output_record["nominal_area"]]
+    expected_points = at_load(stored, loads, **friction_parameters)
     if name == "study":
-        expected = expected.sel(fractal_dimension=[1.3], method="nearest").isel(amplitude=[0])
-    expected = summarize(expected, stored.study).points
-    assert [one["verdict"] for one in record["answers"]] == [one.verdict for one in expected]
-    assert [one["at"]["load"] for one in record["answers"]] == pytest.approx([one.at["load"] for one in expected])
-    for one, other in zip(record["answers"], expected, strict=True):
-        assert [rule["value"] for rule in one["rules"]] == pytest.approx([rule.value for rule in other.rules])
-    text = said("at", name, *arguments, cwd=folder)
-    first = expected[0].rules[0]
-    assert quoted(first.value, first.lower, first.upper) in text
-    assert expected[0].verdict in text
+        expected_points = expected_points.sel(fractal_dimension=[1.3], method="nearest").isel(amplitude=[0])
+    expected_points = summarize(expected_points, stored.study).points
+    assert [answer["verdict"] for answer in output_record["answers"]] == [answer.verdict for answer in expected_points]
+    assert [answer["at"]["load"] for answer in output_record["answers"]] == pytest.approx(
+        [answer.at["load"] for answer in expected_points]
+    )
+    for answer, point in zip(output_record["answers"], expected_points, strict=True):
+        assert [rule["value"] for rule in answer["rules"]] == pytest.approx([rule.value for rule in point.rules])
+    text = stiction_output("at", name, *options, cwd=results_folder)
+    first_rule = expected_points[0].rules[0]
+    assert format_estimate(first_rule.value, first_rule.lower, first_rule.upper) in text
+    assert expected_points[0].verdict in text
 
 
-def test_at_uses_defaults_of_the_result_and_reports_status(folder):
-    record = json.loads(said("at", "lines", "--load", "0.1 mN", "--json", cwd=folder))
-    assert [(one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
-    text = said("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=folder)
+def test_at_uses_defaults_of_the_result_and_reports_status(results_folder):
+    record = json.loads(stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_folder))
+    assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
+    text = stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)
     assert text.splitlines()[0].endswith("τ0 = 0, 100 MPa (--tau0).")
     assert [line.split()[0] for line in text.splitlines()[1:6]] == ["D", "1", "1", "1.2", "1.2"]
-    text = said("at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", "--tau0", "0 MPa", cwd=folder)
+    text = stiction_output(
+        "at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", "--tau0", "0 MPa", cwd=results_folder
+    )
     assert text.startswith("μ_s = not-reached")
-    assert "! no solved load is as large" in text
+    assert "! no solved load" in text
 
 
-def test_at_without_options_uses_conditions_of_the_study(folder):
-    record = json.loads(said("at", "maps", "--json", cwd=folder))
-    study = open_stored(folder / "maps").study
-    options = [(float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0]
-    assert [(one["at"]["load"], one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == options
-    record = json.loads(said("at", "study", "--load", "1 uN", "--json", cwd=folder))
-    friction = open_stored(folder / "study").study.friction
-    assert {one["at"]["tau0"] for one in record["answers"]} == {0.0, 0.1}
-    assert {one["at"]["mu0"] for one in record["answers"]} == set(friction.mu0)
+def test_at_without_options_uses_conditions_of_the_study(results_folder):
+    record = json.loads(stiction_output("at", "maps", "--json", cwd=results_folder))
+    study = open_stored(results_folder / "maps").study
+    expected_conditions = [
+        (float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0
+    ]
+    assert [
+        (answer["at"]["load"], answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]
+    ] == expected_conditions
+    record = json.loads(stiction_output("at", "study", "--load", "1 uN", "--json", cwd=results_folder))
+    friction = open_stored(results_folder / "study").study.friction
+    assert {answer["at"]["tau0"] for answer in record["answers"]} == {0.0, 0.1}
+    assert {answer["at"]["mu0"] for answer in record["answers"]} == set(friction.mu0)
 
 
-def test_at_in_one_direction_uses_that_direction(folder):
+def test_at_with_direction_prints_friction_in_that_direction(results_folder):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
-    one = json.loads(said(*arguments, "--direction", "30", "--json", cwd=folder))
-    assert "the upper body moves at 30°" in said(*arguments, "--direction", "30", cwd=folder)
-    assert "the mean over 12 directions and 3 positions" in said(*arguments, cwd=folder)
-    at = at_load(open_stored(folder / "maps"), [one["answers"][0]["at"]["load"]], tau0=[0.0])
-    expected = at["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
-    assert one["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
+    record = json.loads(stiction_output(*arguments, "--direction", "30", "--json", cwd=results_folder))
+    assert "the upper body moves at 30°" in stiction_output(*arguments, "--direction", "30", cwd=results_folder)
+    assert "the mean over 12 directions and 3 positions" in stiction_output(*arguments, cwd=results_folder)
+    dataset = at_load(open_stored(results_folder / "maps"), [record["answers"][0]["at"]["load"]], tau0=[0.0])
+    expected = dataset["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
+    assert record["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
 
 
-def test_at_accepts_lists_as_pair_does(folder):
+def test_at_accepts_comma_separated_and_repeated_options(results_folder):
     arguments = ("at", "study", "--tau0", "0 MPa,100 MPa", "--json")
-    lists = json.loads(said(*arguments, "--load", "1 uN,2 uN", "--mu0", "0.3,0.4", "--d", "1.3,1.0", cwd=folder))
-    once = json.loads(said(*arguments, "--load", "1 uN", "--load", "2 uN", "--mu0", "0.4", "--d", "1", cwd=folder))
-    conditions = [one["at"] for one in lists["answers"]]
+    record_of_lists = json.loads(
+        stiction_output(*arguments, "--load", "1 uN,2 uN", "--mu0", "0.3,0.4", "--d", "1.3,1.0", cwd=results_folder)
+    )
+    record_of_repeated_options = json.loads(
+        stiction_output(*arguments, "--load", "1 uN", "--load", "2 uN", "--mu0", "0.4", "--d", "1", cwd=results_folder)
+    )
+    conditions = [answer["at"] for answer in record_of_lists["answers"]]
     assert len(conditions) == 2 * 2 * 2 * 2
-    assert sorted({one["load"] for one in conditions}) == pytest.approx([1e-3, 2e-3])
-    assert len({one["fractal_dimension"] for one in conditions}) == 2
-    values = {json.dumps(one["at"]): one["rules"] for one in lists["answers"]}
-    assert all(values[json.dumps(one["at"])] == one["rules"] for one in once["answers"])
+    assert sorted({answer["load"] for answer in conditions}) == pytest.approx([1e-3, 2e-3])
+    assert len({answer["fractal_dimension"] for answer in conditions}) == 2
+    rules_by_condition = {json.dumps(answer["at"]): answer["rules"] for answer in record_of_lists["answers"]}
+    assert all(
+        rules_by_condition[json.dumps(answer["at"])] == answer["rules"]
+        for answer in record_of_repeated_options["answers"]
+    )
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("arguments", "expected_words"),
     [
         (("study", "--load", "-1 mN", "--mu0", "0.3"), ["--load must be above 0"]),
         (("study", "--load", "1 mN", "--mu0", "-0.3"), ["--mu0 must be at least 0"]),
@@ -136,10 +151,10 @@ def test_at_accepts_lists_as_pair_does(folder):
         (("study", "--load", "1 um"), ["--load"]),
         (("study", "--load", "1 MPa"), ["--load of a study must be a force"]),
         (("study",), ["give --load: the study has no loads"]),
-        (("study", "--load", "1 mN", "--mu0", "0,2"), ['write "0.2" for one number or "0, 2" for two']),
+        (("study", "--load", "1 mN", "--mu0", "0,2"), ['"0.2"', '"0, 2"']),
         (("study", "--load", "0,5 mN"), ['"0.5"']),
         (("maps", "--load", "3,5 MPa"), ['"3.5"']),
-        (("maps", "--load", "0"), ["--load must be above 0, got '0'; a load of 0 is for bodies that adhere"]),
+        (("maps", "--load", "0"), ["--load must be above 0", "adhere"]),
         (("lines", "--load", "1 mN", "--d", "1.3"), ["--d is for studies"]),
         (("study", "--load", "1 mN", "--d", "flat"), ["--d must be a number or several"]),
         (("maps", "--load", "1 mN", "--amplitude", "1 um"), ["--amplitude is for studies"]),
@@ -147,23 +162,23 @@ def test_at_accepts_lists_as_pair_does(folder):
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
     ],
 )
-def test_at_names_the_option_that_it_rejects(folder, arguments, words):
-    assert_rejected(call_stiction("at", *arguments, cwd=folder), *words)
+def test_at_error_names_the_rejected_option(results_folder, arguments, expected_words):
+    assert_rejected(call_stiction("at", *arguments, cwd=results_folder), *expected_words)
 
 
 # ---- info, export, run, plot -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_info_has_the_same_schema_for_every_result(folder, name):
-    record = json.loads(said("info", name, "--json", cwd=folder))
+def test_info_has_the_same_schema_for_every_result(results_folder, name):
+    record = json.loads(stiction_output("info", name, "--json", cwd=results_folder))
     assert list(record)[:3] == ["schema", "stiction", "command"]
-    assert (record["schema"], record["command"]) == (SCHEMA, "info")
-    assert record["finished"] == record["repetitions"] == open_stored(folder / name).study.ensemble.repetitions
+    assert (record["schema"], record["command"]) == (SCHEMA_VERSION, "info")
+    assert record["finished"] == record["repetitions"] == open_stored(results_folder / name).study.ensemble.repetitions
     assert record["values"]
-    assert all({"verdict", "caveats", "sentence"} <= set(one) for one in record["answers"])
-    assert said("report", name, "--output", f"{name}.html", cwd=folder)
-    text = said("info", name, cwd=folder)
+    assert all({"verdict", "caveats", "sentence"} <= set(answer) for answer in record["answers"])
+    assert stiction_output("report", name, "--output", f"{name}.html", cwd=results_folder)
+    text = stiction_output("info", name, cwd=results_folder)
     assert f"{record['finished']} of {record['repetitions']} finished" in text
     if name == "study":
         assert text.count("μ_s [95 %] at ") == 2, "a table for each amplitude"
@@ -171,39 +186,39 @@ def test_info_has_the_same_schema_for_every_result(folder, name):
     assert f"\n{record['answers'][0]['verdict']}" in text or " (1 of 2)" in text
     if name == "study":
         return
-    loads = [one["at"]["load"] for one in record["answers"]]
-    assert loads == sorted(loads), "those of a pair need not rise"
+    loads = [answer["at"]["load"] for answer in record["answers"]]
+    assert loads == sorted(loads), "--load options of a pair may be in any order"
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
 
-def test_scale_heights_computes_on_request_and_prints_table_or_json(folder, tmp_path):
-    shutil.copytree(folder / "maps", tmp_path / "maps")
+def test_scale_heights_requires_compute_and_prints_table_or_json(results_folder, tmp_path):
+    shutil.copytree(results_folder / "maps", tmp_path / "maps")
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
     assert_rejected(
         call_stiction(*arguments, cwd=tmp_path),
-        "--scale-heights needs 2 factors from 0.5 to 2 computed, about ", "give --compute",
+        "--scale-heights needs 2 factors", "--compute",
     )  # fmt: skip
-    text = said(*arguments, "--compute", cwd=tmp_path)
+    text = stiction_output(*arguments, "--compute", cwd=tmp_path)
     rows = [line.split() for line in text.splitlines() if line[:1].isdigit()]
     assert [row[0] for row in rows[:3]] == ["0.5", "1", "2"]
-    assert said(*arguments, cwd=tmp_path) == text
-    record = json.loads(said(*arguments, "--json", cwd=tmp_path))
+    assert stiction_output(*arguments, cwd=tmp_path) == text
+    record = json.loads(stiction_output(*arguments, "--json", cwd=tmp_path))
     assert (record["kind"], record["scaled"], record["solved"]) == ("pair", "both", [0.5, 1.0, 2.0])
     load = 10e-3 * record["nominal_area"]
-    at = open_result(tmp_path / "maps").at(load, mu0=0.25, height_scale=[0.5, 1, 2])
+    dataset = open_result(tmp_path / "maps").at(load, mu0=0.25, height_scale=[0.5, 1, 2])
     names = {value["name"] for value in record["values"]}
     assert {"friction_combined", "contact_area_fraction", "rms_gradient", "upper_rms", "lower_rms"} <= names
     for value in record["values"]:
         if value["name"] == "friction_combined":
-            where = {name: value["at"][name] for name in ("height_scale", "tau0", "sliding")}
+            selection = {name: value["at"][name] for name in ("height_scale", "tau0", "sliding")}
             assert value["value"] == pytest.approx(
-                float(at["friction_combined"].sel(where | {"statistic": "mean"}).item())
+                float(dataset["friction_combined"].sel(selection | {"statistic": "mean"}).item())
             )
-    assert "height_scale" in said("plot", "maps", "--output", "figures", cwd=tmp_path)
+    assert "height_scale" in stiction_output("plot", "maps", "--output", "figures", cwd=tmp_path)
 
 
 @pytest.mark.parametrize(
-    ("name", "arguments", "words"),
+    ("name", "arguments", "expected_message"),
     [
         ("maps", ("--scale-heights", "0"), "--scale-heights must be from 0.01 to 100, got '0'"),
         ("maps", ("--scale-heights=-1",), "--scale-heights must be from 0.01 to 100, got '-1'"),
@@ -218,48 +233,52 @@ def test_scale_heights_computes_on_request_and_prints_table_or_json(folder, tmp_
         ("study", ("--scale-heights", "2", "--load", "1 uN", "--compute"), "needs two measured surfaces"),
     ],
 )  # fmt: skip
-def test_scale_heights_rejects_bad_input(folder, name, arguments, words):
-    assert_rejected(call_stiction("at", name, *arguments, cwd=folder), words)
+def test_scale_heights_rejects_bad_input(results_folder, name, arguments, expected_message):
+    assert_rejected(call_stiction("at", name, *arguments, cwd=results_folder), expected_message)
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_export_writes_result_or_table(folder, name, tmp_path):
-    said("export", name, str(tmp_path / "r.nc"), cwd=folder)
+def test_export_writes_netcdf_or_csv_and_replaces_no_file(results_folder, name, tmp_path):
+    stiction_output("export", name, str(tmp_path / "r.nc"), cwd=results_folder)
     with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported:
         exported = exported.load()
-    whole = open_stored(folder / name).dataset()
-    assert set(whole.data_vars) == set(exported.data_vars)
-    for variable in whole.data_vars:
-        assert exported[variable].equals(whole[variable]), variable
-    said("export", name, str(tmp_path / "r.csv"), cwd=folder)
+    dataset = open_stored(results_folder / name).dataset()
+    assert set(dataset.data_vars) == set(exported.data_vars)
+    for variable in dataset.data_vars:
+        assert exported[variable].equals(dataset[variable]), variable
+    stiction_output("export", name, str(tmp_path / "r.csv"), cwd=results_folder)
     rows = list(csv.DictReader((tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()))
-    record = json.loads(said("info", name, "--json", cwd=folder))
-    assert {row["verdict"] for row in rows} == {one["verdict"] for one in record["answers"]}
-    for file in ("r.nc", "r.csv"):
-        assert_rejected(call_stiction("export", name, str(tmp_path / file), cwd=folder), "exists already")
-    for file in ("r.xlsx", "r"):
-        assert_rejected(call_stiction("export", name, file, cwd=folder), "must end in .nc", ".csv")
+    record = json.loads(stiction_output("info", name, "--json", cwd=results_folder))
+    assert {row["verdict"] for row in rows} == {answer["verdict"] for answer in record["answers"]}
+    for file_name in ("r.nc", "r.csv"):
+        assert_rejected(call_stiction("export", name, str(tmp_path / file_name), cwd=results_folder), "exists already")
+    for file_name in ("r.xlsx", "r"):
+        assert_rejected(call_stiction("export", name, file_name, cwd=results_folder), "must end in .nc", ".csv")
 
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", ["lines", "maps"])
-def test_run_extends_result_in_its_directory(folder, name, tmp_path):
-    shutil.copytree(folder / name, tmp_path / name)
-    total = open_stored(tmp_path / name).study.ensemble.repetitions
-    said("run", str(tmp_path / name), "--set", f"ensemble.repetitions={total + 2}", cwd=folder)
-    assert open_stored(tmp_path / name).finished.size == total + 2
-    assert_rejected(call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=folder), "mu0")
+def test_run_extends_result_in_its_directory(results_folder, name, tmp_path):
+    shutil.copytree(results_folder / name, tmp_path / name)
+    num_repetitions = open_stored(tmp_path / name).study.ensemble.repetitions
+    stiction_output(
+        "run", str(tmp_path / name), "--set", f"ensemble.repetitions={num_repetitions + 2}", cwd=results_folder
+    )
+    assert open_stored(tmp_path / name).finished.size == num_repetitions + 2
+    assert_rejected(call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=results_folder), "mu0")
 
 
-def test_plot_uses_output_directory_and_formats(folder, tmp_path, monkeypatch):
-    values = []
+def test_plot_writes_given_formats_to_output_directory(results_folder, tmp_path, monkeypatch):
+    calls = []
 
-    def drawn(_, where, *, formats):
-        values.append((where, formats))
-        return [where / "a.pdf"]
+    def record_call(_, output_folder, *, formats):
+        calls.append((output_folder, formats))
+        return [output_folder / "a.pdf"]
 
-    monkeypatch.setattr("stiction.views.figures.draw_figures", drawn)
-    text = said("plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=folder)
+    monkeypatch.setattr("stiction.views.figures.draw_figures", record_call)
+    text = stiction_output(
+        "plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=results_folder
+    )
     assert text.splitlines() == [f"wrote {tmp_path / 'figures' / 'a.pdf'}"]
-    assert values == [(tmp_path / "figures", ("pdf", "svg"))]
-    assert_rejected(call_stiction("plot", "lines", "--format", "bmp", cwd=folder), "formats must be")
+    assert calls == [(tmp_path / "figures", ("pdf", "svg"))]
+    assert_rejected(call_stiction("plot", "lines", "--format", "bmp", cwd=results_folder), "formats must be")

@@ -1,4 +1,4 @@
-"""Tests of `stiction calibrate`: friction tests from a table, on computed pairs and on a ball, and rejected input."""
+"""Tests of `stiction calibrate` with friction tests on computed pairs and on a ball."""
 
 import json
 
@@ -9,77 +9,98 @@ from stiction.studies.store import open_stored
 from stiction.studies.tests_file import parse_friction_tests
 from support.command import assert_rejected, call_stiction, check_stiction
 
-MU0, TAU0 = 0.15, 0.012
-BALL = ("--ball", "5 mm", "--effective-modulus", "3 GPa")
+TRUE_MU0, TRUE_TAU0 = 0.15, 0.012
+BALL_OPTIONS = ("--ball", "5 mm", "--effective-modulus", "3 GPa")
 
 
-def table(path, rows, head="load (mN),coefficient,uncertainty (%)"):
-    path.write_text("\n".join(["# measured", head, *(",".join(map(str, row)) for row in rows)]) + "\n", "utf-8")
+def write_table(path, rows, header="load (mN),coefficient,uncertainty (%)"):
+    path.write_text("\n".join(["# measured", header, *(",".join(map(str, row)) for row in rows)]) + "\n", "utf-8")
     return path
 
 
-def ball_rows(error=3):
+def ball_test_rows():
+    """Return load, exact coefficient and uncertainty (%) of five tests with a ball."""
     ball = Ball("5 mm", "3 GPa")
-    return [(load, MU0 + TAU0 * ball.area_per_load(load), error) for load in (5.0, 20.0, 100.0, 500.0, 2000.0)]
+    return [(load, TRUE_MU0 + TRUE_TAU0 * ball.area_per_load(load), 3) for load in (5.0, 20.0, 100.0, 500.0, 2000.0)]
 
 
 @pytest.fixture(scope="module")
-def pressed(tmp_path_factory):
-    """A directory with results of two finishes, elastic, and their friction forces in two units."""
-    where = tmp_path_factory.mktemp("finishes")
+def two_finishes(tmp_path_factory):
+    """Folder with results of two elastic pairs, a ground and a lapped one, and a table of their friction forces."""
+    folder = tmp_path_factory.mktemp("finishes")
     rows = []
     for name, rms in (("ground", 0.04), ("lapped", 0.01)):
         for side, seed in (("upper", 1), ("lower", 2)):
             surface = self_affine_surface(seed, hurst_exponent=0.8, rms=rms, shape=(48, 48), spacing=0.1, side=side)
-            write_surface(surface, where / f"{name}_{side}.csv")
+            write_surface(surface, folder / f"{name}_{side}.csv")
         check_stiction(
-            "pair", f"{name}_upper.csv", f"{name}_lower.csv", "--effective-modulus", "80 GPa", "--mu0", MU0, "--tau0",
-            "300 MPa", "--load", "40 MPa", "--load", "160 MPa", "--shifts", 4, "--onset", 0, "-o", name, cwd=where,
+            "pair",
+            f"{name}_upper.csv",
+            f"{name}_lower.csv",
+            "--effective-modulus",
+            "80 GPa",
+            "--mu0",
+            TRUE_MU0,
+            "--tau0",
+            "300 MPa",
+            "--load",
+            "40 MPa",
+            "--load",
+            "160 MPa",
+            "--shifts",
+            4,
+            "--onset",
+            0,
+            "-o",
+            name,
+            cwd=folder,
             without_figures=True,
-        )  # fmt: skip
-        result = Result(open_stored(where / name))
+        )
+        result = Result(open_stored(folder / name))
         for load in (40, 80, 160):
-            at = result.at(f"{load} MPa", mu0=MU0, tau0="300 MPa")["friction_all_round"].sel(sliding="all")
-            y, force = float(at.sel(statistic="mean").squeeze()), 1e-3 * load * result.nominal_area
-            rows.append((1e-3 * force, 1e3 * force * y, 20 * force * y, name, f"{name} {load}", 1))
-    table(where / "forces.csv", rows, "load (N),force (uN),uncertainty (uN),pair,run,slid")
-    return where
+            friction = result.at(f"{load} MPa", mu0=TRUE_MU0, tau0="300 MPa")["friction_all_round"].sel(sliding="all")
+            coefficient, force = float(friction.sel(statistic="mean").squeeze()), 1e-3 * load * result.nominal_area
+            rows.append((1e-3 * force, 1e3 * force * coefficient, 20 * force * coefficient, name, f"{name} {load}", 1))
+    write_table(folder / "forces.csv", rows, "load (N),force (uN),uncertainty (uN),pair,run,slid")
+    return folder
 
 
-def test_calibrate_with_ball_identifies_and_stores_both_parameters(tmp_path):
-    table(tmp_path / "forces.csv", ball_rows())
-    completed = check_stiction("calibrate", "forces.csv", *BALL, "-o", "film", cwd=tmp_path)
-    first, *rest = completed.stdout.splitlines()
-    assert first.startswith("μ0 + τ0 A/F = ")
-    assert rest[0].startswith("μ0 = 0.1")
-    assert float(rest[1].removeprefix("τ0 = ").split()[0]) == pytest.approx(12, rel=0.01)
-    assert completed.stdout.count("χ²") == 1  # both rules are one of a ball
-    stored = read_interface(tmp_path / "film")
-    assert stored.separated
-    assert stored.about["surfaces"] == "ball"
+def test_calibrate_with_ball_stores_true_mu0_and_tau0(tmp_path):
+    write_table(tmp_path / "forces.csv", ball_test_rows())
+    completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "-o", "film", cwd=tmp_path)
+    first_line, *other_lines = completed.stdout.splitlines()
+    assert first_line.startswith("μ0 + τ0 A/F = ")
+    assert other_lines[0].startswith("μ0 = 0.1")
+    assert float(other_lines[1].removeprefix("τ0 = ").split()[0]) == pytest.approx(12, rel=0.01)
+    assert completed.stdout.count("χ²") == 1  # a smooth ball has the same area by both sliding rules
+    stored_interface = read_interface(tmp_path / "film")
+    assert stored_interface.separated
+    assert stored_interface.about["surfaces"] == "ball"
     assert (tmp_path / "film.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_calibrate_separates_parameters_with_two_finishes_only(pressed):
+def test_calibrate_determines_mu0_and_tau0_with_two_finishes_only(two_finishes):
     arguments = ["forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json"]
-    record = json.loads(check_stiction("calibrate", *arguments, cwd=pressed, without_figures=True).stdout)
+    record = json.loads(check_stiction("calibrate", *arguments, cwd=two_finishes, without_figures=True).stdout)
     assert (record["kind"], record["separated"]) == ("interface", True)
     values = {item["name"]: item for item in record["values"]}
-    assert values["mu0"]["lower"] < MU0 < values["mu0"]["upper"]
+    assert values["mu0"]["lower"] < TRUE_MU0 < values["mu0"]["upper"]
     assert values["tau0"]["lower"] < 0.3 < values["tau0"]["upper"]
-    single = check_stiction("calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=pressed)
-    assert "Only μ0 + τ0 A/F is determined" in single.stdout
-    assert "a smooth ball below yield" in single.stdout
+    single_pair = check_stiction(
+        "calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=two_finishes
+    )
+    assert "μ0 + τ0 A/F is determined" in single_pair.stdout
+    assert "smooth ball" in single_pair.stdout
 
 
 def test_calibrate_warns_about_ball_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
     completed = check_stiction("calibrate", *options, cwd=tmp_path)
-    assert "may exceed the onset of yield" in completed.stderr
+    assert "onset of yield" in completed.stderr
 
 
 @pytest.mark.parametrize(
-    ("head", "row", "words"),
+    ("header", "row", "expected_words"),
     [
         ("load,coefficient", (1, 0.2), "load (mN)"),
         ("load (mN),friction", (1, 0.2), "friction"),
@@ -91,61 +112,75 @@ def test_calibrate_warns_about_ball_beyond_yield(tmp_path):
         ("load (mN),coefficient", (1, "x"), "coefficient must be a number"),
         ("load (MPa),coefficient", (1, 0.2), "load has the unit"),
         ("load (mN),coefficient,uncertainty (%)", (1, 0.2, -1), "uncertainty must be"),
-        ("load (mN),coefficient (mN)", (1, 0.2), "a coefficient has no unit"),
-        ("load (mN),coefficient (%),uncertainty (%)", (1, 20, 3), "uncertainty (%) is ambiguous"),
-        ("load (mN),coefficient (%),uncertainty", (1, 20, 3), "uncertainty without a unit is ambiguous"),
+        ("load (mN),coefficient (mN)", (1, 0.2), "coefficient has no unit"),
+        ("load (mN),coefficient (%),uncertainty (%)", (1, 20, 3), "ambiguous"),
+        ("load (mN),coefficient (%),uncertainty", (1, 20, 3), "ambiguous"),
         ("load (mN),coefficient,run (mN)", (1, 0.2, "a"), "run has no unit"),
         ("load (mN),coefficient,wait (mN)", (1, 0.2, 3), "the unit of wait must be one of s"),
         ("load (mN),coefficient,mu", (1, 0.2, 3), "has the unknown column 'mu'"),
         ("load (mN),force (mN),friction force (mN)", (1, 0.2, 3), "has two columns of force"),
-        ("load (mN);coefficient", ("1,250;2,250",), "may be decimal commas or separate thousands"),
-        ("load (mN),coefficient", ("0,5", "0,25"), "decimal commas need semicolons"),
+        ("load (mN);coefficient", ("1,250;2,250",), "decimal"),
+        ("load (mN),coefficient", ("0,5", "0,25"), "semicolons"),
     ],
 )
-def test_calibrate_rejects_contradictory_table(tmp_path, head, row, words):
-    table(tmp_path / "forces.csv", [row], head)
-    assert_rejected(call_stiction("calibrate", "forces.csv", *BALL, cwd=tmp_path), "forces.csv", words)
+def test_calibrate_rejects_contradictory_table(tmp_path, header, row, expected_words):
+    write_table(tmp_path / "forces.csv", [row], header)
+    assert_rejected(call_stiction("calibrate", "forces.csv", *BALL_OPTIONS, cwd=tmp_path), "forces.csv", expected_words)
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("arguments", "expected_words"),
     [
         (("forces.csv",), "--pair DIR or --ball"),
-        (BALL, "FORCES.csv, or --load and --measured"),
-        ((*BALL, "--load", "1 mN"), "--load and --measured"),
-        ((*BALL, "--load", "1 mN", "--measured", "0.25"), "uncertainty is needed"),
-        ((*BALL, "--load", "1 mN", "--measured", "red"), "--measured must be a number"),
-        (("forces.csv", *BALL, "--load", "1 mN"), "cannot be combined with FORCES.csv"),
+        (BALL_OPTIONS, "FORCES.csv, or --load and --measured"),
+        ((*BALL_OPTIONS, "--load", "1 mN"), "--load and --measured"),
+        ((*BALL_OPTIONS, "--load", "1 mN", "--measured", "0.25"), "uncertainty is needed"),
+        ((*BALL_OPTIONS, "--load", "1 mN", "--measured", "red"), "--measured must be a number"),
+        (("forces.csv", *BALL_OPTIONS, "--load", "1 mN"), "cannot be combined with FORCES.csv"),
         (("forces.csv", "--ball", "5 mm"), "--effective-modulus"),
-        (("forces.csv", *BALL, "--sliding", "none"), "sliding"),
-        (("none.csv", *BALL), "none.csv"),
+        (("forces.csv", *BALL_OPTIONS, "--sliding", "none"), "sliding"),
+        (("none.csv", *BALL_OPTIONS), "none.csv"),
         (("forces.csv", "--pair", "."), "not a result"),
         (("forces.csv", "--pair", ".", "--upper", "steel"), "not a result"),
     ],
 )
-def test_calibrate_rejects_conflicting_arguments(tmp_path, arguments, words):
-    table(tmp_path / "forces.csv", ball_rows())
-    assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), words)
+def test_calibrate_rejects_conflicting_arguments(tmp_path, arguments, expected_words):
+    write_table(tmp_path / "forces.csv", ball_test_rows())
+    assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), expected_words)
 
 
 def test_calibrate_accepts_lower_bounds_and_semicolons(tmp_path):
-    text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(f"{x};{y};{0.03 * y};1" for x, y, _ in ball_rows())
+    text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(
+        f"{load};{coefficient};{0.03 * coefficient};1" for load, coefficient, _ in ball_test_rows()
+    )
     (tmp_path / "forces.csv").write_text(f"{text}\n50;0.1;0.01;0\n", encoding="utf-8")
-    completed = check_stiction("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
+    completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "--json", cwd=tmp_path)
     assert np.isclose(json.loads(completed.stdout)["fits"][0]["freedom"], 3)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-16-le"])
 def test_tests_file_accepts_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
-    rows = [f"{1e3 * load:g};{load * y:.6g};{0.03 * load * y:.6g}" for load, y, _ in ball_rows()]
-    plain = ["load (uN);force (mN);uncertainty (mN)", *rows]
-    commas = ["normal load [µN];friction force (mN);uncertainty in mN", *(row.replace(".", ",") for row in rows)]
-    (tmp_path / "plain.csv").write_text("\n".join(plain), encoding="utf-8")
-    (tmp_path / "commas.csv").write_text("\r\n".join(commas), encoding=encoding)
+    rows = [
+        f"{1e3 * load:g};{load * coefficient:.6g};{0.03 * load * coefficient:.6g}"
+        for load, coefficient, _ in ball_test_rows()
+    ]
+    lines_with_points = ["load (uN);force (mN);uncertainty (mN)", *rows]
+    lines_with_commas = [
+        "normal load [µN];friction force (mN);uncertainty in mN",
+        *(row.replace(".", ",") for row in rows),
+    ]
+    (tmp_path / "plain.csv").write_text("\n".join(lines_with_points), encoding="utf-8")
+    (tmp_path / "commas.csv").write_text("\r\n".join(lines_with_commas), encoding=encoding)
     bodies = {"ball": Ball("5 mm", "3 GPa")}
-    first, other = (parse_friction_tests(tmp_path / f"{name}.csv", bodies) for name in ("plain", "commas"))
-    for one, two in zip(first, other, strict=True):
-        assert (one.load, one.coefficient, one.uncertainty) == (two.load, two.coefficient, two.uncertainty)
+    tests_with_points, tests_with_commas = (
+        parse_friction_tests(tmp_path / f"{name}.csv", bodies) for name in ("plain", "commas")
+    )
+    for expected, test in zip(tests_with_points, tests_with_commas, strict=True):
+        assert (expected.load, expected.coefficient, expected.uncertainty) == (
+            test.load,
+            test.coefficient,
+            test.uncertainty,
+        )
 
 
 def test_tests_file_numbers_lines_after_quoted_line_ends(tmp_path):
@@ -161,7 +196,7 @@ def test_tests_file_numbers_lines_after_quoted_line_ends(tmp_path):
     ]
 
 
-def test_tests_file_uses_units_of_its_columns(tmp_path):
+def test_tests_file_converts_units_of_its_columns(tmp_path):
     (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
     (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")
     for name in ("a.csv", "b.csv"):
@@ -177,25 +212,29 @@ def test_tests_file_uses_units_of_its_columns(tmp_path):
         ("--upper", "PMMA", "--lower", "glass"),
     ],
 )
-def test_calibrate_widens_tau0_by_ranges_of_moduli(tmp_path, ranges):
-    table(tmp_path / "forces.csv", ball_rows())
-    common = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
-    completed = check_stiction(*common, *ranges, cwd=tmp_path, without_figures=True)
-    wide = {load["name"]: load for load in json.loads(completed.stdout)["values"]}["tau0"]
-    ends = {"--effective-modulus": ("2", "4.5"), "--young": ("2.25", "4.86"), "--upper": ("2.49", "3.53")}[ranges[0]]
-    for end in ends:
-        completed = check_stiction(*common, "--effective-modulus", f"{end} GPa", cwd=tmp_path, without_figures=True)
-        tau0 = {load["name"]: load for load in json.loads(completed.stdout)["values"]}["tau0"]["value"]
-        assert wide["lower"] < tau0 < wide["upper"]
+def test_calibrate_interval_of_tau0_contains_results_at_modulus_limits(tmp_path, ranges):
+    write_table(tmp_path / "forces.csv", ball_test_rows())
+    arguments = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
+    completed = check_stiction(*arguments, *ranges, cwd=tmp_path, without_figures=True)
+    interval = {value["name"]: value for value in json.loads(completed.stdout)["values"]}["tau0"]
+    moduli_ends = {"--effective-modulus": ("2", "4.5"), "--young": ("2.25", "4.86"), "--upper": ("2.49", "3.53")}[
+        ranges[0]
+    ]
+    for modulus in moduli_ends:
+        completed = check_stiction(
+            *arguments, "--effective-modulus", f"{modulus} GPa", cwd=tmp_path, without_figures=True
+        )
+        tau0 = {value["name"]: value for value in json.loads(completed.stdout)["values"]}["tau0"]["value"]
+        assert interval["lower"] < tau0 < interval["upper"]
 
 
-def test_interfaces_lists_directory_of_stored_interfaces(tmp_path):
+def test_interfaces_lists_stored_interfaces_of_a_directory(tmp_path):
     write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "film", {"operator": "A. B."})
     (tmp_path / "notes.txt").write_text("nothing")
     completed = call_stiction("interfaces", ".", cwd=tmp_path)
     assert completed.stdout.splitlines()[0] == "film"
     assert "operator A. B." in completed.stdout
     assert "notes" not in completed.stdout
-    assert_rejected(call_stiction("interfaces", "nowhere", cwd=tmp_path), "nowhere", "cannot be listed")
+    assert_rejected(call_stiction("interfaces", "nowhere", cwd=tmp_path), "nowhere", "listed")
     (tmp_path / "empty").mkdir()
     assert "empty: contains no interfaces" in call_stiction("interfaces", "empty", cwd=tmp_path).stdout

@@ -1,4 +1,4 @@
-"""Tests of `stiction materials`: every number of the library with its source."""
+"""Tests of `stiction materials`, which prints the properties of materials and their sources."""
 
 import json
 
@@ -10,12 +10,12 @@ from support.command import assert_rejected, call_stiction, check_stiction
 def test_materials_lists_all_within_terminal_width(tmp_path):
     completed = check_stiction("materials", cwd=tmp_path, columns=80)
     assert max(map(len, completed.stdout.splitlines())) <= 80
-    for each in materials():
-        assert f"\n{each.name} " in completed.stdout
-        assert " ".join((each.hardness or each.young_modulus).source.split()) in " ".join(completed.stdout.split())
+    for entry in materials():
+        assert f"\n{entry.name} " in completed.stdout
+        assert " ".join((entry.hardness or entry.young_modulus).source.split()) in " ".join(completed.stdout.split())
 
 
-def test_materials_accepts_any_alias(tmp_path):
+def test_materials_accepts_any_alias_of_a_material(tmp_path):
     completed = call_stiction("materials", "steel", "--json", cwd=tmp_path)
     (entry,) = json.loads(completed.stdout)["materials"]
     assert entry["name"] == "mild steel"

@@ -25,24 +25,30 @@ from stiction.views.resolution import resolution_limits
 from support.command import assert_rejected, call_stiction, check_stiction
 
 SPACING, POINTS = 0.02, 256
-MATERIAL = {"effective_modulus": "100 GPa", "hardness": "4 GPa", "mu0": 0.2, "tau0": "200 MPa", "load": "20 MPa"}
-QUICK = {"direction": [0.0, 90.0], "onset": 0}
-OPTIONS = [
+MATERIAL_OPTIONS = {
+    "effective_modulus": "100 GPa",
+    "hardness": "4 GPa",
+    "mu0": 0.2,
+    "tau0": "200 MPa",
+    "load": "20 MPa",
+}
+FEW_STEPS = {"direction": [0.0, 90.0], "onset": 0}
+COMMAND_OPTIONS = [
     "--effective-modulus", "100 GPa", "--hardness", "4 GPa", "--mu0", "0.2", "--tau0", "200 MPa", "--load", "20 MPa",
     "--direction", "0,90", "--onset", "0",
 ]  # fmt: skip
 SIDES = ("upper", "lower")
 
 
-def whole(side):
+def create_surface(side):
     return self_affine_surface(
         11, hurst_exponent=0.8, rms=0.02, shape=(POINTS, POINTS), spacing=SPACING, side=side,
         longest_wavelength=1.28, shortest_wavelength=8 * SPACING,
     )  # fmt: skip
 
 
-def seen(surface):
-    """Scans by a microscope with large pixels, and of four pieces by a probe."""
+def create_scans(surface):
+    """Return five scans of a surface: one with large pixels, and four of quarters with small pixels."""
     pixels = surface.heights.reshape(POINTS // 4, 4, POINTS // 4, 4).mean((1, 3))
     half = POINTS // 2
     pieces = [surface.heights[row : row + half, column : column + half] for row in (0, half) for column in (0, half)]
@@ -51,16 +57,18 @@ def seen(surface):
 
 @pytest.fixture(scope="module")
 def surfaces():
-    return [whole(side) for side in SIDES]
+    return [create_surface(side) for side in SIDES]
 
 
 @pytest.fixture(scope="module")
 def spectra(surfaces):
-    return [joined_spectrum([levelled(scan, "plane") for scan in seen(surface)]) for surface in surfaces]
+    return [
+        joined_spectrum([levelled(scan, "plane") for scan in create_scans(true_surface)]) for true_surface in surfaces
+    ]
 
 
 @pytest.fixture(scope="module")
-def where(tmp_path_factory, surfaces, spectra):
+def spectra_folder(tmp_path_factory, surfaces, spectra):
     folder = tmp_path_factory.mktemp("spectra")
     for side, surface, spectrum in zip(SIDES, surfaces, spectra, strict=True):
         write_spectrum(spectrum, folder / f"{side}.csv")
@@ -68,129 +76,154 @@ def where(tmp_path_factory, surfaces, spectra):
     return folder
 
 
-# ---- What is pressed ------------------------------------------------------------------------------------------------
+# ---- Computed pairs ------------------------------------------------------------------------------------------------
 
 
-def test_members_have_both_spectra_and_are_equal_over_cutoffs(spectra):
+def test_surrogates_have_given_spectra_and_equal_phases_at_all_cutoffs(spectra):
     pairs = SpectrumPairs(*spectra)
-    assert pairs.spacing[0] == pytest.approx(min(item.shortest for item in spectra) / 4)
+    assert pairs.spacing[0] == pytest.approx(min(spectrum.shortest for spectrum in spectra) / 4)
     assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side / pairs.spacing[0], abs=4)
-    slopes = [
+    gradients = [
         [float(scale_dependent_roughness(body).gradient_at(0.3)) for body in pairs.surrogates(index)]
         for index in range(6)
     ]
-    expected = [float(item.roughness().gradient_at(0.3)) for item in spectra]
-    assert np.mean(slopes, axis=0) == pytest.approx(expected, rel=0.1)
-    coarser = SpectrumPairs(*spectra, cut_off=(0.4, 0.4))
-    assert coarser.spacing == pairs.spacing
-    size = round(pairs.side / pairs.spacing[0])
-    created = spectra[1].surface(2016, shape=(size, size), spacing=pairs.spacing, repetition=3)
+    expected_gradients = [float(spectrum.roughness().gradient_at(0.3)) for spectrum in spectra]
+    assert np.mean(gradients, axis=0) == pytest.approx(expected_gradients, rel=0.1)
+    filtered_pairs = SpectrumPairs(*spectra, cut_off=(0.4, 0.4))
+    assert filtered_pairs.spacing == pairs.spacing
+    num_points = round(pairs.side / pairs.spacing[0])
+    surrogate = spectra[1].surface(2016, shape=(num_points, num_points), spacing=pairs.spacing, repetition=3)
     rows, columns = pairs.shape
-    piece = Surface(cut_off(created, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
-    assert np.array_equal(coarser.surrogates(3)[1].heights, levelled(piece, "plane").heights)
-    # With a cut-off that is the finest, points are further apart and the surface is larger.
+    cropped_surrogate = Surface(cut_off(surrogate, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
+    assert np.array_equal(filtered_pairs.surrogates(3)[1].heights, levelled(cropped_surrogate, "plane").heights)
+    # If all results are filtered, the spacing of the surrogates follows from the smallest cutoff wavelength.
     assert SpectrumPairs(*spectra, cut_off=(0.4, 0.4), finest=0.4).spacing[0] == pytest.approx(0.1)
 
 
-def test_joined_spectrum_gives_friction_of_the_whole_surface(spectra, surfaces):
-    elastic = {name: value for name, value in MATERIAL.items() if name != "hardness"} | {"load": "200 MPa"}
-    message = pair(*spectra, surrogates=8, **elastic, **QUICK)
-    known = pair(*surfaces, shifts=8, **elastic, **QUICK)
-    coarse = pair(*(seen(surface)[0] for surface in surfaces), shifts=8, **elastic, **QUICK)
+def test_pair_of_joined_spectra_gives_friction_of_full_surfaces(spectra, surfaces):
+    elastic_options = {name: value for name, value in MATERIAL_OPTIONS.items() if name != "hardness"} | {
+        "load": "200 MPa"
+    }
+    result_of_spectra = pair(*spectra, surrogates=8, **elastic_options, **FEW_STEPS)
+    result_of_surfaces = pair(*surfaces, shifts=8, **elastic_options, **FEW_STEPS)
+    result_of_coarse_scans = pair(
+        *(create_scans(surface)[0] for surface in surfaces), shifts=8, **elastic_options, **FEW_STEPS
+    )
     for quantity in ("friction_all_round", "contact_area_fraction"):
-        values = []
-        for result in (message, known, coarse):
-            one = result.at()[quantity].squeeze()
-            one = one.sel(sliding="all") if "sliding" in one.dims else one
-            values.append([float(one.sel(statistic=item)) for item in ("mean", "lower", "upper")])
-        (mean, low, high), (truth, *_), (missed, *_) = values
+        estimates = []
+        for result in (result_of_spectra, result_of_surfaces, result_of_coarse_scans):
+            estimate = result.at()[quantity].squeeze()
+            estimate = estimate.sel(sliding="all") if "sliding" in estimate.dims else estimate
+            estimates.append([float(estimate.sel(statistic=statistic)) for statistic in ("mean", "lower", "upper")])
+        (mean, low, high), (truth, *_), (coarse_mean, *_) = estimates
         assert low < truth < high
-    assert abs(missed - truth) > 2 * abs(mean - truth)  # of the area, which the fine waves decide
+    assert abs(coarse_mean - truth) > 2 * abs(
+        mean - truth
+    )  # a coarse scan misses the short wavelengths, which determine the area
 
 
-def test_pair_of_spectra_supports_all_commands(where):
+def test_result_of_spectra_supports_other_commands(spectra_folder):
     completed = check_stiction(
-        "pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", "--json", cwd=where, without_figures=True
+        "pair",
+        "upper.csv",
+        "lower.csv",
+        *COMMAND_OPTIONS,
+        "--surrogates",
+        "2",
+        "--json",
+        cwd=spectra_folder,
+        without_figures=True,
     )
     record = json.loads(completed.stdout)
-    study = Study.from_toml(where / "pair" / "study.toml")
+    study = Study.from_toml(spectra_folder / "pair" / "study.toml")
     assert study.surfaces.press == "surrogates"
     assert study.surfaces.upper.sha256 is not None
     assert study.ensemble.repetitions == 2
-    check_stiction("at", "pair", "--load", "30 MPa", cwd=where)
-    check_stiction("report", "pair", cwd=where, without_figures=True)
-    at_cut_offs = evaluate_cutoffs(open_stored(where / "pair")).isel(load=0, mu0=0, tau0=0)
-    closed = resolution_limits(at_cut_offs, study)["spectral"]  # what the picture over cut-offs draws beside
-    assert float(closed.mean_pressure.max()) == pytest.approx(4.0)
-    assert float(closed.wavelength.max()) > 1.0
-    over = [item["cut_off"] for item in record["resolution"]["cut_offs"]]
-    assert over[1] == pytest.approx(read_spectrum(where / "upper.csv").shortest, rel=1e-3)
+    check_stiction("at", "pair", "--load", "30 MPa", cwd=spectra_folder)
+    check_stiction("report", "pair", cwd=spectra_folder, without_figures=True)
+    dataset = evaluate_cutoffs(open_stored(spectra_folder / "pair")).isel(load=0, mu0=0, tau0=0)
+    spectral_estimate = resolution_limits(dataset, study)[
+        "spectral"
+    ]  # drawn in the figure of results against the cutoff
+    assert float(spectral_estimate.mean_pressure.max()) == pytest.approx(4.0)
+    assert float(spectral_estimate.wavelength.max()) > 1.0
+    cutoffs = [entry["cut_off"] for entry in record["resolution"]["cut_offs"]]
+    assert cutoffs[1] == pytest.approx(read_spectrum(spectra_folder / "upper.csv").shortest, rel=1e-3)
 
 
-def test_pair_accepts_spectrum_and_scan(where, surfaces, spectra):
-    command = ["pair", "upper.csv", "lower.npy", *OPTIONS, "--surrogates", "2", "--output", "mixed"]
-    check_stiction(*command, cwd=where, without_figures=True)
-    changed = where / "changed"
-    changed.mkdir()
+def test_pair_accepts_spectrum_and_scan(spectra_folder, surfaces, spectra):
+    command = ["pair", "upper.csv", "lower.npy", *COMMAND_OPTIONS, "--surrogates", "2", "--output", "mixed"]
+    check_stiction(*command, cwd=spectra_folder, without_figures=True)
+    changed_folder = spectra_folder / "changed"
+    changed_folder.mkdir()
     for name in ("upper.csv", "lower.csv"):
-        (changed / name).write_bytes((where / name).read_bytes())
-    command = ["pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2"]
-    check_stiction(*command, cwd=changed, without_figures=True)
-    (changed / "upper.csv").write_bytes((where / "lower.csv").read_bytes())
-    assert_rejected(call_stiction("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed), "has changed since")
+        (changed_folder / name).write_bytes((spectra_folder / name).read_bytes())
+    command = ["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--surrogates", "2"]
+    check_stiction(*command, cwd=changed_folder, without_figures=True)
+    (changed_folder / "upper.csv").write_bytes((spectra_folder / "lower.csv").read_bytes())
+    assert_rejected(
+        call_stiction("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed_folder), "has changed since"
+    )
 
 
-REFUSED = ["--output", "refused"]
+REJECTED_OUTPUT = ["--output", "rejected"]
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("arguments", "expected_words"),
     [
-        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--lines", "4", *REFUSED], "--lines"),
-        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--shifts", "4", *REFUSED], "--shifts"),
-        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--unit", "um", *REFUSED], "has no unit"),
-        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--cutoff", "3 um", *REFUSED], "rows and columns are required"),
-        (["characterise", "upper.csv", "--output", "refused.html"], "is a spectrum of several scans"),
+        (["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--lines", "4", *REJECTED_OUTPUT], "--lines"),
+        (["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--shifts", "4", *REJECTED_OUTPUT], "--shifts"),
+        (["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--unit", "um", *REJECTED_OUTPUT], "has no unit"),
+        (
+            ["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--cutoff", "3 um", *REJECTED_OUTPUT],
+            "rows and columns",
+        ),
+        (["characterise", "upper.csv", "--output", "rejected.html"], "spectrum"),
     ],
 )
-def test_pair_of_spectra_rejects_options_of_scans(where, arguments, message):
-    assert_rejected(call_stiction(*arguments, cwd=where), message)
+def test_pair_of_spectra_rejects_options_of_scans(spectra_folder, arguments, expected_words):
+    assert_rejected(call_stiction(*arguments, cwd=spectra_folder), expected_words)
 
 
-# ---- The file -------------------------------------------------------------------------------------------------------
+# ---- Spectrum files -------------------------------------------------------------------------------------------------
 
 
-def test_spectrum_file_preserves_every_bit(spectra, tmp_path):
+def test_spectrum_file_preserves_all_digits(spectra, tmp_path):
     write_spectrum(spectra[0], tmp_path / "joined.csv")
-    again = read_spectrum(tmp_path / "joined.csv")
+    spectrum_read = read_spectrum(tmp_path / "joined.csv")
     for name in ("wave_number", "density", "count", "contribution", "ratio"):
-        assert np.array_equal(getattr(again, name), getattr(spectra[0], name), equal_nan=True)
-    assert (again.bands, again.reasons, again.names) == (spectra[0].bands, spectra[0].reasons, spectra[0].names)
-    assert again.history == spectra[0].history
+        assert np.array_equal(getattr(spectrum_read, name), getattr(spectra[0], name), equal_nan=True)
+    assert (spectrum_read.bands, spectrum_read.reasons, spectrum_read.names) == (
+        spectra[0].bands,
+        spectra[0].reasons,
+        spectra[0].names,
+    )
+    assert spectrum_read.history == spectra[0].history
     with pytest.raises(ValueError, match="exists already"):
-        write_spectrum(again, tmp_path / "joined.csv")
+        write_spectrum(spectrum_read, tmp_path / "joined.csv")
     with pytest.raises(ValueError, match=r"must end in \.csv"):
-        write_spectrum(again, tmp_path / "joined.txt")
+        write_spectrum(spectrum_read, tmp_path / "joined.txt")
     with pytest.raises(ValueError, match="must be a JoinedSpectrum"):
         write_spectrum("joined", tmp_path / "other.csv")
 
 
-def test_pair_accepts_spectrum_without_scans(tmp_path):
-    q = np.geomspace(1.0, 30.0, 8)
-    rows = "".join(f"{each!r},{1e-4 * each**-3.6!r}\n" for each in q.tolist())
+def test_pair_accepts_spectrum_from_plain_table(tmp_path):
+    wave_numbers = np.geomspace(1.0, 30.0, 8)
+    rows = "".join(f"{wave_number!r},{1e-4 * wave_number**-3.6!r}\n" for wave_number in wave_numbers.tolist())
     (tmp_path / "table.csv").write_text("wave number (1/um),C2D (um4)\n" + rows)
     spectrum = read_spectrum(tmp_path / "table.csv")
     assert isinstance(spectrum, JoinedSpectrum)
     assert spectrum.disagreement.size == 0
     body = spectrum.surface(1, shape=(64, 64), spacing=0.06)
     assert "of waves" in body.history[0]
-    elastic = MATERIAL | {"hardness": None, "mechanics": "asperities"}
-    result = pair(spectrum, spectrum, **elastic, **QUICK, surrogates=2)
+    elastic_options = MATERIAL_OPTIONS | {"hardness": None, "mechanics": "asperities"}
+    result = pair(spectrum, spectrum, **elastic_options, **FEW_STEPS, surrogates=2)
     assert result.verdict in ("Quote it", "Quote with care", "Do not quote")
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("text", "expected_message"),
     [
         ("wave number (1/um),C2D (um4)\n1,1\n2,1\n3,1\n", "must rise in equal ratios"),
         ("wave number (1/um),C2D (um4)\n1,1\n", "must rise in equal ratios"),
@@ -201,9 +234,9 @@ def test_pair_accepts_spectrum_without_scans(tmp_path):
         ("", "is not a table"),
     ],
 )
-def test_read_spectrum_rejects_bad_file(tmp_path, text, message):
+def test_read_spectrum_rejects_bad_file(tmp_path, text, expected_message):
     (tmp_path / "bad.csv").write_text(text)
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match=expected_message):
         read_spectrum(tmp_path / "bad.csv")
     with pytest.raises(ValueError, match="cannot be read"):
         read_spectrum(tmp_path / "none.csv")

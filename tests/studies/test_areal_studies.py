@@ -21,7 +21,7 @@ from stiction import (
 from stiction.mechanics.half_space import half_space
 from stiction.mechanics.quantities import DIRECTED
 from stiction.studies import store
-from stiction.views.figures.standard import figures_of
+from stiction.views.figures.standard import select_figures
 
 ENSEMBLE_CHANGES = {
     "surfaces.fractal_dimension": [1.2, 1.5],
@@ -181,4 +181,4 @@ def test_stiffness_map_of_half_space_is_derivative_of_approach():
 def test_standard_figures_exist_for_each_rule_and_direction():
     names = {f"{kind}_{rule}_{angle}" for kind in ("friction_mu0_0.4", "area")
              for rule in ("opposing", "all") for angle in (0, 90)}  # fmt: skip
-    assert {name for name, _ in figures_of(run(SURFACES))} == names
+    assert {name for name, _ in select_figures(run(SURFACES))} == names

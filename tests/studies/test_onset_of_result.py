@@ -159,12 +159,12 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     assert np.ma.count(full_image) == np.isfinite(onset["slip"]).sum()
     assert np.ma.count(detail_image) > 0
     page = report_page(open_stored(tmp_path))
-    for heading in ("How the bodies begin to slide", "What slips first", "light points slip first"):
+    for heading in ("Onset of sliding", "Order of slip", "light points slip first"):
         assert heading in page
     assert page.count('<div class="figure"><svg role="img"') == 3  # the third shows single positions
     export(onset.drop_vars(["slip", "lower_height"]), tmp_path / ONSET_FILE, replace=True)
     assert "slip" not in open_result(tmp_path).figures()
-    assert "What slips first" not in report_page(open_stored(tmp_path))
+    assert "Order of slip" not in report_page(open_stored(tmp_path))
 
 
 def test_load_onset_ignores_onset_of_another_mu0(study, onset, tmp_path):

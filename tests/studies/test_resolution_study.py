@@ -88,7 +88,9 @@ def test_seen_wavelengths_equal_wavelengths_of_the_gap(study):
     assert wavelengths.shortest == pytest.approx(0.2)
     assert wavelengths.longest == pytest.approx(max(gap.extent))
     assert wavelengths.fraction_below(0.8) == pytest.approx(float(roughness.fraction_below(0.8)))
-    assert wavelengths_text(wavelengths).startswith("Wavelengths from 200 nm to 9.6 µm; those below 400 nm contribute ")
+    assert wavelengths_text(wavelengths).startswith(
+        "Wavelengths from 200 nm to 9.6 µm; wavelengths below 400 nm contribute "
+    )
     assert find_resolved_roughness(Study.named("quick")) is None
 
 

@@ -27,7 +27,7 @@ def surface_folder(tmp_path_factory):
 
 def run_command(monkeypatch, *arguments):
     monkeypatch.setattr(sys, "argv", ["stiction", *map(str, arguments)])
-    assert application.start() == 0
+    assert application.run_command_line() == 0
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Results for the tests of reports and figures."""
+"""Datasets and a browser for the tests of reports and figures."""
 
 import pytest
 from support import browser
@@ -6,17 +6,17 @@ from support.studies_of_files import run_lines, run_maps
 
 
 @pytest.fixture(scope="session")
-def result(small_result):
+def generated_dataset(small_result):
     return small_result
 
 
 @pytest.fixture(scope="session")
-def maps(tmp_path_factory):
+def maps_dataset(tmp_path_factory):
     return run_maps(tmp_path_factory.mktemp("maps"))
 
 
 @pytest.fixture(scope="session")
-def lines(tmp_path_factory):
+def profiles_dataset(tmp_path_factory):
     return run_lines(tmp_path_factory.mktemp("lines"))
 
 

@@ -1,3 +1,5 @@
+"""Tests of the figures of results."""
+
 import json
 from pathlib import Path
 from types import SimpleNamespace
@@ -6,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 from stiction import Profile, Result
-from stiction._number_format import quoted
+from stiction._number_format import format_estimate
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.maps import friction_map
@@ -14,8 +16,8 @@ from stiction.studies.study import study_of
 from stiction.views import style
 from stiction.views.figures import draw_figures
 from stiction.views.figures.contact import contact_figure, contact_map_figure, contacts_figure, find_opposing_contacts
-from stiction.views.figures.ensemble import FADING, _compute_fading, _fade, area_figure, friction_figure
-from stiction.views.figures.standard import figures_of
+from stiction.views.figures.ensemble import FADING_LIMITS, _compute_fading, _fade, area_figure, friction_figure
+from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.rows import summary_json, summary_table
 from stiction.views.style import FORMATS, save_figure, spread_labels
@@ -25,207 +27,227 @@ from support.studies_of_files import run_maps
 
 
 @pytest.fixture(scope="module")
-def maps(tmp_path_factory):
+def maps_at_two_cutoffs(tmp_path_factory):
     return run_maps(tmp_path_factory.mktemp("maps"), cut_off='["0 um", "1 um"]')
 
 
-# ---- Which figures ---------------------------------------------------------------------------------------------------
+# ---- Selection of figures -------------------------------------------------------------------------------------------
 
 
-def names(result, picture=None):
-    return [name for name, _ in figures_of(result, picture)]
+def list_figure_names(dataset, picture=None):
+    return [name for name, _ in select_figures(dataset, picture)]
 
 
-def test_figures_are_those_of_the_study(result):
-    assert names(result) == ["friction_mu0_0.1", "friction_mu0_0.4", "friction_mu0_1", "area"]
-    expected = study_of(result).with_changes({"figures.draw": ["profiles", "length-scales"]})
-    assert names(result.assign_attrs(study=expected.to_toml())) == ["profiles", "length_scales"]
+def test_figures_follow_the_study(generated_dataset):
+    assert list_figure_names(generated_dataset) == ["friction_mu0_0.1", "friction_mu0_0.4", "friction_mu0_1", "area"]
+    study = study_of(generated_dataset).with_changes({"figures.draw": ["profiles", "length-scales"]})
+    assert list_figure_names(generated_dataset.assign_attrs(study=study.to_toml())) == ["profiles", "length_scales"]
 
 
-def test_measured_surfaces_have_the_standard_figures(maps, lines):
-    of_each = ("friction", "compass", "positions", "cut_off")
-    of_materials = [f"{name}{of}" for of in ("", "-2", "-3", "-4") for name in of_each]
-    assert names(maps, contact_picture(maps)) == [*of_materials, "closure", "budget", "sizes", "contacts"]
-    assert {"friction", "positions", "contact", "friction-4"} <= set(names(lines))
-    assert not {"compass", "contacts", "cut_off"} & set(names(lines))
+def test_results_of_measured_surfaces_have_the_standard_figures(maps_at_two_cutoffs, profiles_dataset):
+    repeated_names = ("friction", "compass", "positions", "cut_off")
+    names_with_suffix = [f"{name}{suffix}" for suffix in ("", "-2", "-3", "-4") for name in repeated_names]
+    assert list_figure_names(maps_at_two_cutoffs, contact_picture(maps_at_two_cutoffs)) == [
+        *names_with_suffix,
+        "closure",
+        "budget",
+        "sizes",
+        "contacts",
+    ]
+    assert {"friction", "positions", "contact", "friction-4"} <= set(list_figure_names(profiles_dataset))
+    assert not {"compass", "contacts", "cut_off"} & set(list_figure_names(profiles_dataset))
 
 
-def test_figures_have_the_combined_interval_of_the_headline(maps):
-    study = study_of(maps).with_changes({"surfaces.both_readings": True})
-    result = maps.assign_attrs(study=study.to_toml())
-    summary, figures = Result.of(result).summary(), dict(figures_of(result))
+def test_figures_table_json_and_report_have_equal_combined_intervals(maps_at_two_cutoffs):
+    study = study_of(maps_at_two_cutoffs).with_changes({"surfaces.both_readings": True})
+    dataset = maps_at_two_cutoffs.assign_attrs(study=study.to_toml())
+    summary, figures = Result.of(dataset).summary(), dict(select_figures(dataset))
     table = summary_table(summary)
     record = json.loads(summary_json("at", summary))
-    shown = [value for value in record["values"] if value["name"] == "friction_combined"]
-    assert record["values"][0] == shown[0]
-    assert {value["interval"] for value in shown} == {"combined"}
+    combined_values = [value for value in record["values"] if value["name"] == "friction_combined"]
+    assert record["values"][0] == combined_values[0]
+    assert {value["interval"] for value in combined_values} == {"combined"}
     title = "coefficient of static friction"
     rows = table[table["upper body to (degree)"] == "all directions"].set_index(
         ["headline", "normal load (mN)", "mu0", "tau0 (MPa)", "sliding"]
     )
-    report = ReportNumbers(report_page(result))
+    report = ReportNumbers(report_page(dataset))
     rules, loads = report.facts["rules"], report.facts["loads"]["values"]
-    computed = summary.headlines
-    assert len(computed) == 8
-    assert any(one.upper > one.rules[0].positions[1] for one in computed)
-    for one, rule in [(item, rule) for item in computed for rule in item.rules]:
-        ends = pytest.approx([rule.lower, rule.upper], rel=1e-12)
-        place = one.at["load"], one.at["mu0"], 1000 * one.at["tau0"], rule.rule
-        row = rows.loc[(True, *place)]
-        assert [row[f"{title}: lower"], row[f"{title}: upper"]] == ends
-        assert [row[f"{title}: sampling lower"], row[f"{title}: sampling upper"]] == list(rule.positions)
-        value = next(item for item in shown if item["at"] == one.at | {"sliding": rule.rule})
-        assert [value["lower"], value["upper"]] == ends
-        place = {"rule": rules.index(rule.rule), "load": loads.index(one.at["load"])}
-        point = report.point("friction", one.at["mu0"], one.at["tau0"], **place)
-        assert point["text"] == quoted(rule.value, rule.lower, rule.upper)
-        number = [0.3, 0.5].index(one.at["mu0"]) * 2 + (one.at["tau0"] > 0) + 1
+    points = summary.headlines
+    assert len(points) == 8
+    assert any(point.upper > point.rules[0].positions[1] for point in points)
+    for point, rule_result in [(other, rule_result) for other in points for rule_result in other.rules]:
+        interval = pytest.approx([rule_result.lower, rule_result.upper], rel=1e-12)
+        conditions = point.at["load"], point.at["mu0"], 1000 * point.at["tau0"], rule_result.rule
+        table_row = rows.loc[(True, *conditions)]
+        assert [table_row[f"{title}: lower"], table_row[f"{title}: upper"]] == interval
+        assert [table_row[f"{title}: sampling lower"], table_row[f"{title}: sampling upper"]] == list(
+            rule_result.positions
+        )
+        value = next(other for other in combined_values if other["at"] == point.at | {"sliding": rule_result.rule})
+        assert [value["lower"], value["upper"]] == interval
+        conditions = {"rule": rules.index(rule_result.rule), "load": loads.index(point.at["load"])}
+        report_point = report.point("friction", point.at["mu0"], point.at["tau0"], **conditions)
+        assert report_point["text"] == format_estimate(rule_result.value, rule_result.lower, rule_result.upper)
+        number = [0.3, 0.5].index(point.at["mu0"]) * 2 + (point.at["tau0"] > 0) + 1
         figure = figures["friction" if number == 1 else f"friction-{number}"]()
         bands = [path.vertices for collection in figure.axes[0].collections for path in collection.get_paths()]
-        drawn_ends = [[band[band[:, 0] == one.at["load"], 1].min(), band[:, 1][band[:, 0] == one.at["load"]].max()]
-                      for band in bands]  # fmt: skip
-        assert any(end == ends for end in drawn_ends)
+        drawn_intervals = [
+            [band[band[:, 0] == point.at["load"], 1].min(), band[:, 1][band[:, 0] == point.at["load"]].max()]
+            for band in bands
+        ]
+        assert any(drawn_interval == interval for drawn_interval in drawn_intervals)
 
 
-def test_figures_are_written_in_every_format(result, tmp_path):
-    expected = study_of(result).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
-    one = result.assign_attrs(study=expected.to_toml())
-    paths = draw_figures(one, tmp_path, formats=FORMATS)
+def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
+    study = study_of(generated_dataset).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
+    dataset = generated_dataset.assign_attrs(study=study.to_toml())
+    paths = draw_figures(dataset, tmp_path, formats=FORMATS)
     assert [path.name for path in paths] == ["profiles.png", "profiles.pdf", "profiles.svg"]
     assert imread(paths[0]).std() > 0.03
     assert imread(paths[0]).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
-    before = [path.read_bytes() for path in paths]
-    assert before[1].startswith(b"%PDF")
-    assert before[2].startswith(b"<?xml")
-    assert draw_figures(one, tmp_path, formats=FORMATS) == paths
-    assert [path.read_bytes() for path in paths] == before  # equal figures are equal files
+    contents = [path.read_bytes() for path in paths]
+    assert contents[1].startswith(b"%PDF")
+    assert contents[2].startswith(b"<?xml")
+    assert draw_figures(dataset, tmp_path, formats=FORMATS) == paths
+    assert [path.read_bytes() for path in paths] == contents  # files are reproducible
 
 
 def test_foreign_files_are_not_replaced_and_empty_results_are_rejected(tmp_path):
     from matplotlib.figure import Figure
 
     for ending in FORMATS:
-        other = tmp_path / f"other.{ending}"
-        Figure().savefig(other)
-        content = other.read_bytes()
+        foreign_file = tmp_path / f"other.{ending}"
+        Figure().savefig(foreign_file)
+        content = foreign_file.read_bytes()
         with pytest.raises(ValueError, match="exists already"):
-            save_figure(Figure(), other)
-        assert other.read_bytes() == content
+            save_figure(Figure(), foreign_file)
+        assert foreign_file.read_bytes() == content
     with pytest.raises(ValueError, match="formats"):
         draw_figures(empty_dataset(SMALL_STUDY), tmp_path, formats=["tiff"])
     with pytest.raises(ValueError, match="nothing to draw"):
         draw_figures(empty_dataset(SMALL_STUDY), Path())
 
 
-# ---- Generated bodies ------------------------------------------------------------------------------------------------
+# ---- Generated profiles ---------------------------------------------------------------------------------------------
 
 
-def panels(figure):
+def plot_axes(figure):
     return [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
 
 
-def test_friction_figure_has_maps_and_curves(result):
-    for data, rows in ((result, 2), (result.isel(amplitude=[1]), 1)):
-        figure = friction_figure(data, 0.4)
-        computed = panels(figure)
-        assert len(computed) == 3 * rows
-        assert [ax.get_title() for ax in computed[:2]] == [rf"$\tau_0$ = {mpa} MPa" for mpa in (0, 200)]
+def test_friction_figure_has_maps_and_curves(generated_dataset):
+    for dataset, num_rows in ((generated_dataset, 2), (generated_dataset.isel(amplitude=[1]), 1)):
+        figure = friction_figure(dataset, 0.4)
+        axes = plot_axes(figure)
+        assert len(axes) == 3 * num_rows
+        assert [ax.get_title() for ax in axes[:2]] == [rf"$\tau_0$ = {megapascals} MPa" for megapascals in (0, 200)]
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
         assert "load not reached" in labels
         assert any("model not valid" in label for label in labels)
-        assert computed[0].get_ylabel() == style.label("load")
-        assert computed[3 * (rows // 2) + 2].get_ylabel() == style.label("friction_coefficient")
+        assert axes[0].get_ylabel() == style.axis_label("load")
+        assert axes[3 * (num_rows // 2) + 2].get_ylabel() == style.axis_label("friction_coefficient")
     assert not figure.get_suptitle()
-    part = friction_figure(result.isel(repetition=[0, 1, 4]), 0.1)
-    assert part.get_suptitle() == "unfinished: 3 of 12 repetitions"
+    figure_of_part = friction_figure(generated_dataset.isel(repetition=[0, 1, 4]), 0.1)
+    assert figure_of_part.get_suptitle() == "unfinished: 3 of 12 repetitions"
 
 
-def test_friction_curves_equal_the_map_at_a_common_load(result):
-    one = result.isel(amplitude=[1])
-    curves = panels(friction_figure(one, 0.4))[2]
-    amount, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
-    load = float(amount) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
-    expected = friction_map(one, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
-    assert ((expected["status"] == "ok").sum("fractal_dimension") >= 3).all()  # of 4
-    dotted = [line.get_ydata() for line in curves.lines if line.get_linestyle() == ":"]
-    for values, tau0 in zip(dotted, (0, -1), strict=True):
-        np.testing.assert_array_equal(values, expected["friction_coefficient"].isel(tau0=tau0).values)
+def test_friction_curves_equal_the_map_at_a_common_load(generated_dataset):
+    dataset = generated_dataset.isel(amplitude=[1])
+    curves = plot_axes(friction_figure(dataset, 0.4))[2]
+    number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
+    load = float(number) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
+    friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
+    assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()  # of 4
+    dotted_lines = [line.get_ydata() for line in curves.lines if line.get_linestyle() == ":"]
+    for line_values, tau0 in zip(dotted_lines, (0, -1), strict=True):
+        np.testing.assert_array_equal(line_values, friction["friction_coefficient"].isel(tau0=tau0).values)
 
 
-@pytest.mark.parametrize("part", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str)
-def test_figures_of_small_results_are_drawn_without_warning(result, part, tmp_path):
-    one = result.isel(amplitude=[0], **part)
-    save_figure(friction_figure(one, 0.0), tmp_path / "friction.png")
-    save_figure(area_figure(one), tmp_path / "area.png")
+@pytest.mark.parametrize(
+    "selection", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str
+)
+def test_friction_and_area_figures_of_small_results_give_no_warning(generated_dataset, selection, tmp_path):
+    dataset = generated_dataset.isel(amplitude=[0], **selection)
+    save_figure(friction_figure(dataset, 0.0), tmp_path / "friction.png")
+    save_figure(area_figure(dataset), tmp_path / "area.png")
 
 
-def test_cells_fade_to_equally_bright_grey_with_interval_width():
+def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
-    columns = zip(("friction_coefficient", "lower", "upper"), zip(*cells, strict=True), strict=True)
-    sure, half, wide, unknown, nothing = _compute_fading(
-        {name: SimpleNamespace(values=np.array(item)) for name, item in columns}
+    columns_by_name = zip(("friction_coefficient", "lower", "upper"), zip(*cells, strict=True), strict=True)
+    certain, partly_faded, fully_faded, without_interval, without_value = _compute_fading(
+        {name: SimpleNamespace(values=np.array(column)) for name, column in columns_by_name}
     )
-    assert (sure, nothing) == (0, 0)
-    assert wide == unknown == FADING[2]
-    assert half == pytest.approx(FADING[2] * (1.0 - FADING[0]) / (FADING[1] - FADING[0]))
+    assert (certain, without_value) == (0, 0)
+    assert fully_faded == without_interval == FADING_LIMITS[2]
+    assert partly_faded == pytest.approx(
+        FADING_LIMITS[2] * (1.0 - FADING_LIMITS[0]) / (FADING_LIMITS[1] - FADING_LIMITS[0])
+    )
     purple, luminance = np.array([0.5, 0.1, 0.6]), np.array([0.2126, 0.7152, 0.0722])
     grey = _fade(purple, np.array(1.0))
     assert grey == pytest.approx([purple @ luminance] * 3)
 
 
-def test_area_figure_has_a_labelled_curve_for_each_dimension(result):
-    figure = area_figure(result)
-    left = figure.axes[0]
-    assert len(left.lines) == 2 * 4  # as far as it is to be trusted, and beyond
-    assert any(text.get_text() == "$D$ = 1.00" for text in left.texts)
-    assert left.get_ylabel() == style.label("contact_area")
-    for ax in area_figure(result.isel(repetition=slice(2))).axes:
+def test_area_figure_has_a_labelled_curve_for_each_dimension(generated_dataset):
+    figure = area_figure(generated_dataset)
+    area_axes = figure.axes[0]
+    assert len(area_axes.lines) == 2 * 4  # one line within the range of the model, and one beyond
+    assert any(text.get_text() == "$D$ = 1.00" for text in area_axes.texts)
+    assert area_axes.get_ylabel() == style.axis_label("contact_area")
+    for ax in area_figure(generated_dataset.isel(repetition=slice(2))).axes:
         values = np.concatenate([line.get_ydata() for line in ax.lines])
         assert ax.get_ylim()[1] <= 2.01 * np.nanmax(values)
 
 
-def test_loads_are_within_the_range_of_the_ensembles(result):
-    loads = reached_loads(result)
-    mean = result["normal_elastic"].mean("repetition")
-    assert loads[0] >= float(mean.isel(approach=0).max()) * (1 - 1e-12)
-    assert loads[-1] == pytest.approx(float(mean.max()))
+def test_reached_loads_are_within_the_range_of_the_ensembles(generated_dataset):
+    loads = reached_loads(generated_dataset)
+    mean_loads = generated_dataset["normal_elastic"].mean("repetition")
+    assert loads[0] >= float(mean_loads.isel(approach=0).max()) * (1 - 1e-12)
+    assert loads[-1] == pytest.approx(float(mean_loads.max()))
     assert np.all(np.diff(loads) > 0)
 
 
-# ---- Measured bodies -------------------------------------------------------------------------------------------------
+# ---- Measured surfaces ----------------------------------------------------------------------------------------------
 
 
-def figure_of(result, wanted, picture=None):
-    return next(draw for name, draw in figures_of(result, picture) if name == wanted)()
+def draw_figure(dataset, wanted_name, picture=None):
+    return next(draw for name, draw in select_figures(dataset, picture) if name == wanted_name)()
 
 
-def test_curves_over_load_equal_means_of_the_result(maps):
-    figure = figure_of(maps, "friction")
-    upper, lower = figure.axes
-    reference = at_load(maps, maps["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0, mu0=0, tau0=0)
-    for line, rule in zip(upper.lines, style.RULE_COLOURS, strict=False):
-        expected = reference["friction_all_round"].sel(sliding=rule, statistic="mean")
-        np.testing.assert_allclose(line.get_ydata(), expected.values)
+def test_load_figure_draws_means_of_the_result(maps_at_two_cutoffs):
+    figure = draw_figure(maps_at_two_cutoffs, "friction")
+    friction_axes, area_axes = figure.axes
+    reference = at_load(maps_at_two_cutoffs, maps_at_two_cutoffs["load"].values, mu0=[0.3], tau0=[0.0]).isel(
+        cut_off=0, mu0=0, tau0=0
+    )
+    for line, rule in zip(friction_axes.lines, style.RULE_COLOURS, strict=False):
+        expected_values = reference["friction_all_round"].sel(sliding=rule, statistic="mean")
+        np.testing.assert_allclose(line.get_ydata(), expected_values.values)
         assert line.get_color() == style.RULE_COLOURS[rule]
     np.testing.assert_allclose(
-        lower.lines[0].get_ydata(), 100 * reference["contact_area_fraction"].sel(statistic="mean").values
+        area_axes.lines[0].get_ydata(), 100 * reference["contact_area_fraction"].sel(statistic="mean").values
     )
-    assert (upper.get_ylabel(), lower.get_ylabel()) == tuple(
-        map(style.label, ("friction_coefficient", "contact_area_fraction"))
+    assert (friction_axes.get_ylabel(), area_axes.get_ylabel()) == tuple(
+        map(style.axis_label, ("friction_coefficient", "contact_area_fraction"))
     )
-    marked = [line.get_xdata()[0] for line in lower.lines if line.get_linestyle() == "--"]
-    assert marked == [0.1, 0.5]  # what was asked for
+    marked_loads = [line.get_xdata()[0] for line in area_axes.lines if line.get_linestyle() == "--"]
+    assert marked_loads == [0.1, 0.5]  # the requested loads
 
 
-def test_colours_have_one_meaning(maps):
+def test_figure_lines_have_colours_of_their_sliding_rules(maps_at_two_cutoffs):
     for name in ("friction", "cut_off", "compass", "positions"):
-        used = {line.get_color() for line in figure_of(maps, name).axes[0].lines}
-        assert {style.ALL, style.OPPOSING} <= used <= {style.ALL, style.OPPOSING, "0.2", "0.5"}
+        used_colours = {line.get_color() for line in draw_figure(maps_at_two_cutoffs, name).axes[0].lines}
+        assert (
+            {style.ALL_CONTACTS_COLOUR, style.OPPOSING_COLOUR}
+            <= used_colours
+            <= {style.ALL_CONTACTS_COLOUR, style.OPPOSING_COLOUR, "0.2", "0.5"}
+        )
 
 
-def test_compass_passes_through_its_points_and_starts_at_zero(maps):
-    axes = figure_of(maps, "compass").axes[0]
-    reference = at_load(maps, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
+def test_compass_passes_through_its_points_and_starts_at_zero(maps_at_two_cutoffs):
+    axes = draw_figure(maps_at_two_cutoffs, "compass").axes[0]
+    reference = at_load(maps_at_two_cutoffs, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
     points, curve = axes.lines[:2]
     expected = reference["friction_coefficient"].sel(sliding="all", statistic="mean").values
     np.testing.assert_allclose(points.get_ydata(), expected)
@@ -234,20 +256,20 @@ def test_compass_passes_through_its_points_and_starts_at_zero(maps):
     assert 4 <= len(axes.get_yticks()) <= 6
 
 
-def test_positions_are_drawn_at_their_offset(maps, lines):
-    each = figure_of(maps, "positions").axes[0].lines[0]
-    assert np.array_equal(each.get_xdata(), np.arange(1, 17))  # four members in four directions
-    assert (np.diff(each.get_ydata()) >= 0).all()
-    along = figure_of(lines, "positions").axes[0].lines[0]
-    assert set(along.get_xdata()) == set(lines["x"].values)
+def test_positions_figure_is_sorted_for_maps_and_ordered_by_offset_for_profiles(maps_at_two_cutoffs, profiles_dataset):
+    line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
+    assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # 4 members in 4 directions
+    assert (np.diff(line_of_maps.get_ydata()) >= 0).all()
+    line_of_profiles = draw_figure(profiles_dataset, "positions").axes[0].lines[0]
+    assert set(line_of_profiles.get_xdata()) == set(profiles_dataset["x"].values)
 
 
-def test_contacts_are_drawn_at_their_position_and_loads_add_up(maps):
-    picture = contact_picture(maps)
+def test_contacts_figure_marks_each_contact_and_its_loads_add_up(maps_at_two_cutoffs):
+    picture = contact_picture(maps_at_two_cutoffs)
     figure = contacts_figure(picture, direction=90.0)
     axes = figure.axes[0]
-    marks = np.concatenate([collection.get_offsets() for collection in axes.collections[1::2]])
-    assert {tuple(mark) for mark in marks} == set(
+    marker_positions = np.concatenate([collection.get_offsets() for collection in axes.collections[1::2]])
+    assert {tuple(marker_position) for marker_position in marker_positions} == set(
         zip(picture["contact_x"].values, picture["contact_y"].values, strict=True)
     )
     texts = [text.get_text() for text in figure.legends[0].get_texts()]
@@ -255,44 +277,44 @@ def test_contacts_are_drawn_at_their_position_and_loads_add_up(maps):
     assert sum(int(text.split("with ")[1].split()[0]) for text in texts) == pytest.approx(100, abs=1)
 
 
-def test_surfaces_touch_at_drawn_contacts(maps, lines):
-    picture = contact_picture(maps)
+def test_contact_map_draws_each_contact(maps_at_two_cutoffs, profiles_dataset):
+    picture = contact_picture(maps_at_two_cutoffs)
     (axes,) = contact_map_figure(picture, direction=90.0).axes
-    kind = np.ma.filled(axes.images[1].get_array(), np.nan)
-    patch, climbs = picture["patch"].values, find_opposing_contacts(picture, 90.0)
-    assert np.array_equal(np.isfinite(kind), patch > 0)
-    assert np.array_equal(np.unique(patch[kind == 1]), 1 + np.flatnonzero(climbs))
+    contact_kinds = np.ma.filled(axes.images[1].get_array(), np.nan)
+    contact_numbers, is_opposing = picture["patch"].values, find_opposing_contacts(picture, 90.0)
+    assert np.array_equal(np.isfinite(contact_kinds), contact_numbers > 0)
+    assert np.array_equal(np.unique(contact_numbers[contact_kinds == 1]), 1 + np.flatnonzero(is_opposing))
     assert len(axes.collections) == bool((picture["contact_at_edge"].values > 0).any())
-    picture = contact_picture(lines)
-    whole, close = contact_map_figure(picture).axes
-    assert len(whole.collections[2].get_offsets()) == picture.sizes["contact"]
-    strongest = picture["contact_x"].values[picture["contact_force"].values.argmax()]
-    low, high = close.get_xlim()
-    assert low <= strongest <= high
-    assert high - low < np.ptp(whole.get_xlim())
+    picture = contact_picture(profiles_dataset)
+    full_axes, zoomed_axes = contact_map_figure(picture).axes
+    assert len(full_axes.collections[2].get_offsets()) == picture.sizes["contact"]
+    position_of_largest_force = picture["contact_x"].values[picture["contact_force"].values.argmax()]
+    lower_limit, upper_limit = zoomed_axes.get_xlim()
+    assert lower_limit <= position_of_largest_force <= upper_limit
+    assert upper_limit - lower_limit < np.ptp(full_axes.get_xlim())
 
 
 def test_force_arrows_stay_inside_their_frame(circular_arc, tmp_path):
     upper, lower = (circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
     figure = contact_figure(upper, lower, 0.02, mu0=0.3, load=0.1)
-    large = figure.axes[1]
+    zoomed_axes = figure.axes[1]
     figure.draw_without_rendering()
-    frame = large.get_window_extent()
-    for arrows in [collection for collection in large.collections if hasattr(collection, "U")]:
-        start = large.transData.transform(arrows.get_offsets())
-        length = np.hypot(arrows.U, arrows.V) / arrows.scale * figure.dpi
-        assert (start[:, 1] + length <= frame.y1).all()
-    assert "heights magnified" in large.get_title(loc="left")
-    # And two flat bodies without a contact are drawn.
-    flat = Profile(np.zeros(200), spacing=0.01)
-    save_figure(contact_figure(flat, flat, 0.0, mu0=0.3), tmp_path / "contact.png")
+    frame = zoomed_axes.get_window_extent()
+    for arrows in [collection for collection in zoomed_axes.collections if hasattr(collection, "U")]:
+        start_points = zoomed_axes.transData.transform(arrows.get_offsets())
+        lengths = np.hypot(arrows.U, arrows.V) / arrows.scale * figure.dpi
+        assert (start_points[:, 1] + lengths <= frame.y1).all()
+    assert "heights magnified" in zoomed_axes.get_title(loc="left")
+    # Two flat profiles without contact are drawn, too.
+    flat_profile = Profile(np.zeros(200), spacing=0.01)
+    save_figure(contact_figure(flat_profile, flat_profile, 0.0, mu0=0.3), tmp_path / "contact.png")
 
 
 # ---- Style -----------------------------------------------------------------------------------------------------------
 
 
-def test_labels_are_separate_and_ordered():
-    places = spread_labels([1.0, 1.01, 0.99, 3.0], 0.1)
-    assert np.array_equal(np.argsort(places), [2, 0, 1, 3])
-    assert np.diff(np.sort(places)).min() == pytest.approx(0.1)
-    assert places[3] == 3.0
+def test_spread_labels_are_separate_and_ordered():
+    label_positions = spread_labels([1.0, 1.01, 0.99, 3.0], 0.1)
+    assert np.array_equal(np.argsort(label_positions), [2, 0, 1, 3])
+    assert np.diff(np.sort(label_positions)).min() == pytest.approx(0.1)
+    assert label_positions[3] == 3.0

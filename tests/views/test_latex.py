@@ -1,52 +1,52 @@
-"""Results as a LaTeX table."""
+"""Tests of results as a LaTeX table."""
 
 import re
 
 import pytest
 from stiction import open_result, run
-from stiction._number_format import quoted
+from stiction._number_format import format_estimate
 from stiction.studies.study import Study
 from stiction.studies.summary import summarize
 from stiction.views.latex import latex_table
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
 
-RESULTS = {
+SUMMARIES = {
     "pair": summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study()),
     "readings": summarize(measured_result(cut_offs=(0.0, 0.5)), measured_study()),
     "study": summarize(generated_result(dimensions=(1.1, 1.3)), generated_study()),
 }
 
 
-def rows_of(table):
-    """Cells of the head and of each row of a table."""
+def table_cells(table):
+    """Return the cells of the header and of each row of a table."""
     lines = re.findall(r"^(.*) \\\\$", table, re.MULTILINE)
     return [line.split(" & ") for line in lines]
 
 
-@pytest.mark.parametrize("name", RESULTS)
-def test_latex_table_has_a_row_of_equal_length_for_each_headline(name):
-    summary = RESULTS[name]
+@pytest.mark.parametrize("summary_name", SUMMARIES)
+def test_latex_table_has_one_row_for_each_headline(summary_name):
+    summary = SUMMARIES[summary_name]
     table = latex_table(summary)
-    head, *rows = rows_of(table)
+    header, *rows = table_cells(table)
     assert len(rows) == len(summary.headlines)
-    assert {len(row) for row in rows} == {len(head)}
-    assert rf"\begin{{tabular}}{{{'l' * len(head)}}}" in table
+    assert {len(row) for row in rows} == {len(header)}
+    assert rf"\begin{{tabular}}{{{'l' * len(header)}}}" in table
     for row, point in zip(rows, summary.headlines, strict=True):
         assert row[-1] == point.verdict
-        assert all(quoted(rule.value, rule.lower, rule.upper) in row for rule in point.rules)
+        assert all(format_estimate(estimate.value, estimate.lower, estimate.upper) in row for estimate in point.rules)
     assert not re.search(r"(?<!\\)[%#_]", re.sub(r"^% .*$|\$.*?\$", "", table, flags=re.MULTILINE))
 
 
-def test_latex_table_names_conditions_that_points_share_in_comments():
-    table = latex_table(RESULTS["pair"])
+def test_latex_table_states_common_conditions_in_comments():
+    table = latex_table(SUMMARIES["pair"])
     assert "% $\\mu_0$ = 0.2" in table
-    head, *rows = rows_of(table)
+    header, *rows = table_cells(table)
     assert [row[:2] for row in rows] == [["1", "0"], ["1", "50"], ["10", "0"], ["10", "50"]]
-    assert "(mN)" in head[0]
-    assert "(MPa)" in head[1]
+    assert "(mN)" in header[0]
+    assert "(MPa)" in header[1]
 
 
-def test_export_writes_a_latex_table_once(tmp_path):
+def test_export_writes_latex_table_and_replaces_no_file(tmp_path):
     study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
     run(study, store=tmp_path / "result")
     result = open_result(tmp_path / "result")

@@ -1,4 +1,4 @@
-"""Scans with the noise of instruments, of four colours, beside the surfaces that they are of."""
+"""Tests of brackets from scans with instrument noise, which must contain the result of the noise-free surfaces."""
 
 from functools import cache
 
@@ -8,77 +8,93 @@ from scipy.ndimage import grey_dilation
 from stiction import Surface, pair
 from support.rough_surfaces import rough_maps
 
-POINTS, SPACING = 128, 0.02
-ASKED = {
+NUM_POINTS, SPACING = 128, 0.02
+PAIR_OPTIONS = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "hardness": "8 GPa", "shifts": 4,
     "onset": 0, "direction": [0, 90, 180, 270],
 }  # fmt: skip
-HELD = 0.95  # of all that is to be quoted
-PAIRS = 75  # of each colour
+MIN_COVERED_FRACTION = 0.95  # of the brackets
+NUM_PAIRS = 75  # for each kind of noise
 
 
-def noise(colour, random):
-    along = np.abs(np.fft.fftfreq(POINTS))
-    q, x = np.hypot(along[:, None], along), along + 0 * along[:, None]
-    waves = {
-        "white": 1.0, "band": (q > 0.15) & (q < 0.35), "pink": 1 / np.maximum(q, 1 / POINTS),
-        "line": (abs(x - 0.2) < 0.01) & (along[:, None] < 0.05),
-    }[colour]  # fmt: skip
-    created = np.fft.ifft2(np.fft.fft2(random.normal(size=q.shape)) * waves).real
-    return created / created.std()
+def create_noise(noise_kind, random):
+    frequency = np.abs(np.fft.fftfreq(NUM_POINTS))
+    radial_frequency, x_frequency = np.hypot(frequency[:, None], frequency), frequency + 0 * frequency[:, None]
+    filters = {
+        "white": 1.0,
+        "band": (radial_frequency > 0.15) & (radial_frequency < 0.35),
+        "pink": 1 / np.maximum(radial_frequency, 1 / NUM_POINTS),
+        "line": (abs(x_frequency - 0.2) < 0.01) & (frequency[:, None] < 0.05),
+    }[noise_kind]
+    filtered_noise = np.fft.ifft2(np.fft.fft2(random.normal(size=radial_frequency.shape)) * filters).real
+    return filtered_noise / filtered_noise.std()
 
 
 @cache
-def pair_of(seed):
-    """Two surfaces, the answer of them without noise, and how much noise of Sq they get: 2.5 to 10 %."""
+def create_pair(seed):
+    """Return two surfaces, their friction without noise, and the rms noise to add as a fraction of Sq."""
     random = np.random.default_rng(1000 + seed)
-    rough = {
-        "hurst_exponent": random.uniform(0.4, 0.9), "rms": 0.002, "shape": (POINTS, POINTS), "spacing": SPACING,
-        "longest_wavelength": POINTS * SPACING / 4,
+    roughness_options = {
+        "hurst_exponent": random.uniform(0.4, 0.9), "rms": 0.002, "shape": (NUM_POINTS, NUM_POINTS), "spacing": SPACING,
+        "longest_wavelength": NUM_POINTS * SPACING / 4,
     }  # fmt: skip
-    part, rough["shortest_wavelength"] = 10 ** random.uniform(-1.6, -1), SPACING * random.choice([8, 12, 16])
-    clean = rough_maps(seed, **rough)
-    return clean, pair(*clean, cutoff="none", **ASKED).value, part
+    noise_fraction, roughness_options["shortest_wavelength"] = (
+        10 ** random.uniform(-1.6, -1),
+        SPACING * random.choice([8, 12, 16]),
+    )
+    surfaces = rough_maps(seed, **roughness_options)
+    return surfaces, pair(*surfaces, cutoff="none", **PAIR_OPTIONS).value, noise_fraction
 
 
-def answers_of(seed, colour):
-    """The answer of a pair without noise, and the first answer of the same with noise."""
-    (clean, truth, part), random = pair_of(seed), np.random.default_rng(2000 + seed)
-    noisy = [
-        Surface(body.heights + part * body.heights.std() * noise(colour, random), spacing=SPACING) for body in clean
+def true_and_noisy_results(seed, noise_kind):
+    """Return the friction of a pair without noise, and the first point of its summary with noise."""
+    (surfaces, true_value, noise_fraction), random = create_pair(seed), np.random.default_rng(2000 + seed)
+    noisy_surfaces = [
+        Surface(
+            surface.heights + noise_fraction * surface.heights.std() * create_noise(noise_kind, random), spacing=SPACING
+        )
+        for surface in surfaces
     ]
-    return truth, pair(*noisy, **ASKED).summary().first
+    return true_value, pair(*noisy_surfaces, **PAIR_OPTIONS).summary().first
 
 
-@pytest.mark.parametrize("colour", ["white", "band", "line", "pink"])
+@pytest.mark.parametrize("noise_kind", ["white", "band", "line", "pink"])
 @pytest.mark.soak
-def test_bracket_of_noisy_scans_contains_true_result(colour):
-    message = [answers_of(seed, colour) for seed in range(PAIRS)]
-    told = [(truth, one.bracket) for truth, one in message if one.bracket is not None]
-    held = [low - 1e-9 <= truth <= high for truth, (low, high) in told]
-    print(f"{colour}: the bracket of {len(told)} of {PAIRS} pairs holds {sum(held)}")
-    assert len(told) > PAIRS / 2
-    assert np.mean(held) >= HELD
+def test_bracket_of_noisy_scans_contains_true_result(noise_kind):
+    results = [true_and_noisy_results(seed, noise_kind) for seed in range(NUM_PAIRS)]
+    brackets = [(true_value, point.bracket) for true_value, point in results if point.bracket is not None]
+    is_covered = [low - 1e-9 <= true_value <= high for true_value, (low, high) in brackets]
+    print(f"{noise_kind}: {sum(is_covered)} of {len(brackets)} brackets of {NUM_PAIRS} pairs contain the true value")
+    assert len(brackets) > NUM_PAIRS / 2
+    assert np.mean(is_covered) >= MIN_COVERED_FRACTION
 
 
-def seen_by_a_ball(body, radius):
-    """The heights that a ball scans: those of its lowest point, which its flanks push up."""
-    away = SPACING * np.arange(-int(radius / SPACING), int(radius / SPACING) + 1)
-    square = away[:, None] ** 2 + away**2
-    ball = np.sqrt(np.maximum(radius**2 - square, 0)) - radius
-    present = grey_dilation(body.heights, footprint=square <= radius**2, structure=ball, mode="wrap")
-    return Surface(present, spacing=SPACING)
+def scan_with_tip(surface, radius):
+    """Return the heights that a spherical tip of a given radius scans."""
+    offsets = SPACING * np.arange(-int(radius / SPACING), int(radius / SPACING) + 1)
+    squared_distance = offsets[:, None] ** 2 + offsets**2
+    tip_shape = np.sqrt(np.maximum(radius**2 - squared_distance, 0)) - radius
+    scanned_heights = grey_dilation(
+        surface.heights, footprint=squared_distance <= radius**2, structure=tip_shape, mode="wrap"
+    )
+    return Surface(scanned_heights, spacing=SPACING)
 
 
-@pytest.mark.parametrize("hurst", [0.5, 0.8])
-def test_bracket_of_blunt_tip_contains_true_result(hurst):
-    rough = {
-        "hurst_exponent": hurst, "rms": 0.01, "shape": (POINTS, POINTS), "spacing": SPACING,
-        "longest_wavelength": POINTS * SPACING / 4, "shortest_wavelength": 6 * SPACING,
-    }  # fmt: skip
-    clean = rough_maps(1, **rough)
-    truth = pair(*clean, cutoff="none", **ASKED).value
-    (message,) = pair(*(seen_by_a_ball(item, 0.3) for item in clean), tip="300 nm", **ASKED).summary().headlines
-    assert truth < message.value < truth + 0.25 * (truth - ASKED["mu0"])
-    assert message.bracket[0] < truth < message.bracket[1]
-    assert any("tip does not resolve" in caveat.text for caveat in message.caveats)
+@pytest.mark.parametrize("hurst_exponent", [0.5, 0.8])
+def test_bracket_of_blunt_tip_contains_true_result(hurst_exponent):
+    roughness_options = {
+        "hurst_exponent": hurst_exponent,
+        "rms": 0.01,
+        "shape": (NUM_POINTS, NUM_POINTS),
+        "spacing": SPACING,
+        "longest_wavelength": NUM_POINTS * SPACING / 4,
+        "shortest_wavelength": 6 * SPACING,
+    }
+    surfaces = rough_maps(1, **roughness_options)
+    true_value = pair(*surfaces, cutoff="none", **PAIR_OPTIONS).value
+    (point,) = (
+        pair(*(scan_with_tip(surface, 0.3) for surface in surfaces), tip="300 nm", **PAIR_OPTIONS).summary().headlines
+    )
+    assert true_value < point.value < true_value + 0.25 * (true_value - PAIR_OPTIONS["mu0"])
+    assert point.bracket[0] < true_value < point.bracket[1]
+    assert any("tip does not resolve" in caveat.text for caveat in point.caveats)

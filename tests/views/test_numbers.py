@@ -1,11 +1,11 @@
-"""Numbers of the report: values, intervals, statuses, decimals and assessments are those of the library."""
+"""Tests of the scripts of the report, which must compute the numbers and assessments of the library."""
 
 import itertools
 
 import numpy as np
 import pytest
 from stiction import Study, friction_map, run
-from stiction._number_format import quoted
+from stiction._number_format import format_estimate
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import Axis, excess, interpolated
@@ -20,63 +20,73 @@ pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
 from support.report_numbers import ReportNumbers
 
-PACKED = 1e-6  # relative error of a packed number
-MOST_EXCESS = 3.0  # errors at single settings over the tolerances by which the nodes are chosen
+MAX_PACKING_ERROR = 1e-6  # relative
+MAX_RELATIVE_ERROR = 3.0  # largest error of an interpolated value as a multiple of the tolerance for its nodes
 
 
-def invented(reached):
-    """Sums that are of no surface: loads that rise and fall, fall below zero, and repetitions that carry nothing."""
+def create_arbitrary_sums(tangential_factor):
+    """Return a dataset of arbitrary sums, some of which no surface has.
+
+    Loads rise and fall with the approach and may be negative, and some repetitions carry no load.
+    """
     data = empty_dataset(SMALL_STUDY)
     random = np.random.default_rng(9)
     shape = data["normal_elastic"].shape
-    rise = np.arange(1, shape[-1] + 1) ** 1.5
-    size = random.lognormal(0, 0.6, shape[:3])[..., np.newaxis] * rise * random.lognormal(0, 0.3, shape)
-    size[:, :, 5:8, :4] = 0
-    size[1, 0, 1:] = 0  # one repetition alone carries load
-    size[2, 0] = 0  # none does
-    touches = size > 0
+    load_growth = np.arange(1, shape[-1] + 1) ** 1.5
+    random_loads = random.lognormal(0, 0.6, shape[:3])[..., np.newaxis] * load_growth * random.lognormal(0, 0.3, shape)
+    random_loads[:, :, 5:8, :4] = 0
+    random_loads[1, 0, 1:] = 0  # only one repetition carries load
+    random_loads[2, 0] = 0  # no repetition carries load
+    has_contact = random_loads > 0
     for name in ("normal_elastic", "tangential_frictional", "contact_area", "overlap_load", "normal_adhesive"):
-        data[name].values[:] = size * random.uniform(0.1, 0.9, shape)
+        data[name].values[:] = random_loads * random.uniform(0.1, 0.9, shape)
     for name in ("load_beyond_hertz", "load_below_grid"):
         data[name].values[:] = data["normal_elastic"].values * random.uniform(0, 1, shape)
-    data["normal_frictional"].values[:] = -size * random.uniform(0, 0.7, shape)
+    data["normal_frictional"].values[:] = -random_loads * random.uniform(0, 0.7, shape)
     data["normal_adhesive"].values *= -0.5
-    data["tangential_elastic"].values[:] = size * random.uniform(-0.2, 0.4, shape) * reached
-    data["tangential_adhesive"].values[:] = size * random.uniform(0, 0.5, shape)
+    data["tangential_elastic"].values[:] = random_loads * random.uniform(-0.2, 0.4, shape) * tangential_factor
+    data["tangential_adhesive"].values[:] = random_loads * random.uniform(0, 0.5, shape)
     for name in ("tangential_elastic", "tangential_frictional", "tangential_adhesive"):
-        data[name].values[3, 1, 1:] = 0  # one repetition alone resists, and the mean of the others has no logarithm
-    data["normal_elastic"].values[3, 0, :, 0] = 0.5  # a load that is reached at the first approach
-    data["contact_count"].values[:] = 3 * touches
-    data["crossed_count"].values[:] = random.integers(0, 4, shape) * touches
+        data[name].values[3, 1, 1:] = (
+            0  # only one repetition has a tangential force, and the mean of the others has no logarithm
+        )
+    data["normal_elastic"].values[3, 0, :, 0] = 0.5  # this load is reached at the first approach
+    data["contact_count"].values[:] = 3 * has_contact
+    data["crossed_count"].values[:] = random.integers(0, 4, shape) * has_contact
     return data
 
 
 @pytest.fixture(scope="module")
-def numbers(result):
-    return ReportNumbers(report_page(result))
+def report_numbers(generated_dataset):
+    return ReportNumbers(report_page(generated_dataset))
 
 
 # ---- Interpolation and text ------------------------------------------------------------------------------------------
 
 
-def test_script_interpolates_as_the_library(numbers):
-    axes = tuple(Axis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]) * most, np.array([0.2]) * most) for most in (1.0, 50.0))
+def test_script_interpolates_values_of_the_library(report_numbers):
+    axes = tuple(
+        Axis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]) * max_value, np.array([0.2]) * max_value) for max_value in (1.0, 50.0)
+    )
     table = np.random.default_rng(2).uniform(size=(6, 6))
     table[0, 0] = np.nan
     facts = {
         name: {"rising": axis.rising.tolist(), "bounds": axis.bounds}
         for name, axis in zip(("mu0", "tau0"), axes, strict=True)
     }
-    values = [None if np.isnan(item) else item for item in table.ravel()]
+    values = [None if np.isnan(value) else value for value in table.ravel()]
     for mu0, tau0 in itertools.product((0.0, 0.1, 0.15, 0.2, 0.5, 1.0), (0.0, 3.0, 10.0, 34.0, 50.0)):
-        result = numbers(
+        computed = report_numbers(
             "(axes, values, mu0, tau0) => between(values.map((each) => each ?? NaN), 0, placeAt(axes, mu0, tau0))",
-            facts, values, mu0, tau0,
-        )  # fmt: skip
-        assert result == pytest.approx(float(interpolated(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True)
+            facts,
+            values,
+            mu0,
+            tau0,
+        )
+        assert computed == pytest.approx(float(interpolated(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True)
 
 
-def test_interval_has_no_upper_end_beside_a_node_without_one(numbers):
+def test_interval_is_unbounded_next_to_a_node_without_upper_end(report_numbers):
     script = """(mu0) => {
       const axes = {mu0: {rising: [0, 1, 2], bounds: []}, tau0: {rising: [0, 1, 2], bounds: []}};
       const three = (list) => list.flatMap((each) => [each, each, each]);
@@ -85,100 +95,109 @@ def test_interval_has_no_upper_end_beside_a_node_without_one(numbers):
       const point = pointAt({offsets, floats, small: Array(9).fill(1)}, "a", 0, placeAt(axes, mu0, 0.5));
       return [point.upper, quoted(point)];
     }"""
-    assert numbers(script, 0.5) == [2.5, "1.5 [0.8, 2.5]"]
-    assert numbers(script, 1.01) == [np.inf, "2.0 [1.0, ∞)"]
+    assert report_numbers(script, 0.5) == [2.5, "1.5 [0.8, 2.5]"]
+    assert report_numbers(script, 1.01) == [np.inf, "2.0 [1.0, ∞)"]
 
 
-def test_value_has_no_status_ok_beside_a_node_without_a_value(numbers):
+def test_status_is_not_ok_next_to_a_node_without_value(report_numbers):
     script = """(mu0) => statusAt([0, 0, 0, 0, 1, 1], 0, placeAt({mu0: {rising: [0, 1, 2], bounds: []},
       tau0: {rising: [0, 1], bounds: []}}, mu0, 0), [{isOk: true}, {isOk: false}])"""
-    assert [numbers(script, mu0) for mu0 in (0.9, 1.0, 1.1, 2.0)] == [0, 0, 1, 1]
+    assert [report_numbers(script, mu0) for mu0 in (0.9, 1.0, 1.1, 2.0)] == [0, 0, 1, 1]
 
 
 @pytest.mark.parametrize("scale", [3.3e-4, 0.1147, 0.99951, 17.251, 1234.0])
-def test_numbers_are_printed_by_the_decimals_of_the_terminal(numbers, scale):
+def test_script_prints_numbers_with_the_decimals_of_the_terminal(report_numbers, scale):
     random = np.random.default_rng(3)
     value = scale * random.uniform(0.9, 1.1, 40)
-    width = scale * 10 ** random.uniform(-6, 0.5, 40)
-    lower, upper = value - width, value + width
+    half_width = scale * 10 ** random.uniform(-6, 0.5, 40)
+    lower, upper = value - half_width, value + half_width
     upper[:5] = np.inf
     lower[5:8] = upper[5:8] = np.nan
     upper[8:12] = 300 * value[8:12]
-    decimals, of_upper = decimals_of(value, lower, upper)
-    result = numbers(
+    decimals, decimals_of_upper = decimals_of(value, lower, upper)
+    texts = report_numbers(
         "(points) => points.map(([value, lower, upper, decimals, upperDecimals]) => quoted({value, lower: lower ?? NaN,"
         " upper: upper === 'inf' ? Infinity : upper ?? NaN, decimals, upperDecimals}))",
         [
             [v, *(None if np.isnan(x) else "inf" if np.isinf(x) else x for x in (a, b)), int(d), int(u)]
-            for v, a, b, d, u in zip(value.tolist(), lower.tolist(), upper.tolist(), decimals, of_upper, strict=True)
+            for v, a, b, d, u in zip(
+                value.tolist(), lower.tolist(), upper.tolist(), decimals, decimals_of_upper, strict=True
+            )
         ],
     )
-    expected = [
-        quoted(*item).replace("-", "\u2212")
-        for item in zip(value.tolist(), lower.tolist(), upper.tolist(), strict=True)
+    expected_texts = [
+        format_estimate(*value_and_interval).replace("-", "\u2212")
+        for value_and_interval in zip(value.tolist(), lower.tolist(), upper.tolist(), strict=True)
     ]
-    assert result == expected
+    assert texts == expected_texts
 
 
-# ---- Generated bodies ------------------------------------------------------------------------------------------------
+# ---- Generated profiles ---------------------------------------------------------------------------------------------
 
 
-HALF_PLANES = {
-    "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
-    "contact.sliding": ["opposing", "all"], "surfaces.points": 512, "surfaces.extent": "5 um",
-    "ensemble.repetitions": 4, "surfaces.band_limit": "nyquist", "surfaces.fractal_dimension": [1.1, 1.4],
-}  # fmt: skip
+HALF_PLANE_CHANGES = {
+    "contact.mechanics": "half-space",
+    "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
+    "contact.sliding": ["opposing", "all"],
+    "surfaces.points": 512,
+    "surfaces.extent": "5 um",
+    "ensemble.repetitions": 4,
+    "surfaces.band_limit": "nyquist",
+    "surfaces.fractal_dimension": [1.1, 1.4],
+}
 
 
-def of_generated(data, numbers, settings):
-    """Compare friction of a report with `friction_map`; returns statuses, and errors over the tolerances."""
-    facts = numbers.facts
+def compare_friction(dataset, report_numbers, settings):
+    """Compare the friction of a report with `friction_map`; return statuses, and errors divided by tolerances."""
+    facts = report_numbers.facts
     statuses, errors = [], []
-    for cell, rule, way, load, mu0, tau0 in settings:
-        at = friction_map(data, [facts["loads"]["values"][load]], mu0=[mu0], tau0=[tau0])
-        at = at.isel(fractal_dimension=cell, amplitude=0, load=0, mu0=0, tau0=0)
-        at = at.isel(sliding=rule) if "sliding" in at.dims else at
-        at = at.isel(direction=way) if "direction" in at.dims else at
-        point = numbers.point("friction", mu0, tau0, cell=cell, rule=rule, way=way, load=load)
-        status = str(at["status"].values)
+    for cell_index, rule_index, way_index, load_index, mu0, tau0 in settings:
+        reference = friction_map(dataset, [facts["loads"]["values"][load_index]], mu0=[mu0], tau0=[tau0])
+        reference = reference.isel(fractal_dimension=cell_index, amplitude=0, load=0, mu0=0, tau0=0)
+        reference = reference.isel(sliding=rule_index) if "sliding" in reference.dims else reference
+        reference = reference.isel(direction=way_index) if "direction" in reference.dims else reference
+        point = report_numbers.point(
+            "friction", mu0, tau0, cell=cell_index, rule=rule_index, way=way_index, load=load_index
+        )
+        status = str(reference["status"].values)
         if not point["isFine"]:
             status = "between-nodes"
         elif point["status"] != status:
             status = f"{point['status']} for {status}"
         elif status == "ok":
-            arguments = np.array([point[name] for name in ("value", "lower", "upper")])
-            expected = np.array([float(at[name]) for name in ("friction_coefficient", "lower", "upper")])
-            errors.append(float(excess(arguments, expected)))
+            values = np.array([point[name] for name in ("value", "lower", "upper")])
+            expected = np.array([float(reference[name]) for name in ("friction_coefficient", "lower", "upper")])
+            errors.append(float(excess(values, expected)))
         statuses.append(status)
     return statuses, errors
 
 
-def settings_of(numbers, count, seed):
-    facts, random = numbers.facts, np.random.default_rng(seed)
-    most = facts["axes"]["mu0"]["most"], facts["axes"]["tau0"]["most"] / 1000
+def random_settings(report_numbers, count, seed):
+    facts, random = report_numbers.facts, np.random.default_rng(seed)
+    max_values = facts["axes"]["mu0"]["most"], facts["axes"]["tau0"]["most"] / 1000
     for _ in range(count):
-        place = [int(random.integers(len(facts[name]))) for name in ("rules", "ways")]
-        cell, load = (int(random.integers(len(facts[name]["values"]))) for name in ("cells", "loads"))
-        yield cell, *place, load, random.uniform(0, most[0]), random.uniform(0, most[1])
+        indices = [int(random.integers(len(facts[name]))) for name in ("rules", "ways")]
+        cell_index, load_index = (int(random.integers(len(facts[name]["values"]))) for name in ("cells", "loads"))
+        yield cell_index, *indices, load_index, random.uniform(0, max_values[0]), random.uniform(0, max_values[1])
 
 
-@pytest.mark.parametrize("name", ["asperities", "half-planes"])
-def test_friction_of_generated_bodies_is_that_of_the_library(result, numbers, name):
-    if name == "half-planes":
-        result = run(Study.named("quick").with_changes(HALF_PLANES)).dataset
-        numbers = ReportNumbers(report_page(result))
-    statuses, errors = of_generated(result, numbers, settings_of(numbers, 60, 5))
-    expected = {"ok", "not-reached", "self-locked", "below-range", "between-nodes"}
-    assert np.mean([status in expected for status in statuses]) > 0.9
+@pytest.mark.parametrize("case_name", ["asperities", "half-planes"])
+def test_friction_of_generated_profiles_equals_the_library(generated_dataset, report_numbers, case_name):
+    if case_name == "half-planes":
+        generated_dataset = run(Study.named("quick").with_changes(HALF_PLANE_CHANGES)).dataset
+        report_numbers = ReportNumbers(report_page(generated_dataset))
+    statuses, errors = compare_friction(generated_dataset, report_numbers, random_settings(report_numbers, 60, 5))
+    expected_statuses = {"ok", "not-reached", "self-locked", "below-range", "between-nodes"}
+    assert np.mean([status in expected_statuses for status in statuses]) > 0.9
     assert len(errors) > 15
-    assert np.quantile(errors, 0.8) < MOST_EXCESS
+    assert np.quantile(errors, 0.8) < MAX_RELATIVE_ERROR
 
 
-@pytest.mark.parametrize("reached", [0.0, 1.0])
-def test_nodes_of_any_sums_are_those_of_the_library(reached):
-    data = invented(reached)
-    numbers = ReportNumbers(report_page(data))
-    axes = numbers.facts["axes"]
+@pytest.mark.parametrize("tangential_factor", [0.0, 1.0])
+def test_friction_at_nodes_equals_the_library_for_arbitrary_sums(tangential_factor):
+    dataset = create_arbitrary_sums(tangential_factor)
+    report_numbers = ReportNumbers(report_page(dataset))
+    axes = report_numbers.facts["axes"]
     random = np.random.default_rng(3)
     settings = [
         (
@@ -191,128 +210,140 @@ def test_nodes_of_any_sums_are_those_of_the_library(reached):
         )
         for m, t in itertools.product(range(0, len(axes["mu0"]["rising"]), 2), range(0, len(axes["tau0"]["rising"]), 2))
     ]
-    statuses, errors = of_generated(data, numbers, settings * 2)
+    statuses, errors = compare_friction(dataset, report_numbers, settings * 2)
     assert not [status for status in statuses if " for " in status or status == "between-nodes"]
     assert max(errors, default=0.0) < 0.1
 
 
-def test_members_without_a_solution_are_left_out(result):
-    data = result.copy(deep=True)
-    data["normal_elastic"].loc[{"repetition": 3, "approach": data["approach"][-1]}] = np.nan
-    numbers = ReportNumbers(report_page(data))
-    assert numbers.facts["repetitions"] == data.sizes["repetition"] - 1
-    own = study_of(data).friction
-    statuses, errors = of_generated(data, numbers, [(1, 0, 0, 20, own.mu0[0], float(own.tau0[0]))])
+def test_report_ignores_members_without_a_solution(generated_dataset):
+    dataset = generated_dataset.copy(deep=True)
+    dataset["normal_elastic"].loc[{"repetition": 3, "approach": dataset["approach"][-1]}] = np.nan
+    report_numbers = ReportNumbers(report_page(dataset))
+    assert report_numbers.facts["repetitions"] == dataset.sizes["repetition"] - 1
+    friction = study_of(dataset).friction
+    statuses, errors = compare_friction(
+        dataset, report_numbers, [(1, 0, 0, 20, friction.mu0[0], float(friction.tau0[0]))]
+    )
     assert statuses == ["ok"]
     assert max(errors) < 0.1
 
 
-def test_report_of_bodies_that_do_not_touch_has_no_loads():
-    data = empty_dataset(SMALL_STUDY.with_changes({"contact.approach": ["0 nm"]}))
-    assert ReportNumbers(report_page(data)).facts["loads"]["values"] == []
+def test_report_of_profiles_without_contact_has_no_loads():
+    dataset = empty_dataset(SMALL_STUDY.with_changes({"contact.approach": ["0 nm"]}))
+    assert ReportNumbers(report_page(dataset)).facts["loads"]["values"] == []
 
 
-@pytest.mark.parametrize("case", ["asperities", "soft", "invented"])
-def test_assessments_of_generated_bodies_are_those_of_the_library(result, case):
-    data = invented(0.0) if case == "invented" else result
-    if case == "soft":
-        data = data.assign_attrs(study=study_of(data).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml())
-    study, numbers = study_of(data), ReportNumbers(report_page(data))
-    assert numbers.facts["quotedRule"] == rules_of(study)[0]
-    loads = numbers.facts["loads"]["values"]
+@pytest.mark.parametrize("case_name", ["asperities", "soft", "invented"])
+def test_assessments_of_generated_profiles_equal_the_library(generated_dataset, case_name):
+    dataset = create_arbitrary_sums(0.0) if case_name == "invented" else generated_dataset
+    if case_name == "soft":
+        dataset = dataset.assign_attrs(
+            study=study_of(dataset).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml()
+        )
+    study, report_numbers = study_of(dataset), ReportNumbers(report_page(dataset))
+    assert report_numbers.facts["quotedRule"] == rules_of(study)[0]
+    loads = report_numbers.facts["loads"]["values"]
     verdicts = set()
     for mu0, tau0 in itertools.product(study.friction.mu0[:2], study.friction.tau0[:2]):
-        picked = [4, 15, 25, 35]
-        at = at_load(data, [loads[index] for index in picked], mu0=[mu0], tau0=[float(tau0)])
-        for one in summarize(at, study).points:
-            place = [data[name].values.tolist().index(one.at[name]) for name in ("fractal_dimension", "amplitude")]
-            load = int(np.argmin(np.abs(np.array(loads) - one.at["load"])))
-            computed = numbers.judgement(mu0, float(tau0), cell=place[0], amplitude=place[1], way=0, load=load)
-            assert computed["verdict"] == one.verdict
-            assert [item["cure"] for item in computed["caveats"]] == [caveat.cure for caveat in one.caveats]
-            verdicts.add(one.verdict)
+        load_indices = [4, 15, 25, 35]
+        reference = at_load(dataset, [loads[index] for index in load_indices], mu0=[mu0], tau0=[float(tau0)])
+        for point in summarize(reference, study).points:
+            indices = [
+                dataset[name].values.tolist().index(point.at[name]) for name in ("fractal_dimension", "amplitude")
+            ]
+            load_index = int(np.argmin(np.abs(np.array(loads) - point.at["load"])))
+            assessment = report_numbers.judgement(
+                mu0, float(tau0), cell=indices[0], amplitude=indices[1], way=0, load=load_index
+            )
+            assert assessment["verdict"] == point.verdict
+            assert [caveat["cure"] for caveat in assessment["caveats"]] == [caveat.cure for caveat in point.caveats]
+            verdicts.add(point.verdict)
     assert "Do not quote" in verdicts
 
 
-# ---- Measured bodies -------------------------------------------------------------------------------------------------
+# ---- Measured surfaces ----------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module", params=["maps", "lines"])
-def measured(request):
-    """A result of measured bodies and the numbers of its report."""
-    data = request.getfixturevalue(request.param)
-    return data, ReportNumbers(report_page(data))
+@pytest.fixture(scope="module", params=["maps_dataset", "profiles_dataset"])
+def measured_report(request):
+    """Dataset of measured surfaces, and the numbers of its report."""
+    dataset = request.getfixturevalue(request.param)
+    return dataset, ReportNumbers(report_page(dataset))
 
 
-def test_friction_of_measured_surfaces_equals_the_library(measured):
-    data, numbers = measured
-    facts, errors = numbers.facts, []
-    study = study_of(data)
-    own = (0, 0, 0, 0, study.friction.mu0[0], float(study.friction.tau0[0]))
-    for _, rule, way, load, mu0, tau0 in (own, *settings_of(numbers, 25, 4)):
-        at = at_load(data, [facts["loads"]["values"][load]], mu0=[mu0], tau0=[tau0])
-        at = add_uncertainty(at, data, budget=False).isel(load=0, mu0=0, tau0=0, cut_off=0, sliding=rule)
-        is_whole = facts["ways"][way]["isWhole"]
-        place = {"rule": rule, "way": way, "load": load}
-        point = numbers.point("friction" if is_whole else "sampling", mu0, tau0, **place)
+def test_friction_of_measured_surfaces_equals_the_library(measured_report):
+    dataset, report_numbers = measured_report
+    facts, errors = report_numbers.facts, []
+    study = study_of(dataset)
+    study_setting = (0, 0, 0, 0, study.friction.mu0[0], float(study.friction.tau0[0]))
+    for _, rule_index, way_index, load_index, mu0, tau0 in (study_setting, *random_settings(report_numbers, 25, 4)):
+        reference = at_load(dataset, [facts["loads"]["values"][load_index]], mu0=[mu0], tau0=[tau0])
+        reference = add_uncertainty(reference, dataset, budget=False).isel(
+            load=0, mu0=0, tau0=0, cut_off=0, sliding=rule_index
+        )
+        is_whole = facts["ways"][way_index]["isWhole"]
+        indices = {"rule": rule_index, "way": way_index, "load": load_index}
+        point = report_numbers.point("friction" if is_whole else "sampling", mu0, tau0, **indices)
         expected = (
-            at["friction_combined"]
+            reference["friction_combined"]
             if is_whole
-            else at["friction_coefficient"].isel(direction=facts["ways"][way]["directions"][0])
+            else reference["friction_coefficient"].isel(direction=facts["ways"][way_index]["directions"][0])
         )
         assert point["status"] == "ok"
-        arguments = np.array([point[name] for name in ("value", "lower", "upper")])
-        errors.append(float(excess(arguments, expected.values)))
-        if (mu0, tau0) == own[4:]:
-            assert point["text"] == quoted(*expected.values.tolist())
+        values = np.array([point[name] for name in ("value", "lower", "upper")])
+        errors.append(float(excess(values, expected.values)))
+        if (mu0, tau0) == study_setting[4:]:
+            assert point["text"] == format_estimate(*expected.values.tolist())
             assert errors[-1] < 0.1
-        if not is_whole:  # no interval that would be surer than that over all directions
-            shown = numbers.point("friction", mu0, tau0, **place)
-            assert np.isnan(shown["lower"])
-            assert "[" not in shown["text"]
-    assert np.quantile(errors, 0.9) < MOST_EXCESS
+        if not is_whole:  # a single direction has no interval
+            point_over_directions = report_numbers.point("friction", mu0, tau0, **indices)
+            assert np.isnan(point_over_directions["lower"])
+            assert "[" not in point_over_directions["text"]
+    assert np.quantile(errors, 0.9) < MAX_RELATIVE_ERROR
 
 
-def test_headline_of_a_report_is_that_of_the_answers(measured):
-    data, numbers = measured
-    study = study_of(data)
-    at = at_load(data, [float(load) for load in study.friction.load])
-    rules = numbers.facts["rules"]
-    for one in summarize(add_uncertainty(at, data), study).points:
-        load = numbers.facts["loads"]["values"].index(one.at["load"])
-        for value in one.rules:
-            point = numbers.point("friction", one.at["mu0"], one.at["tau0"], rule=rules.index(value.rule), load=load)
-            assert point["text"] == quoted(value.value, value.lower, value.upper)
+def test_headline_of_report_equals_the_summary(measured_report):
+    dataset, report_numbers = measured_report
+    study = study_of(dataset)
+    reference = at_load(dataset, [float(load_index) for load_index in study.friction.load])
+    rules = report_numbers.facts["rules"]
+    for point in summarize(add_uncertainty(reference, dataset), study).points:
+        load_index = report_numbers.facts["loads"]["values"].index(point.at["load"])
+        for rule in point.rules:
+            report_point = report_numbers.point(
+                "friction", point.at["mu0"], point.at["tau0"], rule=rules.index(rule.rule), load=load_index
+            )
+            assert report_point["text"] == format_estimate(rule.value, rule.lower, rule.upper)
 
 
-def test_contacts_of_measured_surfaces_equal_the_library(measured):
-    data, numbers = measured
-    reference = at_load(data, data["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0)
-    names = [fact["name"] for fact in numbers.facts["quantities"]]
+def test_contacts_of_measured_surfaces_equal_the_library(measured_report):
+    dataset, report_numbers = measured_report
+    reference = at_load(dataset, dataset["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0)
+    names = [quantity["name"] for quantity in report_numbers.facts["quantities"]]
     assert {"contact_area_fraction", "contact_count", "mean_pressure", "normal_stiffness"} <= set(names)
-    factors = {value["of"]: value["factor"] for value in numbers.facts["curves"].values()}
-    for fact in numbers.facts["quantities"]:
-        expected = factors.get(fact["name"], 1) * reference[fact["name"]].transpose("load", "statistic").values
-        assert np.array(fact["points"][0][0], float) == pytest.approx(expected, rel=1e-12, nan_ok=True)
+    factors = {value["of"]: value["factor"] for value in report_numbers.facts["curves"].values()}
+    for quantity in report_numbers.facts["quantities"]:
+        expected = factors.get(quantity["name"], 1) * reference[quantity["name"]].transpose("load", "statistic").values
+        assert np.array(quantity["points"][0][0], float) == pytest.approx(expected, rel=1e-12, nan_ok=True)
 
 
 # ---- Drawing ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
-def drawing(numbers):
-    """The functions of `plots.js` that need no page."""
+def drawing_functions(report_numbers):
+    """Functions of `plots.js` that need no document."""
     from importlib import resources
 
     text = (resources.files("stiction.views.report") / "plots.js").read_text("utf-8")
-    numbers._engine.eval(
+    report_numbers._engine.eval(
         text.split("// ---- Axes ---")[0].split("// ---- Ticks and cells")[1].partition("\n")[2] + "; null"
     )
-    return numbers
+    return report_numbers
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "is_log", "texts"),
+    ("low", "high", "is_log", "expected_texts"),
     [
         (0.0, 1.0, False, ["0", "0.2", "0.4", "0.6", "0.8", "1"]),
         (1.0, 1.72, False, ["1", "1.2", "1.4", "1.6"]),
@@ -323,20 +354,20 @@ def drawing(numbers):
         (5.0, 5.0, False, ["5"]),
     ],
 )
-def test_ticks_are_round(drawing, low, high, is_log, texts):
-    result = drawing("(...at) => ticksOf(...at)", low, high, is_log, 6)
-    assert [tick["text"] for tick in result if tick["text"]] == texts
-    assert all(low * (1 - 1e-9) <= tick["value"] <= high * (1 + 1e-9) for tick in result)
+def test_ticks_have_round_values_within_the_axis(drawing_functions, low, high, is_log, expected_texts):
+    ticks = drawing_functions("(...at) => ticksOf(...at)", low, high, is_log, 6)
+    assert [tick["text"] for tick in ticks if tick["text"]] == expected_texts
+    assert all(low * (1 - 1e-9) <= tick["value"] <= high * (1 + 1e-9) for tick in ticks)
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-4, 1e4])
-def test_edges_of_cells_are_their_middles(drawing, scale):
+def test_cell_edges_are_midpoints_between_centres(drawing_functions, scale):
     centres = (scale * 2.0 ** np.arange(7)).tolist()
-    ends = drawing("(centres) => edges(centres)", centres)
-    assert (np.array(ends[1:-1]) == (np.array(centres[1:]) + centres[:-1]) / 2).all()
-    assert ends[0] < centres[0]
-    assert ends[-1] > centres[-1]
-    # Lines on a map between cells that are true and cells that are false.
+    cell_edges = drawing_functions("(centres) => edges(centres)", centres)
+    assert (np.array(cell_edges[1:-1]) == (np.array(centres[1:]) + centres[:-1]) / 2).all()
+    assert cell_edges[0] < centres[0]
+    assert cell_edges[-1] > centres[-1]
+    # Lines on a map separate true cells from false cells.
     x, y = [0, 1, 2], [0, 10, 20]
-    assert drawing("(...at) => boundary([[true, false], [true, null]], ...at)", x, y) == [[1, 0, 1, 10]]
-    assert drawing("(...at) => boundary([[true], [false]], ...at)", x[:2], y) == [[0, 10, 1, 10]]
+    assert drawing_functions("(...at) => boundary([[true, false], [true, null]], ...at)", x, y) == [[1, 0, 1, 10]]
+    assert drawing_functions("(...at) => boundary([[true], [false]], ...at)", x[:2], y) == [[0, 10, 1, 10]]

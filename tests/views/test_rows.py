@@ -1,4 +1,4 @@
-"""The frame of an answer, and the CSV and JSON that are made from it."""
+"""Tests of the data frame of results, and of their CSV and JSON output."""
 
 import csv
 import json
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from stiction.studies.assessment import Caveat
 from stiction.studies.summary import Left, summarize
-from stiction.views.rows import SCHEMA, summary_json, summary_table, values_frame
+from stiction.views.rows import SCHEMA_VERSION, summary_json, summary_table, values_frame
 from stiction.views.spreadsheet import frame_to_csv
 from support.synthetic_results import (
     QUANTITIES_AT_LOAD,
@@ -20,86 +20,96 @@ from support.synthetic_results import (
     value_and_ends,
 )
 
-MANY = {"loads": (1.0, 10.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2)}
+SEVERAL_CONDITIONS = {"loads": (1.0, 10.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2)}
 
 
-def rows_of(text):
+def parse_csv(text):
     return list(csv.DictReader(text.splitlines()))
 
 
-def test_frame_has_every_number_of_the_result():
-    at = measured_result(**MANY)
-    rows = values_frame(at)
-    numbers = [name for name, table in at.data_vars.items() if table.dtype.kind in "if"]
+def test_frame_contains_all_numeric_variables():
+    dataset = measured_result(**SEVERAL_CONDITIONS)
+    rows = values_frame(dataset)
+    numbers = [name for name, table in dataset.data_vars.items() if table.dtype.kind in "if"]
     assert set(rows["name"]) == set(numbers)
     for name in numbers:
-        size = at[name].size // (3 if "statistic" in at[name].dims else 1)
+        size = dataset[name].size // (3 if "statistic" in dataset[name].dims else 1)
         assert (rows["name"] == name).sum() == size
-    one = rows[(rows["name"] == "contact_area") & (rows["load"] == 10.0) & (rows["cut_off"] == 0.2)]
-    assert one[["value", "lower", "upper", "unit"]].values.tolist() == [[*value_and_ends(100.0), "um2"]]
-    assert one["mu0"].isna().all()
+    area_row = rows[(rows["name"] == "contact_area") & (rows["load"] == 10.0) & (rows["cut_off"] == 0.2)]
+    assert area_row[["value", "lower", "upper", "unit"]].values.tolist() == [[*value_and_ends(100.0), "um2"]]
+    assert area_row["mu0"].isna().all()
     friction = rows[rows["name"] == "friction_by_axis"]
     assert set(friction["axis"]) == {0.0, 90.0}
     assert set(friction["sliding"]) == {"all", "opposing"}
 
 
-def test_frame_has_status_of_numbers():
-    at = measured_result(loads=(1.0, 10.0))
-    at["status"].loc[{"load": 10.0}] = "not-reached"
-    at["friction_coefficient"].loc[{"load": 10.0}] = np.nan
-    rows = values_frame(at)
+def test_frame_contains_status_of_values():
+    dataset = measured_result(loads=(1.0, 10.0))
+    dataset["status"].loc[{"load": 10.0}] = "not-reached"
+    dataset["friction_coefficient"].loc[{"load": 10.0}] = np.nan
+    rows = values_frame(dataset)
     rows = rows[rows["name"] == "friction_coefficient"]
     assert set(rows[rows["load"] == 10.0]["status"]) == {"not-reached"}
     assert set(rows[rows["load"] == 1.0]["status"]) == {"ok"}
 
 
-def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
-    beside = Caveat("a parabola, which carries the load", "take it off", "caution")
-    rows = rows_of(
-        frame_to_csv(summary_table(summarize(measured_result(**MANY), measured_study(), input_caveats=[beside])))
+def test_csv_has_a_row_for_each_direction_with_verdict_and_caveats():
+    input_caveat = Caveat("a parabola, which carries the load", "take it off", "caution")
+    rows = parse_csv(
+        frame_to_csv(
+            summary_table(
+                summarize(measured_result(**SEVERAL_CONDITIONS), measured_study(), input_caveats=[input_caveat])
+            )
+        )
     )
     assert len(rows) == 2 * 2 * 2 * 2 * 2 * (1 + 2 + 4)
-    first = rows[0]
-    assert first["upper body to (degree)"] == "all directions"
-    assert float(first["coefficient of static friction"]) == 0.21
-    assert float(first["coefficient of static friction: upper"]) == pytest.approx(0.2205)
+    first_row = rows[0]
+    assert first_row["upper body to (degree)"] == "all directions"
+    assert float(first_row["coefficient of static friction"]) == 0.21
+    assert float(first_row["coefficient of static friction: upper"]) == pytest.approx(0.2205)
     assert {float(row["tau0 (MPa)"]) for row in rows} == {0.0, 50.0}
     assert {row["upper body to (degree)"] for row in rows} == {
-        "all directions", "along 0", "along 90", "0", "90", "180", "270",
-    }  # fmt: skip
-    area = next(name for name in first if name.endswith("(um2)"))
-    assert {float(row[area]) for row in rows} == {QUANTITIES_AT_LOAD["contact_area"]}
+        "all directions",
+        "along 0",
+        "along 90",
+        "0",
+        "90",
+        "180",
+        "270",
+    }
+    area_column = next(name for name in first_row if name.endswith("(um2)"))
+    assert {float(row[area_column]) for row in rows} == {QUANTITIES_AT_LOAD["contact_area"]}
     assert {row["verdict"] for row in rows} == {"Quote with care"}
     assert {row["caveats"] for row in rows} == {"a parabola, which carries the load: take it off"}
-    rows = rows_of(frame_to_csv(summary_table(summarize(generated_result(), generated_study()))))
+    rows = parse_csv(frame_to_csv(summary_table(summarize(generated_result(), generated_study()))))
     assert len(rows) == 2 * 2 * 2
     assert {row["fractal dimension"] for row in rows} == {"1.1", "1.4"}
     assert {row["sliding"] for row in rows} == {"opposing"}
 
 
-RESULTS = {
-    "maps": (measured_result(**MANY), measured_study()),
+DATASETS_AND_STUDIES = {
+    "maps": (measured_result(**SEVERAL_CONDITIONS), measured_study()),
     "missing": (measured_result(status="no-contact", all_rub=np.nan, opposing=np.nan, ok=0), measured_study()),
     "generated": (generated_result(), generated_study()),
-    "a point": (generated_result().isel(fractal_dimension=[0], load=[0], tau0=[0]), generated_study()),
+    "one point": (generated_result().isel(fractal_dimension=[0], load=[0], tau0=[0]), generated_study()),
 }
 
 
-@pytest.mark.parametrize("name", RESULTS)
-def test_json_has_one_schema(name):
-    at, study = RESULTS[name]
-    record = json.loads(summary_json("at", summarize(at, study)))
+@pytest.mark.parametrize("case_name", DATASETS_AND_STUDIES)
+def test_json_has_the_same_keys_for_all_results(case_name):
+    dataset, study = DATASETS_AND_STUDIES[case_name]
+    record = json.loads(summary_json("at", summarize(dataset, study)))
     assert list(record)[:3] == ["schema", "stiction", "command"]
-    assert (record["schema"], record["command"]) == (SCHEMA, "at")
-    assert len(record["values"]) == len(values_frame(at))
+    assert (record["schema"], record["command"]) == (SCHEMA_VERSION, "at")
+    assert len(record["values"]) == len(values_frame(dataset))
     for value in record["values"]:
         assert list(value) == ["name", "value", "unit", "lower", "upper", "interval", "at", "status"]
         assert value["value"] is None or math.isfinite(value["value"])
         assert isinstance(value["status"], str)
         if None not in (value["lower"], value["value"], value["upper"]):
             assert value["lower"] <= value["value"] <= value["upper"]
-    area = next(value for value in record["values"] if value["name"] == "contact_area")
-    assert not {"sliding", "direction", "mu0", "axis"} & set(area["at"])
+    area_value = next(value for value in record["values"] if value["name"] == "contact_area")
+    assert not {"sliding", "direction", "mu0", "axis"} & set(area_value["at"])
 
 
 def test_json_has_null_instead_of_unbounded_intervals():
@@ -110,24 +120,23 @@ def test_json_has_null_instead_of_unbounded_intervals():
         point, rules=rules, budget=(unbounded,), bracket=(0.2, math.inf), parts=(0.2, math.inf, 0.0),
         from_roughness=-math.inf,
     )  # fmt: skip
-    (answer,) = json.loads(summary_json("pair", replace(summary, points=(point,))), parse_constant=pytest.fail)[
-        "answers"
-    ]
+    text = summary_json("pair", replace(summary, points=(point,)))
+    (answer,) = json.loads(text, parse_constant=pytest.fail)["answers"]
     assert answer["rules"][0]["upper"] is None
     assert answer["rules"][0]["text"].endswith("∞)")
     assert answer["budget"] == [{"if_known": "the hardness", "lower": 0.2, "upper": None, "width": None}]
     assert (answer["finer_scans"]["to"], answer["parts"]["adhesion"], answer["from_roughness"]) == (None, None, None)
 
 
-def test_json_has_value_assessment_and_reasons():
+def test_json_contains_verdict_caveats_and_values():
     record = json.loads(
         summary_json("pair", summarize(measured_result(share_at_edge=0.6, half=0.02), measured_study()), positions=3)
     )
-    (message,) = record["answers"]
-    assert message["verdict"] == "Do not quote"
-    assert message["caveats"][0]["severity"] == "fault"
-    assert {"text", "cure", "severity"} == set(message["caveats"][0])
-    assert message["sentence"].startswith("There is no coefficient to quote")
-    assert [rule["rule"] for rule in message["rules"]] == ["all", "opposing"]
-    assert message["rules"][0]["value"] == 0.21
+    (answer,) = record["answers"]
+    assert answer["verdict"] == "Do not quote"
+    assert answer["caveats"][0]["severity"] == "fault"
+    assert {"text", "cure", "severity"} == set(answer["caveats"][0])
+    assert answer["sentence"].startswith("There is no coefficient to quote")
+    assert [rule["rule"] for rule in answer["rules"]] == ["all", "opposing"]
+    assert answer["rules"][0]["value"] == 0.21
     assert (record["kind"], record["positions"], record["nominal_area"]) == ("pair", 3, 10_000.0)

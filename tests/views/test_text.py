@@ -1,14 +1,21 @@
-"""Results as text: the answer first, nothing wider than the terminal, and nothing lost."""
+"""Tests of results as text: the coefficient comes first, and no line is wider than the terminal."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from stiction._number_format import from_to, percent, quoted, significant, with_interval, with_unit
+from stiction._number_format import (
+    format_estimate,
+    format_limits,
+    format_percent,
+    format_significant,
+    format_with_interval,
+    format_with_unit,
+)
 from stiction.studies.assessment import VERDICTS, Caveat
 from stiction.studies.summary import Left, summarize
 from stiction.views.text import (
-    MAX_POINTS,
+    MAX_PRINTED_POINTS,
     assessment_text,
     axes_text,
     format_table,
@@ -19,62 +26,70 @@ from stiction.views.text import (
 )
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study, value_and_ends
 
-COLUMNS = 80
+TERMINAL_WIDTH = 80
 
 
 @pytest.fixture(autouse=True)
-def _columns(monkeypatch):
-    monkeypatch.setenv("COLUMNS", str(COLUMNS))
+def set_terminal_width(monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(TERMINAL_WIDTH))
 
 
-MANY = {"loads": (0.5, 1.0, 10.0, 100.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2, 0.4)}
+SEVERAL_CONDITIONS = {
+    "loads": (0.5, 1.0, 10.0, 100.0),
+    "mu0": (0.2, 0.3),
+    "tau0": (0.0, 0.05),
+    "cut_offs": (0.0, 0.2, 0.4),
+}
 
-RESULTS = {
+DATASETS_AND_STUDIES = {
     "maps": (measured_result(), measured_study()),
     "with a hardness": (measured_result(rms_gradient=0.7), measured_study(hardness=3.0)),
-    "many": (measured_result(**MANY), measured_study()),
+    "many": (measured_result(**SEVERAL_CONDITIONS), measured_study()),
     "with caveats": (measured_result(share_at_edge=0.6, contact_count=5.0, reading_difference=0.1), measured_study()),
     "lines": (measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")),
-    "without an answer": (
-        measured_result(status="not-solved", all_rub=np.nan, opposing=np.nan, ok=0), measured_study(),
+    "without a solution": (
+        measured_result(status="not-solved", all_rub=np.nan, opposing=np.nan, ok=0),
+        measured_study(),
     ),
     "generated": (generated_result(), generated_study()),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("verbose", [False, True])
-@pytest.mark.parametrize("name", RESULTS)
-def test_text_fits_the_terminal_width(name, verbose):
-    at, study = RESULTS[name]
-    beside = [Caveat("a parabola is 82 % of its mean square height, and carries the load", "take it off", "caution")]
-    text = result_text(summarize(at, study, input_caveats=beside), verbose=verbose)
-    assert max(map(len, text.splitlines())) <= COLUMNS
+@pytest.mark.parametrize("case_name", DATASETS_AND_STUDIES)
+def test_text_fits_the_terminal_width(case_name, verbose):
+    dataset, study = DATASETS_AND_STUDIES[case_name]
+    input_caveats = [
+        Caveat("a parabola is 82 % of its mean square height, and carries the load", "take it off", "caution")
+    ]
+    text = result_text(summarize(dataset, study, input_caveats=input_caveats), verbose=verbose)
+    assert max(map(len, text.splitlines())) <= TERMINAL_WIDTH
     assert not any(line != line.rstrip() for line in text.splitlines())
 
 
-def test_text_starts_with_value_and_assessment():
-    lines = result_text(summarize(*RESULTS["with caveats"])).splitlines()
+def test_text_starts_with_coefficient_and_verdict():
+    lines = result_text(summarize(*DATASETS_AND_STUDIES["with caveats"])).splitlines()
     assert lines[0].startswith("μ_s = 0.21 [0.20, 0.22]  friction at all contacts")
-    verdict = lines.index("Do not quote")
-    assert verdict < 10
-    assert lines[verdict + 1].startswith("  ! 60 % of the load is on contacts at the edge")
+    verdict_index = lines.index("Do not quote")
+    assert verdict_index < 10
+    assert lines[verdict_index + 1].startswith("  ! 60 % of the load is on contacts at the edge")
 
 
 def test_text_of_maps_fits_24_lines():
-    text = result_text(summarize(*RESULTS["maps"]))
+    text = result_text(summarize(*DATASETS_AND_STUDIES["maps"]))
     assert len(text.splitlines()) <= 24
     for words in ("No grooves", "read from a.di"):
         assert words not in text
-        assert words in result_text(summarize(*RESULTS["maps"]), verbose=True)
+        assert words in result_text(summarize(*DATASETS_AND_STUDIES["maps"]), verbose=True)
 
 
-def test_spheres_on_a_strip_have_no_area_fraction():
-    for mechanics, shown in (("asperities", False), ("half-space", True)):
+def test_asperity_model_of_profiles_has_no_area_fraction():
+    for mechanics, has_area_fraction in (("asperities", False), ("half-space", True)):
         study = measured_study(press="lines", mechanics=mechanics)
-        assert ("A/A0" in result_text(summarize(RESULTS["lines"][0], study))) == shown
+        assert ("A/A0" in result_text(summarize(DATASETS_AND_STUDIES["lines"][0], study))) == has_area_fraction
 
 
-def test_several_conditions_have_a_line_each():
+def test_text_has_one_line_for_each_condition():
     lines = result_text(summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study())).splitlines()
     assert lines[0].split()[:2] == ["load", "τ0"]
     assert [line.split()[:2] for line in lines[1:5]] == [["1", "mN"], ["1", "mN"], ["10", "mN"], ["10", "mN"]]
@@ -82,32 +97,30 @@ def test_several_conditions_have_a_line_each():
     assert "with μ0 = 0.2, E* = 100 GPa" in " ".join(lines[5:7])
 
 
-def test_caveats_of_several_points_give_their_count():
-    at = measured_result(loads=(1.0, 10.0))
-    at["share_at_edge"].loc[{"load": 1.0}] = 0.6
-    text = result_text(summarize(at, measured_study()))
+def test_caveat_of_some_points_states_their_number():
+    dataset = measured_result(loads=(1.0, 10.0))
+    dataset["share_at_edge"].loc[{"load": 1.0}] = 0.6
+    text = result_text(summarize(dataset, measured_study()))
     assert "Do not quote" in text.splitlines()[1]
     assert "Quote it" in text.splitlines()[2]
     assert "edge (1 of 2)" in " ".join(text.split())
 
 
-def test_remedy_without_visible_effect_is_left_out():
-    one = summarize(measured_result(), measured_study()).points[0]
-    for ends, message in (((0.205, 0.215), True), ((one.lower, one.upper - 1e-6), False)):
-        options = replace(one, budget=(Left("finer waves", *ends, 0.0),))
-        assert options.most is not None
-        assert ("would give" in assessment_text([options])) == message
+def test_remedy_is_listed_only_if_it_changes_printed_digits():
+    point = summarize(measured_result(), measured_study()).points[0]
+    for ends, is_listed in (((0.205, 0.215), True), ((point.lower, point.upper - 1e-6), False)):
+        point_with_budget = replace(point, budget=(Left("finer waves", *ends, 0.0),))
+        assert point_with_budget.most is not None
+        assert ("would give" in assessment_text([point_with_budget])) == is_listed
 
 
-def test_columns_that_do_not_fit_are_wrapped():
+def test_table_wider_than_terminal_is_split_into_columns():
     rows = [["name", "first column", "second column"], ["a", "1", "2"]]
     assert format_table(rows, 80).splitlines() == ["name  first column  second column", "a     1             2"]
-    assert format_table(rows, 20).splitlines() == [
-        "name  first column", "a     1", "name  second column", "a     2",
-    ]  # fmt: skip
+    assert format_table(rows, 20).splitlines() == ["name  first column", "a     1", "name  second column", "a     2"]
 
 
-def test_wrapped_columns_repeat_all_label_columns():
+def test_split_table_repeats_label_columns():
     rows = [["load", "μ0", "first column", "second column"], ["1 mN", "0.2", "1", "2"]]
     assert format_table(rows, 26, labels=2).splitlines() == [
         "load  μ0   first column", "1 mN  0.2  1", "load  μ0   second column", "1 mN  0.2  2",
@@ -119,20 +132,22 @@ def test_wrapped_text_keeps_number_and_unit_together():
     assert "τ0 = 50 MPa" in text.splitlines()[1]
 
 
-def test_verbose_table_equals_the_result():
-    at = measured_result(contact_count=123.0, share_on_largest=0.0421)
-    text = quantities_text(at.isel(cut_off=0), measured_study(), verbose=True)
+def test_verbose_table_prints_values_of_the_dataset():
+    dataset = measured_result(contact_count=123.0, share_on_largest=0.0421)
+    text = quantities_text(dataset.isel(cut_off=0), measured_study(), verbose=True)
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
-    count = next(value for name, value in rows.items() if "contacts" in name and "(" not in name)
-    assert count == with_interval(*value_and_ends(123.0))
-    assert rows["load on the largest contact (%)"] == with_interval(*value_and_ends(4.21))
+    count_text = next(value for name, value in rows.items() if "contacts" in name and "(" not in name)
+    assert count_text == format_with_interval(*value_and_ends(123.0))
+    assert rows["load on the largest contact (%)"] == format_with_interval(*value_and_ends(4.21))
     assert "error of the solution" in rows
-    by_asperities = quantities_text(measured_result(error=np.nan).isel(cut_off=0), measured_study(), verbose=True)
-    assert "error of the solution" not in by_asperities
+    text_of_asperity_model = quantities_text(
+        measured_result(error=np.nan).isel(cut_off=0), measured_study(), verbose=True
+    )
+    assert "error of the solution" not in text_of_asperity_model
 
 
 @pytest.mark.parametrize(
-    ("by_axis", "words"),
+    ("by_axis", "expected_words"),
     [
         (
             [value_and_ends(0.1600, 0.011), value_and_ends(0.1535, 0.003)],
@@ -146,22 +161,22 @@ def test_verbose_table_equals_the_result():
         ([value_and_ends(0.16, np.nan), value_and_ends(0.15, np.nan)], "Grooves: unknown"),
     ],
 )
-def test_grooves_are_reported_if_intervals_of_axes_are_separate(by_axis, words):
-    at = measured_result(by_axis=by_axis).isel(cut_off=0, load=0, mu0=0, tau0=0)
-    text = axes_text(at, verbose=True)
-    assert words in " ".join(text.split())
+def test_grooves_are_reported_if_intervals_of_axes_are_disjoint(by_axis, expected_words):
+    dataset = measured_result(by_axis=by_axis).isel(cut_off=0, load=0, mu0=0, tau0=0)
+    text = axes_text(dataset, verbose=True)
+    assert expected_words in " ".join(text.split())
     assert [line.split()[0] for line in text.splitlines()[1:3]] == ["x", "y"]
-    briefly = text.split("\n", 3)[3] if words.startswith("Grooves: friction") else ""
-    assert axes_text(at) == briefly
+    expected_text = text.split("\n", 3)[3] if expected_words.startswith("Grooves: friction") else ""
+    assert axes_text(dataset) == expected_text
     assert axes_text(measured_result(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
 
 
-def test_overview_has_a_row_for_each_cell_and_marks_invalid_values():
-    at = generated_result(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
-    at["share_beyond_hertz"].loc[{"fractal_dimension": 1.4}] = 0.6
-    at["status"].loc[{"fractal_dimension": 1.5, "load": 0.01}] = "not-reached"
-    text = overview_text(summarize(at, generated_study()))
-    assert max(map(len, text.splitlines())) <= COLUMNS
+def test_overview_has_one_row_per_cell_and_marks_invalid_values():
+    dataset = generated_result(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
+    dataset["share_beyond_hertz"].loc[{"fractal_dimension": 1.4}] = 0.6
+    dataset["status"].loc[{"fractal_dimension": 1.5, "load": 0.01}] = "not-reached"
+    text = overview_text(summarize(dataset, generated_study()))
+    assert max(map(len, text.splitlines())) <= TERMINAL_WIDTH
     assert text.count("μ_s [95 %] at μ0 = 0.4") == 1
     rows = [line.split()[:3] for line in text.splitlines() if line.startswith(("0 ", "100 MPa"))]
     assert len(rows) == 10
@@ -170,65 +185,75 @@ def test_overview_has_a_row_for_each_cell_and_marks_invalid_values():
     assert "* outside the model" in text
 
 
-def test_overview_counts_caveats_beyond_its_lines():
-    at = generated_result(dimensions=(1.1, 1.2), contact_count=3.0)
-    at["share_beyond_hertz"].loc[{"fractal_dimension": 1.2}] = 0.6
-    summary = summarize(at, generated_study())
-    text, short = overview_text(summary), overview_text(summary, 1)
+def test_overview_states_number_of_omitted_caveats():
+    dataset = generated_result(dimensions=(1.1, 1.2), contact_count=3.0)
+    dataset["share_beyond_hertz"].loc[{"fractal_dimension": 1.2}] = 0.6
+    summary = summarize(dataset, generated_study())
+    text, short_text = overview_text(summary), overview_text(summary, 1)
     assert " more: " not in text
-    assert short.splitlines()[-1].endswith(" more: summary() shows all")
+    assert short_text.splitlines()[-1].endswith(" more: summary() shows all")
     assert overview_text(summary, 1, complete="--verbose").splitlines()[-1].endswith(" more: --verbose shows all")
-    assert len(short.splitlines()) < len(text.splitlines())
+    assert len(short_text.splitlines()) < len(text.splitlines())
 
 
 def test_text_of_many_points_fits_on_a_screen():
-    at = generated_result(loads=tuple(np.linspace(0.01, 1, 30)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
-    summary = summarize(at, generated_study())
+    dataset = generated_result(loads=tuple(np.linspace(0.01, 1, 30)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
+    summary = summarize(dataset, generated_study())
     lines = result_text(summary, complete="--verbose").splitlines()
     assert len(lines) <= 40
     rows = [line for line in lines if line[0:1].isdigit() and line.endswith(tuple(VERDICTS.values()))]
-    assert 10 <= len(rows) <= MAX_POINTS
+    assert 10 <= len(rows) <= MAX_PRINTED_POINTS
     assert f"Shown: {len(rows)} of {len(summary.headlines)} points; --verbose shows all." in lines
-    complete = result_text(summary, verbose=True)
-    assert "Shown" not in complete
-    assert " more: " not in complete
-    all_rows = [line for line in complete.splitlines() if line.endswith(tuple(VERDICTS.values()))]
+    verbose_text = result_text(summary, verbose=True)
+    assert "Shown" not in verbose_text
+    assert " more: " not in verbose_text
+    all_rows = [line for line in verbose_text.splitlines() if line.endswith(tuple(VERDICTS.values()))]
     assert sum(line[0].isdigit() for line in all_rows) == len(summary.headlines)
 
 
-def test_quantities_of_several_cells_name_the_cell_that_they_are_of():
-    for dimensions, words in (((1.1, 1.2), "D = 1.1, mean [95 %]"), ((1.1,), "mean [95 %]")):
+def test_quantities_state_fractal_dimension_of_their_cell():
+    for dimensions, expected_heading in (((1.1, 1.2), "D = 1.1, mean [95 %]"), ((1.1,), "mean [95 %]")):
         text = result_text(summarize(generated_result(dimensions=dimensions), generated_study()))
         table = text[text.rindex("\n\n") :] if "\n\n" in text else text
-        assert words.split()[0] in table
+        assert expected_heading.split()[0] in table
         assert ("D = 1.1" in table) == (len(dimensions) > 1)
 
 
-def test_numbers_have_digits_that_their_interval_justifies():
-    assert with_interval(0.1552, 0.07024, 0.3431) == "0.16 [0.07, 0.34]"
-    assert with_interval(2.188, 1.192, 4.013) == "2.2 [1.2, 4.0]"
-    assert with_interval(0.123456, 0.1234, 0.1235) == "0.1235 [0.1234, 0.1235]"
-    assert with_interval(1170.0, 970.0, 1380.0) == "1170 [970, 1380]"
-    assert with_interval(np.nan, np.nan, np.nan) == "none"
-    assert with_interval(0.5, np.nan, np.nan) == "0.5 no interval"
-    assert with_interval(1.0, 1.0, 1.0) == "1"
+def test_interval_width_determines_digits():
+    assert format_with_interval(0.1552, 0.07024, 0.3431) == "0.16 [0.07, 0.34]"
+    assert format_with_interval(2.188, 1.192, 4.013) == "2.2 [1.2, 4.0]"
+    assert format_with_interval(0.123456, 0.1234, 0.1235) == "0.1235 [0.1234, 0.1235]"
+    assert format_with_interval(1170.0, 970.0, 1380.0) == "1170 [970, 1380]"
+    assert format_with_interval(np.nan, np.nan, np.nan) == "none"
+    assert format_with_interval(0.5, np.nan, np.nan) == "0.5 no interval"
+    assert format_with_interval(1.0, 1.0, 1.0) == "1"
 
 
-def test_numbers_have_documented_forms():
-    assert quoted(0.2093, 0.1911, 0.2302) == "0.21 [0.19, 0.23]"
-    assert quoted(0.1147, 0.1136, 0.1158) == "0.115 [0.114, 0.116]"
-    assert quoted(0.1147, 0.1141, 0.1149) == "0.1147 [0.1141, 0.1149]"
-    assert quoted(0.304, 0.302, 0.306) == "0.304 [0.302, 0.306]"
-    assert quoted(0.2, 0.2 - 1e-6, 0.2 + 1e-6) == "0.2"
-    assert quoted(0.0, 0.0, 0.0) == "0"
-    assert quoted(np.nan) == "none"
-    assert [from_to(0.0413, 0.188), from_to(0.2192, 0.2213)] == ["0.04 to 0.19", "0.219 to 0.221"]
-    assert [significant(value) for value in (128.0, 96.4, 2.04e-5, 0.2, 0.0)] == ["130", "96", "0.00002", "0.2", "0"]
-    assert [significant(96.4, 1), significant(0.00002036, 3)] == ["100", "0.0000204"]
-    assert [with_unit(value, "pJ") for value in (0.0204, 102.0, 2040.0)] == ["20.4 fJ", "102 pJ", "2.04 nJ"]
-    assert [percent(item) for item in (3.4e-7, 0.0042, 0.0421, 0.37, np.nan)] == [
-        "less than 0.001 %", "0.42 %", "4.21 %", "37 %", "none",
-    ]  # fmt: skip
+def test_number_formats_return_documented_texts():
+    assert format_estimate(0.2093, 0.1911, 0.2302) == "0.21 [0.19, 0.23]"
+    assert format_estimate(0.1147, 0.1136, 0.1158) == "0.115 [0.114, 0.116]"
+    assert format_estimate(0.1147, 0.1141, 0.1149) == "0.1147 [0.1141, 0.1149]"
+    assert format_estimate(0.304, 0.302, 0.306) == "0.304 [0.302, 0.306]"
+    assert format_estimate(0.2, 0.2 - 1e-6, 0.2 + 1e-6) == "0.2"
+    assert format_estimate(0.0, 0.0, 0.0) == "0"
+    assert format_estimate(np.nan) == "none"
+    assert [format_limits(0.0413, 0.188), format_limits(0.2192, 0.2213)] == ["0.04 to 0.19", "0.219 to 0.221"]
+    assert [format_significant(value) for value in (128.0, 96.4, 2.04e-5, 0.2, 0.0)] == [
+        "130",
+        "96",
+        "0.00002",
+        "0.2",
+        "0",
+    ]
+    assert [format_significant(96.4, 1), format_significant(0.00002036, 3)] == ["100", "0.0000204"]
+    assert [format_with_unit(value, "pJ") for value in (0.0204, 102.0, 2040.0)] == ["20.4 fJ", "102 pJ", "2.04 nJ"]
+    assert [format_percent(value) for value in (3.4e-7, 0.0042, 0.0421, 0.37, np.nan)] == [
+        "less than 0.001 %",
+        "0.42 %",
+        "4.21 %",
+        "37 %",
+        "none",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -241,14 +266,14 @@ def test_numbers_have_documented_forms():
     ],
 )  # fmt: skip
 def test_quantity_uses_unit_with_fewest_zeros(value, unit, text):
-    assert with_unit(value, unit) == text
+    assert format_with_unit(value, unit) == text
 
 
-def test_large_quantities_use_larger_units():
-    lines = quantities_text(
+def test_large_area_and_length_use_larger_units():
+    text = quantities_text(
         measured_result(contact_area=1.01e7, contact_area_fraction=None), measured_study(), verbose=True
     )
-    assert "true contact area (mm²)" in lines
-    row = next(line for line in lines.splitlines() if line.startswith("true contact area"))
-    assert row.split("  ")[-1].strip().startswith("10.1")
-    assert with_unit(1.6e8, "um") == "160 m"
+    assert "true contact area (mm²)" in text
+    area_row = next(line for line in text.splitlines() if line.startswith("true contact area"))
+    assert area_row.split("  ")[-1].strip().startswith("10.1")
+    assert format_with_unit(1.6e8, "um") == "160 m"

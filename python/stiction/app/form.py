@@ -1,4 +1,4 @@
-"""Fields of the page's form, and names of options in messages, from the options of a pair."""
+"""Fields of the form in HTML, and replacement of option names in messages by field labels."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ FIELDS: dict[str, FormField] = {
     for name, option in PAIR_OPTIONS.items()
     if option.field is not None
 }
-"""Fields by the name of their option, without dashes."""
+"""Fields of the form by option name without dashes."""
 
-READING = tuple(flag for flag, field in FIELDS.items() if field.place == "scan")
-"""Reading options. The form has these options for each scan."""
+READING_FIELDS = tuple(flag for flag, field in FIELDS.items() if field.place == "scan")
+"""Names of the reading options, which the form contains for each scan."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
-    """Return the fields of a place of the form as HTML."""
+    """Return the HTML of all fields that belong to one place of the form."""
     return "\n".join(_field_html(flag, field) for flag, field in FIELDS.items() if field.place == place)
 
 
@@ -52,20 +52,20 @@ def page_facts() -> str:
     return html.escape(json.dumps(facts, ensure_ascii=False))
 
 
-_FLAG = re.compile(r"--([a-z0-9-]+)")
+_OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)")
 
 
-def first_option(message: str) -> str:
-    """Return the form option at the start of a command message; empty if there is none."""
-    match = _FLAG.match(message)
+def find_first_option(message: str) -> str:
+    """Return the option with which an error message starts, if the form has a field for it; otherwise an empty text."""
+    match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FIELDS else ""
 
 
-def with_labels(message: str) -> str:
+def replace_option_names(message: str) -> str:
     """Return a command message with form options replaced by the labels of their fields."""
 
-    def label(match: re.Match[str]) -> str:
+    def field_label(match: re.Match[str]) -> str:
         field = FIELDS.get(match[1])
         return f'"{field.label.partition(",")[0]}"' if field else match[0]
 
-    return _FLAG.sub(label, message)
+    return _OPTION_PATTERN.sub(field_label, message)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stiction.app.form import first_option, with_labels
+from stiction.app.form import find_first_option, replace_option_names
 from stiction.studies.store import open_stored
 
 POLL_INTERVAL = 0.4  # seconds between two checks of the progress of a command
@@ -36,7 +36,7 @@ END_OF_RECORD = b"\n}\n"  # end of the JSON of a command; the command draws figu
 
 
 REPORTED_ERRORS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
-"""Errors of a result or command that are reported in a message."""
+"""Exceptions that the app reports to the user as a message."""
 
 
 class RejectedError(ValueError):
@@ -63,22 +63,22 @@ class Job:
     finished: int = 0
     total: int = 0
     versions: int = 0
-    files: Path | None = None  # directory of files to save
+    files: Path | None = None  # directory of the files that the user can save
     record: Any = None
     error: str = ""
     is_ending: bool = False
     task: asyncio.Task[None] | None = None
 
     def public(self) -> dict[str, Any]:
-        """Return the fields for the page."""
+        """Return the fields of the job that the page receives."""
         names = ("number", "title", "state", "finished", "total", "versions")
         return {name: getattr(self, name) for name in names} | {
-            "words": self.activity, "by": self.scope, "answer": self.record, "error": with_labels(self.error),
-            "command": shlex.join(["stiction", *self.arguments]), "option": first_option(self.error),
+            "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
+            "command": shlex.join(["stiction", *self.arguments]), "option": find_first_option(self.error),
         }  # fmt: skip
 
     def stop(self) -> None:
-        """Stop the command. The state changes when the command has ended; the finished part is read afterwards."""
+        """Stop the command. The state changes when the command has ended; its finished part is read afterwards."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()

@@ -16,7 +16,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP
-from stiction._number_format import with_unit
+from stiction._number_format import format_with_unit
 from stiction.studies.pair_options import split_list
 from stiction.surfaces.measured.reading import load_reading
 from stiction.surfaces.preparation import levelled
@@ -24,7 +24,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
 
 MAX_DRAWN_POINTS = 160  # maximum number of rows, columns or points of an image
-COLOURS = ("#7a8490", "#8a63c7")  # colours of the lower and upper line, visible on light and dark backgrounds
+LINE_COLOURS = ("#7a8490", "#8a63c7")  # colours of the lower and upper line, visible on light and dark backgrounds
 
 
 def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
@@ -47,7 +47,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
             return {"error": str(error) or "not enough memory for this scan"}
     is_profile = isinstance(levelled_body, Profile)
     names = ("Pq", "Pdq") if is_profile else ("Sq", "Sdq")
-    size = " × ".join(with_unit(item, "um") for item in np.atleast_1d(body.extent)[::-1])
+    size = " × ".join(format_with_unit(item, "um") for item in np.atleast_1d(body.extent)[::-1])
     points = " × ".join(f"{item}" for item in np.shape(body.heights)[::-1])
     if isinstance(levelled_body, Profile):
         kind, image = (
@@ -58,7 +58,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
         kind, image = "png", render_png(levelled_body.heights, levelled_body.extent)
     return {
         "holds": "profile" if is_profile else "surface", names[0]: height, names[1]: slope,
-        "words": f"{size}, {points} points; {names[0]} {with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
+        "words": f"{size}, {points} points; {names[0]} {format_with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
         "points": int(np.size(body.heights)), "reading": str(scan),
         "warning": "; ".join([*map(str, scan.caveats), *(str(item.message) for item in caught_warnings)]),
         "picture": f"data:image/{kind};base64,{base64.b64encode(image).decode()}",
@@ -69,7 +69,7 @@ def draw_svg(*lines: Floats) -> str:
     """Draw lines in one frame as SVG."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
-    for line, colour in zip(lines, COLOURS, strict=False):
+    for line, colour in zip(lines, LINE_COLOURS, strict=False):
         x, y = np.linspace(0, 300, len(line)), 95 - 90 * (line - low) / ((high - low) or 1.0)
         points = " ".join(f"{px:.1f},{py:.1f}" for px, py in zip(x, y, strict=True))
         elements += f'<polyline fill="none" stroke="{colour}" points="{points}"/>'

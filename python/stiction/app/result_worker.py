@@ -1,4 +1,4 @@
-"""Worker process that reads a result for the server, prints its values and writes the files to save."""
+"""Worker process that reads a result for the server, prints its values, and writes the files that the user can save."""
 
 from __future__ import annotations
 

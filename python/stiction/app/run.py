@@ -17,7 +17,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from stiction.app.server import Server
 
-PREFIX = "stiction-app-"
+WORKING_DIRECTORY_PREFIX = "stiction-app-"
 
 MAX_WINDOW_ABSENCE = 90.0
 """Seconds without a request after which the server exits; browsers limit hidden windows to one per minute."""
@@ -63,14 +63,25 @@ class Connection(H11Protocol):
 
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
     """Serve the page until its last window has been closed for a while or the command is interrupted."""
-    with tempfile.TemporaryDirectory(prefix=PREFIX) as folder, socket.create_server(("127.0.0.1", 0)) as listener:
+    with (
+        tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as folder,
+        socket.create_server(("127.0.0.1", 0)) as listener,
+    ):
         server = Server(Path(folder).resolve(), Path.cwd(), listener.getsockname()[1], has_demo=demo)
         address = f"{server.origin}/?token={server.token}"
         config = uvicorn.Config(
-            server, http=Connection, ws="none", backlog=MAX_IDLE_CONNECTIONS, lifespan="on", log_config=None,
-            access_log=False, proxy_headers=False, server_header=False, timeout_graceful_shutdown=2,
+            server,
+            http=Connection,
+            ws="none",
+            backlog=MAX_IDLE_CONNECTIONS,
+            lifespan="on",
+            log_config=None,
+            access_log=False,
+            proxy_headers=False,
+            server_header=False,
+            timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=2**14,
-        )  # fmt: skip
+        )
         http_server = uvicorn.Server(config)
         print_message(f"{address}\nThis address works once, in one browser. Press Ctrl-C to stop the server.")
         with suppress(KeyboardInterrupt):

@@ -29,7 +29,7 @@ def write_samples(folder: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw the first pair of `quick` with these changes around its first contact, as SVG."""
+    """Draw the profiles of the study `quick` with some changes as SVG, in a window around the first contact."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(iter(generate_pairs(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))

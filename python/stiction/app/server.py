@@ -26,7 +26,7 @@ from starlette.routing import Route
 from stiction._files import replaced_file
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
-from stiction.app.form import FIELDS, READING, fields_html, page_facts
+from stiction.app.form import FIELDS, READING_FIELDS, fields_html, page_facts
 from stiction.app.jobs import Job, Jobs, RejectedError, remove_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
@@ -42,24 +42,24 @@ REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconne
 KEY_HEADER = "x-stiction-key"
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content, for which the cookie is sufficient
 
-OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
+ALLOWED_OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
 """Options of each command that the page may set."""
 
-CHANGES = re.compile(
+ALLOWED_CHANGE = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
 )
-"""Keys of a study that the page may set: generated surfaces, without file names."""
+"""Pattern of the settings of a study that the page may change. None of these settings is a file name."""
 
 REPORT_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
     "frame-ancestors 'self'"
 )
-HEADERS = {
+RESPONSE_HEADERS = {
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "cache-control": "no-store", "x-content-type-options": "nosniff", "referrer-policy": "no-referrer",
     "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin",
-    "connection": "close",  # further data on the connection is not read
+    "connection": "close",  # the server does not read further data from the connection
 }  # fmt: skip
 ENDED_RESPONSE = PlainTextResponse("The server has ended.\n", 503)
 FOREIGN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.\n", 403)
@@ -121,7 +121,7 @@ class Server:
         async def send_with_headers(message: Any) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
-                for name, value in HEADERS.items():
+                for name, value in RESPONSE_HEADERS.items():
                     headers.setdefault(name, value)
             await send(message)
 
@@ -262,7 +262,7 @@ class Server:
     async def preview_scan(self, request: Request) -> Response:
         """Return the preview of a scan."""
         scan, query = request.path_params["scan"], request.query_params
-        reading = json.dumps({name: query.get(name, "")[:80] for name in READING})
+        reading = json.dumps({name: query.get(name, "")[:80] for name in READING_FIELDS})
         output = await self.jobs.run_reader(["stiction.app.preview", str(self._find_scan(scan)), reading])
         self.points[scan] = json.loads(output).get("points", 0)
         return Response(output, media_type="application/json")
@@ -285,12 +285,12 @@ class Server:
             name = body.get("name", "")
             folder = self._find_results().get(name) or _raise_not_found("this result no longer exists")
             return JSONResponse({"job": self.jobs.add(name, ["info", name], folder=folder).number})
-        if command not in OPTIONS or not isinstance(options, list):
+        if command not in ALLOWED_OPTIONS or not isinstance(options, list):
             raise HTTPException(400)
         for name, value in options:
-            if name not in OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
+            if name not in ALLOWED_OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
-            if name == "set" and not CHANGES.fullmatch(value):
+            if name == "set" and not ALLOWED_CHANGE.fullmatch(value):
                 raise HTTPException(400, f"the page cannot set {short_repr(value)}")
         arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
@@ -347,7 +347,7 @@ class Server:
     async def draw_profiles(self, request: Request) -> Response:
         """Return an image of two generated profiles around their first contact."""
         changes = dict(json.loads(request.query_params.get("set", "")))
-        if not all(CHANGES.fullmatch(f"{key}=") for key in changes):
+        if not all(ALLOWED_CHANGE.fullmatch(f"{key}=") for key in changes):
             raise HTTPException(400)
         return Response(await asyncio.to_thread(sample_surfaces.draw_profiles, changes), media_type="image/svg+xml")
 

@@ -10,8 +10,8 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-INTERRUPTED = 130  # exit status after Ctrl-C, as in a shell
-BAD_INPUT = 2  # exit status
+EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, as in a shell
+EXIT_BAD_INPUT = 2  # exit status
 
 MIN_ADDRESS_SPACE = 2**30
 """Bytes of address space (ulimit -v) below which OpenBLAS may block forever while SciPy is imported."""
@@ -26,14 +26,14 @@ def main() -> None:
             f"stiction: memory is limited to {limit // 10**6} MB (ulimit -v); at least {minimum} MB are needed",
             file=sys.stderr,
         )
-        sys.exit(BAD_INPUT)
+        sys.exit(EXIT_BAD_INPUT)
     try:
         with exit_on_interrupt():
-            from stiction.cli.application import start
-        status = start()
-    except KeyboardInterrupt:  # while libraries are imported
-        status = INTERRUPTED
-    if status == INTERRUPTED:  # exit without waiting for threads that still compute
+            from stiction.cli.application import run_command_line
+        status = run_command_line()
+    except KeyboardInterrupt:  # Ctrl-C while libraries are imported
+        status = EXIT_INTERRUPTED
+    if status == EXIT_INTERRUPTED:  # exit without waiting for threads that still compute
         with suppress(OSError):
             sys.stdout.flush()
             sys.stderr.flush()
@@ -47,7 +47,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     def exit_process(*_: object) -> None:
         os.write(2, b"stiction: interrupted\n")
-        os._exit(INTERRUPTED)
+        os._exit(EXIT_INTERRUPTED)
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
@@ -61,12 +61,12 @@ def exit_on_interrupt() -> Iterator[None]:
 
 
 def _open_closed_streams() -> None:
-    """Open closed standard streams on the null device, because the next opened file would get their number."""
+    """Open closed standard streams on the null device; otherwise the next opened file would get their descriptor."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)
         except OSError:
-            null = os.open(os.devnull, os.O_RDWR)  # gets the lowest free number
+            null = os.open(os.devnull, os.O_RDWR)  # returns the lowest free descriptor
             setattr(sys, name, os.fdopen(null, "w" if number else "r"))
 
 

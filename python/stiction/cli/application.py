@@ -25,7 +25,7 @@ from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import describe_os_error
 from stiction._text import MAX_LINE_LENGTH, printable, printable_path
-from stiction.cli import BAD_INPUT, INTERRUPTED, exit_on_interrupt
+from stiction.cli import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_interrupt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -40,11 +40,11 @@ def print_message(text: str, kind: str = "") -> None:
     print("\n".join(lines), file=sys.stderr)
 
 
-def interruption(detail: str = "") -> typer.Exit:
+def report_interruption(detail: str = "") -> typer.Exit:
     """Print that the command was interrupted and return the exception that ends it with status 130."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would only add a traceback
     print_message(f"interrupted{detail}")
-    return typer.Exit(INTERRUPTED)
+    return typer.Exit(EXIT_INTERRUPTED)
 
 
 def show_status(text: str) -> None:
@@ -81,7 +81,7 @@ def print_output(text: str) -> None:
 
 
 _BOLD_TEXT = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do not quote)(?![^ ;])")
-"""Text in bold type on a terminal: the coefficient of friction and the assessment."""
+"""Pattern of the text that terminals show in bold: the coefficient of friction and the assessment."""
 
 
 def print_warning(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -118,7 +118,9 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
 }
 """Commands by group, each with its module and a line of help, which is printed without importing the module."""
 
-EXIT_STATUS_HELP = f"Exit status: 0 success, {BAD_INPUT} bad input (with one message), {INTERRUPTED} interrupted."
+EXIT_STATUS_HELP = (
+    f"Exit status: 0 success, {EXIT_BAD_INPUT} bad input (with one message), {EXIT_INTERRUPTED} interrupted."
+)
 
 
 def format_epilog(*lines: str) -> str:
@@ -126,12 +128,12 @@ def format_epilog(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-_DEFAULT = re.compile(r"\[default: \(([^()]*)\)")  # typer puts a textual default into parentheses
-_RANGE = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-_TYPE = re.compile(r" <[\w\[\] ]+>$")  # type that typer appends to an option
+_DEFAULT_VALUE = re.compile(r"\[default: \(([^()]*)\)")  # typer puts a textual default into parentheses
+_RANGE_LIMITS = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
+_OPTION_TYPE = re.compile(r" <[\w\[\] ]+>$")  # type that typer appends to an option
 
 
-SHOW_ALL = "stiction.show_all"
+SHOW_ALL_KEY = "stiction.show_all"
 """Key in the `meta` of a context that makes the help list all options."""
 
 
@@ -164,10 +166,10 @@ class _Command(TyperCommand):
         for parameter in self.get_params(ctx):
             default_title = "Arguments" if parameter.param_type_name == "argument" else "Options"
             title = getattr(parameter, "rich_help_panel", None) or default_title
-            is_listed = SHOW_ALL in ctx.meta or not self.common or parameter.name in (*self.common, "help")
+            is_listed = SHOW_ALL_KEY in ctx.meta or not self.common or parameter.name in (*self.common, "help")
             if is_listed and (record := parameter.get_help_record(ctx)):
-                text = _RANGE.sub("", _DEFAULT.sub(r"[default: \1", record[1])).replace("[]", "").rstrip()
-                panels.setdefault(title, []).append((_TYPE.sub("", record[0]), text))
+                text = _RANGE_LIMITS.sub("", _DEFAULT_VALUE.sub(r"[default: \1", record[1])).replace("[]", "").rstrip()
+                panels.setdefault(title, []).append((_OPTION_TYPE.sub("", record[0]), text))
         for title, rows in panels.items():
             with formatter.section(title):
                 formatter.write_dl(rows)
@@ -198,7 +200,7 @@ class _Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:  # typer would exit without a message
-            raise interruption() from None
+            raise report_interruption() from None
 
 
 # Rich markup is off because importing rich would take half of the time for printing help.
@@ -246,14 +248,14 @@ def _option_name(argument: str) -> str:
     return _OPTION_NAMES.get(argument) or format_command_line_name(argument)
 
 
-def start() -> int:
+def run_command_line() -> int:
     """Run the command in `sys.argv` and return the exit status."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # print ? for characters missing from the encoding
     warnings.showwarning = print_warning
     _PRINTED_WARNINGS.clear()
-    warnings.filterwarnings("ignore", category=RuntimeWarning)  # from NumPy; NaN results are explained in the output
+    warnings.filterwarnings("ignore", category=RuntimeWarning)  # NumPy warns about NaN, which the output explains
     sys.unraisablehook = _repeat_interrupt
     try:
         return int(app(standalone_mode=False, prog_name="stiction") or 0)
@@ -266,7 +268,7 @@ def start() -> int:
             message = error.format_message()
             # Replace the wording of the validation library for a number that is out of range.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
-            message = _with_nearest_command(message)
+            message = _suggest_command(message)
             print_message(f"{message}\ntry {command} --help")
     except MemoryError:
         print_message("not enough memory for this computation")
@@ -282,13 +284,13 @@ def start() -> int:
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library runs out of memory
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
-        return interruption().exit_code
+        return report_interruption().exit_code
     except SystemExit:  # raised by the parser if the reader of its help has closed the pipe
         return 0
-    return BAD_INPUT
+    return EXIT_BAD_INPUT
 
 
-def _with_nearest_command(message: str) -> str:
+def _suggest_command(message: str) -> str:
     """Return a message of the parser, with a suggestion if the message is about an unknown command."""
     unknown = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS.values() for name in group]

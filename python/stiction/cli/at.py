@@ -20,7 +20,7 @@ from stiction._arguments import (
     split_values,
 )
 from stiction._errors import ArgumentError
-from stiction.cli.application import command, interruption, print_output, show_status
+from stiction.cli.application import command, print_output, report_interruption, show_status
 from stiction.cli.execution import Workers
 from stiction.cli.options import Json, Verbose, option, reject_options
 from stiction.cli.result_output import VERBOSE, open_with_warning
@@ -155,7 +155,7 @@ def _print_scaled_heights(
             with thread_executor(workers) as executor:
                 compute_factors(stored, factors, scaled_bodies, executor, progress=True, announce=show_status)
         except KeyboardInterrupt:
-            raise interruption("; finished factors are stored: run the same command again to resume") from None
+            raise report_interruption("; finished factors are stored: run the same command again to resume") from None
     values = evaluate_height_scale(stored, factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     print_output((height_scale_record if as_json else height_scale_text)(values, stored.study))
 

@@ -11,7 +11,7 @@ from stiction._arguments import parse_quantity
 from stiction.cli.application import command, print_message, print_output
 from stiction.cli.options import Json, option, reject_options
 from stiction.cli.pair_options import pair_option
-from stiction.cli.result_output import message_printer, open_with_warning
+from stiction.cli.result_output import choose_message_printer, open_with_warning
 
 _TESTS_HELP = (
     'Friction tests, one per row. Columns: "load (mN)", "force (mN)" or coefficient; optional uncertainty, pair, run, '
@@ -83,13 +83,19 @@ def calibrate(
 
     bodies: dict[str, Any] = {folder.resolve().name: open_with_warning(folder) for folder in pair or ()}
     if len(bodies) < len(pair or ()):
-        raise ValueError("--pair must be directories with different names, to be distinguished in the column pair")
+        raise ValueError(
+            "directories of --pair must have different names, because the column 'pair' contains these names"
+        )
     if ball is not None:
         radius = parse_quantity("ball", ball, "length")
         bodies["ball"] = Ball(
-            float(radius), effective_modulus, young=young, poisson=poisson, upper_material=upper_material,
+            float(radius),
+            effective_modulus,
+            young=young,
+            poisson=poisson,
+            upper_material=upper_material,
             lower_material=lower_material,
-        )  # fmt: skip
+        )
     else:
         reject_options(context, "requires --ball", *_BALL_OPTIONS)
     if not bodies:
@@ -115,7 +121,7 @@ def calibrate(
                 "A/F is computed for elastic contact"
             )
     if output is not None:
-        print_written, figure = message_printer(as_json), Path(f"{output}.png")
+        print_written, figure = choose_message_printer(as_json), Path(f"{output}.png")
         description = {"tests": "one" if forces is None else forces.name, "surfaces": ", ".join(bodies)}
         write_interface(interface, output, description)
         save_figure(calibration_figure(interface), figure)

@@ -14,7 +14,7 @@ from stiction._files import check_replaceable
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
 from stiction.cli.application import command, option_was_given, print_message, print_output
 from stiction.cli.options import Json, Verbose, load_measurement, option
-from stiction.cli.pair_options import given_options, pair_option
+from stiction.cli.pair_options import pair_option, read_given_options
 from stiction.studies.measured_surfaces import MACHINING_PROCESSES
 from stiction.studies.pair_options import READING_OPTION_NAMES
 from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
@@ -107,16 +107,18 @@ def characterise(
     For one file, print the main parameters (all of them with --verbose), and write an HTML report and a figure. For
     several files, write one CSV file with a row for each. With --json, write only the file of --output.
     """
-    from stiction.cli.result_output import message_printer
+    from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.cut_off import cut_off
     from stiction.views import characterisation as views
     from stiction.views.files import new_text
     from stiction.views.rows import record_json
     from stiction.views.style import save_figure
 
-    reading = {name: str(text) for name, text in given_options(context).items() if name in READING_OPTION_NAMES}
+    reading = {name: str(text) for name, text in read_given_options(context).items() if name in READING_OPTION_NAMES}
     outputs = (
-        [] if dry_run or (as_json and output is None) else _outputs(files, output, together=together, repeated=repeated)
+        []
+        if dry_run or (as_json and output is None)
+        else _choose_outputs(files, output, together=together, repeated=repeated)
     )
     hurst_band = _parse_band(band)
     cutoff_wavelength = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
@@ -163,7 +165,8 @@ def characterise(
             from stiction.views.report.surface import surface_page
 
             remark = ", without a figure" if len(outputs) == 1 else ""
-            arguments = ["stiction", "characterise", files[0].name]  # without directories and the output
+            # The report shows the command without directories and --output.
+            arguments = ["stiction", "characterise", files[0].name]
             for parameter in context.command.params:
                 if parameter.name not in ("files", "output", "verbose", "as_json") and option_was_given(
                     context, parameter.name
@@ -176,12 +179,12 @@ def characterise(
             from stiction.views.figures.roughness import characterisation_figure
 
             save_figure(characterisation_figure(characterisations[0]), path)
-        message_printer(as_json)(f"wrote {printable_path(path)}{remark}")
+        choose_message_printer(as_json)(f"wrote {printable_path(path)}{remark}")
 
 
 def _join_scans(files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
     """Print and write the joined spectrum of several scans."""
-    from stiction.cli.result_output import message_printer
+    from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
     from stiction.views.rows import record_json
@@ -199,12 +202,12 @@ def _join_scans(files: list[Path], scans: list[Characterisation], outputs: list[
             write_spectrum(joined, path)
         else:
             save_figure(joined_figure(joined), path)
-        message_printer(as_json)(f"wrote {printable_path(path)}, {len(files)} scans")
+        choose_message_printer(as_json)(f"wrote {printable_path(path)}, {len(files)} scans")
 
 
 def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
     """Print and write the comparison of two scans of the same place."""
-    from stiction.cli.result_output import message_printer
+    from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.repeated_scans import compare_repeated_scans
     from stiction.views.files import new_text
@@ -228,16 +231,16 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
             new_text(path, octaves_csv(comparison))
         else:
             save_figure(repeated_figure(comparison), path)
-        message_printer(as_json)(f"wrote {printable_path(path)}, {' and '.join(file.name for file in files)}")
+        choose_message_printer(as_json)(f"wrote {printable_path(path)}, {' and '.join(file.name for file in files)}")
 
 
-def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
+def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     """Return the files to write; raise a `ValueError` if one would replace a file that is not a figure or a report."""
-    from stiction.views.report.page import MARK
-    from stiction.views.style import MARKS
+    from stiction.views.report.page import REPORT_MARK
+    from stiction.views.style import FIGURE_FILE_MARKS
 
     paths = _paths(files, output, together=together, repeated=repeated)
-    marks = {".html": MARK.encode(), **MARKS}
+    marks = {".html": REPORT_MARK.encode(), **FIGURE_FILE_MARKS}
     for path in paths:
         if (ending := path.suffix.lower()) in marks:
             check_replaceable(path, marks[ending], ValueError)

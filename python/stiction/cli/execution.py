@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from stiction._text import printable_path
 from stiction._units import short_repr
-from stiction.cli.application import interruption, print_message, print_output, show_status
+from stiction.cli.application import print_message, print_output, report_interruption, show_status
 from stiction.cli.options import option
 from stiction.studies.executors import thread_executor
 from stiction.studies.pipeline import complete_result
@@ -102,4 +102,4 @@ def compute_in_folder(
             stored = open_stored(directory)
             progress = f"{stored.count} of {stored.study.ensemble.repetitions} repetitions are finished and stored"
             detail = f"; {progress}: run the same command again to resume"
-        raise interruption(detail) from None
+        raise report_interruption(detail) from None

@@ -23,7 +23,7 @@ from stiction.cli.execution import (
     parse_part,
 )
 from stiction.cli.options import Json, Verbose, option, show_reader_import
-from stiction.cli.pair_options import COMMON_PARAMETERS, HelpAll, given_options, pair_argument, pair_option
+from stiction.cli.pair_options import COMMON_PARAMETERS, HelpAll, pair_argument, pair_option, read_given_options
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import read_options
 from stiction.studies.result import Result
@@ -118,15 +118,15 @@ def pair(
     files; repeat an option to set UPPER and LOWER separately. The result is a study in DIR that run, at, plot, report,
     info and export accept.
     """
-    from stiction.cli.result_output import message_printer, print_result, print_values, write_pair_files
+    from stiction.cli.result_output import choose_message_printer, print_result, print_values, write_pair_files
     from stiction.studies.members import body_attributes
-    from stiction.views.files import VIEWS, check_files
+    from stiction.views.files import OUTPUT_FILE_MARKS, check_files
     from stiction.views.rows import summary_json
 
-    part_number, print_written = parse_part(part), message_printer(as_json)
+    part_number, print_written = parse_part(part), choose_message_printer(as_json)
     check_output_directory(output)
-    check_files(output, VIEWS)
-    bodies = Pair(read_options(given_options(context)))
+    check_files(output, OUTPUT_FILE_MARKS)
+    bodies = Pair(read_options(read_given_options(context)))
     for file in bodies.files:
         show_reader_import(Path(file.file))
     studies = bodies.studies

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from stiction.cli.application import SHOW_ALL, option_was_given, print_output
+from stiction.cli.application import SHOW_ALL_KEY, option_was_given, print_output
 from stiction.cli.options import option
 from stiction.studies.pair_options import OPTION_GROUPS, PAIR_OPTIONS, format_command_line_name
 
@@ -24,7 +24,7 @@ class _OptionNames(dict[str, str]):
         return format_command_line_name(name)
 
 
-def option_help(name: str) -> str:
+def format_option_help(name: str) -> str:
     """Return the help line of an option of `pair`, with option names as on the command line."""
     return PAIR_OPTIONS[name].help.format_map(_OptionNames())
 
@@ -35,15 +35,15 @@ def pair_option(name: str, *, repeatable: bool = True) -> Any:
     panel = next(group.title for group in OPTION_GROUPS if name in group.model_fields)
     suffix = " Repeatable." if declared.is_repeatable and repeatable else ""
     flags = f"{format_command_line_name(name)} {declared.value}".strip()
-    return option(flags, option_help(name) + suffix, declared.usual or False, panel=panel)
+    return option(flags, format_option_help(name) + suffix, declared.usual or False, panel=panel)
 
 
 def pair_argument(name: str) -> Any:
     """Return the argument of a command for a body of `pair`."""
-    return typer.Argument(metavar=PAIR_OPTIONS[name].value, help=option_help(name))
+    return typer.Argument(metavar=PAIR_OPTIONS[name].value, help=format_option_help(name))
 
 
-def given_options(context: typer.Context) -> dict[str, object]:
+def read_given_options(context: typer.Context) -> dict[str, object]:
     """Return the options of `pair` on the command line by the names of their fields."""
     values: Mapping[str, object] = context.params
     return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
@@ -51,7 +51,7 @@ def given_options(context: typer.Context) -> dict[str, object]:
 
 def _show_all(context: typer.Context, is_requested: bool) -> None:
     if is_requested:
-        context.meta[SHOW_ALL] = True
+        context.meta[SHOW_ALL_KEY] = True
         print_output(context.get_help())
         raise typer.Exit
 

@@ -50,7 +50,7 @@ def print_values(
 
     study = result.study
     try:
-        with warnings.catch_warnings(action="ignore"):  # about tau0, already printed when the study was created
+        with warnings.catch_warnings(action="ignore"):  # this caveat about tau0 was printed when the study was created
             summary = result.summary()
     except StoreError:
         raise
@@ -68,7 +68,7 @@ def print_values(
             print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE))
 
     def print_remainder() -> None:
-        complete_summary = result.summary()  # with the studies that were computed in the meantime
+        complete_summary = result.summary()  # this summary includes the studies that were computed in the meantime
         if as_json:
             print_output(rows.summary_json(command, complete_summary, **(fields or {})))
         elif study.is_measured and (remainder := text.resolution_and_onset_text(complete_summary, verbose=verbose)):
@@ -104,15 +104,15 @@ MAX_REWRITES = 4  # attempts to write files that agree with the stored study
 
 def _write_files(result: Result, folder: Path) -> list[str]:
     from stiction.views.figures import draw_figures
-    from stiction.views.files import TABLE, VIEWS, replace_text, result_csv
+    from stiction.views.files import OUTPUT_FILE_MARKS, RESULT_TABLE_NAME, replace_text, result_csv
     from stiction.views.report import save_report
 
-    replace_text(folder / TABLE, result_csv(result), VIEWS[TABLE])
+    replace_text(folder / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_MARKS[RESULT_TABLE_NAME])
     show_status("drawing")
     drawings = draw_figures(result, folder, first=True)
     report = folder / "report.html"
     save_report(result, report, name=folder.resolve().name)
-    return [str(report), TABLE, *(drawing.name for drawing in drawings)]
+    return [str(report), RESULT_TABLE_NAME, *(drawing.name for drawing in drawings)]
 
 
 def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
@@ -124,6 +124,6 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
         print_output(f"wrote {path}")
 
 
-def message_printer(as_json: bool) -> Callable[[str], None]:
+def choose_message_printer(as_json: bool) -> Callable[[str], None]:
     """Return the function that prints messages: to standard error if standard output is reserved for JSON."""
     return print_message if as_json else print_output

@@ -19,8 +19,12 @@ from stiction.cli.options import option
 from stiction.cli.pair_options import pair_option
 from stiction.studies.store import CHECKSUM_SEAL
 
-TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
-MARKS = {TABLE: CHECKSUM_SEAL, NUMBERS: b"stiffness over area (GPa/um)", LAWS: b"b of k/A0 = b p^c"}
+NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
+TABLE_OUTPUT_MARKS = {
+    NETCDF_FILE_NAME: CHECKSUM_SEAL,
+    CSV_FILE_NAME: b"stiffness over area (GPa/um)",
+    LAWS_FILE_NAME: b"b of k/A0 = b p^c",
+}
 """Marks by which files of an earlier table are recognised. Other files are not overwritten."""
 
 
@@ -74,20 +78,26 @@ def table_command(
         "tau0": parse_quantities("tau0", tau0, "pressure"),
     }
     study = table_study(
-        hurst_exponents=parse_numbers("hurst", hurst), rms=parse_quantities("rms", rms, "length"),
-        pressures=[_parse_pressure(value) for value in split_values(load)], effective_modulus=modulus,
-        extent=float(parse_quantity("extent", extent, "length")), points=points, longest_wavelength=longest,
-        shortest_wavelength=shortest, repetitions=repetitions, seed=seed,
-    )  # fmt: skip
-    check_files(output, MARKS)
+        hurst_exponents=parse_numbers("hurst", hurst),
+        rms=parse_quantities("rms", rms, "length"),
+        pressures=[_parse_pressure(value) for value in split_values(load)],
+        effective_modulus=modulus,
+        extent=float(parse_quantity("extent", extent, "length")),
+        points=points,
+        longest_wavelength=longest,
+        shortest_wavelength=shortest,
+        repetitions=repetitions,
+        seed=seed,
+    )
+    check_files(output, TABLE_OUTPUT_MARKS)
     with open_executor(workers, scheduler) as executor:
         result = compute_in_folder(study, output, executor)
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
-    export(table, output / TABLE, replace=(output / TABLE).exists())
-    for name, text in ((NUMBERS, friction_table_csv(table)), (LAWS, laws_csv(table))):
-        replace_text(output / name, text, MARKS[name])
-    for name in (TABLE, NUMBERS, LAWS):
+    export(table, output / NETCDF_FILE_NAME, replace=(output / NETCDF_FILE_NAME).exists())
+    for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, laws_csv(table))):
+        replace_text(output / name, text, TABLE_OUTPUT_MARKS[name])
+    for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
         print_output(f"wrote {output / name}")
 
 

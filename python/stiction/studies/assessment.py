@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from stiction._number_format import percent, significant, with_unit
+from stiction._number_format import format_percent, format_significant, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
@@ -107,11 +107,11 @@ class Check(NamedTuple):
         """Return the caveat for a point at which the checked number exceeds the limit."""
         value = numbers[self.about or self.name]
         if self.shown in ("digits", "digit"):
-            number_text = significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
+            number_text = format_significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
                 "-", "\N{MINUS SIGN}"
             )
         else:
-            number_text = percent(value) if self.shown == "percent" else with_unit(value, self.shown)
+            number_text = format_percent(value) if self.shown == "percent" else format_with_unit(value, self.shown)
         return Caveat(
             self.text.replace("{}", number_text), self.cure, self.severity, name=self.name, value=numbers[self.name],
             limit=self.limit,
@@ -329,7 +329,7 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
     softer = softer_material(*find_materials(study))
     if softer is not None and softer.hardness is not None:
         low, high = softer.hardness.low, softer.hardness.high
-        ends = " to ".join(dict.fromkeys(with_unit(end, "GPa") for end in (low, high)))
+        ends = " to ".join(dict.fromkeys(format_with_unit(end, "GPa") for end in (low, high)))
         text = f"the mean pressure in contact is {{}}, and {softer.name} yields at {ends}"
         cure = "use --mechanics half-space or --law jackson-green"
         return ((check(high, text, cure, "fault"), check(low, text, cure, "caution")),)
@@ -379,12 +379,14 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
             yield from _find_seizure_caveats(point, float(hardness), tau0, growth)
         elif study.contact.junction_growth is None and not grown <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient:
             increase_text = (
-                f"by up to {percent(grown / coefficient - 1)}" if math.isfinite(grown) else "without limit (seizure)"
+                f"by up to {format_percent(grown / coefficient - 1)}"
+                if math.isfinite(grown)
+                else "without limit (seizure)"
             )
             text = (
-                f"τ0 is {percent(tau0 / strength)} of the shear strength of the softer body, "
-                f"{with_unit(strength, 'GPa')}; junction growth, which is taken as 0, would raise the friction of a "
-                f"ductile body {increase_text}"
+                f"τ0 is {format_percent(tau0 / strength)} of the shear strength of the softer body, "
+                f"{format_with_unit(strength, 'GPa')}; junction growth, which is taken as 0, would raise the friction "
+                f"of a ductile body {increase_text}"
             )
             cure = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
             if study.contact.adheres:  # junction growth of adhesive contacts is not solved
@@ -401,8 +403,8 @@ def _find_seizure_caveats(
     seizing = value_of(point, "fraction_seizing")
     if seizing > 0:
         text = (
-            f"{percent(seizing)} of the samples of the inputs seize: τ0 is at least H/√α, and junctions grow without "
-            "limit" + ("; the interval has no upper end" if seizing > MAX_SEIZING_FRACTION else "")
+            f"{format_percent(seizing)} of the samples of the inputs seize: τ0 is at least H/√α, and junctions grow "
+            "without limit" + ("; the interval has no upper end" if seizing > MAX_SEIZING_FRACTION else "")
         )
         yield Caveat(text, "measure the hardness and τ0", "fault" if seizing > MAX_SEIZING_FRACTION else "caution")
     elif tau0 > NEARLY_BULK_STRENGTH * strength:
@@ -420,7 +422,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0
         )  # the asperity model cannot include adhesion
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added:
-            added_text = f"at least {percent(added_load)}" if added_load < 1 else "more than 100 %"
+            added_text = f"at least {format_percent(added_load)}" if added_load < 1 else "more than 100 %"
             work = f"{1e6 * TYPICAL_WORK_OF_ADHESION:g} mJ/m²"
             text = f"adhesion of {work} would increase the load on the contacts by {added_text}"
             options = "" if study.uses_half_space else "--mechanics half-space and "
@@ -428,7 +430,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
         return
     given, resolved = range_of(point, study)
     if resolved > given:
-        ends = f"{with_unit(resolved, 'um')}, the smallest on this grid, not {with_unit(given, 'um')}"
+        ends = f"{format_with_unit(resolved, 'um')}, the smallest on this grid, not {format_with_unit(given, 'um')}"
         text = f"the range of adhesion is {ends}"
         yield Caveat(
             text, "the pull-off force is close to that of a short range; scan more finely for the rest", "caution"
@@ -478,14 +480,14 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     spacings = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in sides]
     coarser, finer = (sides[spacings.index(select(spacings))] for select in (max, min))
     if max(spacings) > MAX_SPACING_RATIO * min(spacings):
-        ratio = significant(max(spacings) / min(spacings), 2)
+        ratio = format_significant(max(spacings) / min(spacings), 2)
         text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so it lacks short wavelengths"
         yield Caveat(text, "scan both alike", "caution")
     mean_contact_area = value_of(point, "contact_area") / value_of(point, "contact_count")
     for side in sides:
         fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
-            text = f"{side}: {percent(fraction)} of the points are interpolated"
+            text = f"{side}: {format_percent(fraction)} of the points are interpolated"
             if largest_gap > mean_contact_area:
                 text += (
                     f", in gaps larger than the contacts, up to {largest_gap:.3g} {'µm²' if study.is_areal else 'µm'}"
@@ -497,8 +499,11 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         piece_length = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
         scan_length = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
         if piece_length < MAX_AFFECTED_FRACTION * scan_length:
-            text = f"pieces of {with_unit(piece_length, 'um')} are pressed, without the longer wavelengths of the scan"
-            yield Caveat(f"{text} of {with_unit(scan_length, 'um')}", "use profiles without --lay isotropic", "caution")
+            length_text = format_with_unit(piece_length, "um")
+            text = f"pieces of {length_text} are pressed, without the longer wavelengths of the scan"
+            yield Caveat(
+                f"{text} of {format_with_unit(scan_length, 'um')}", "use profiles without --lay isotropic", "caution"
+            )
 
 
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 
 from stiction._checks import Floats, float_array
-from stiction._units import MAGNITUDES, quantity, short_repr
+from stiction._units import VALID_RANGES, quantity, short_repr
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, as_law
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
@@ -141,7 +141,7 @@ class OnsetTable(Table):
 
 DIRECTION_DESCRIPTION = "Direction of motion of the upper body, instead of `shear`; "
 "areas also accept degrees from +x towards +y, or a list."
-LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
+LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads steps `friction.load` by default."
 
 
 class ContactTable(Case):
@@ -578,7 +578,7 @@ def _fill_loads(requested: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which a measured pair is solved: the given loads, and loads around and between them.
+    """Return the loads (mN) at which a measured pair is solved: the given loads, and loads steps and between them.
 
     All loads are below `max_load`. For areas there are `num_smaller` loads below the given loads, and the ratio of
     successive loads is at most `MAX_AREAL_LOAD_RATIO`.
@@ -596,6 +596,6 @@ def choose_load_steps(
     # Given loads stay exact; other loads are rounded to six digits.
     exact = set(requested.tolist())
     rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in steps.tolist()])
-    lowest, highest = MAGNITUDES["force"]
+    lowest, highest = VALID_RANGES["force"]
     rounded = rounded[(lowest <= rounded) & (rounded <= highest)]
     return rounded if max_load is None else rounded[rounded < max_load]

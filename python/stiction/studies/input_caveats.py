@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._number_format import percent, with_unit
+from stiction._number_format import format_percent, format_with_unit
 from stiction.studies.assessment import Caveat, Severity
 from stiction.studies.point import is_capped
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
@@ -97,7 +97,8 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     modulus = float(study.contact.effective_modulus)
     for load in loads:
         if load / area > WHOLE_PART * modulus:
-            text = f"{with_unit(load, 'mN')} is {with_unit(load / area, 'GPa')} on {area:.3g} µm², above a tenth of E*"
+            pressure = format_with_unit(load / area, "GPa")
+            text = f"{format_with_unit(load, 'mN')} is {pressure} on {area:.3g} µm², above a tenth of E*"
             caveats.append(Caveat(text, "specify the load on this area, not on the whole part", "caution"))
     return tuple(caveats)
 
@@ -107,7 +108,7 @@ def _without_cutoff(caveat: Caveat, longest: float) -> str:
     if not longest < caveat.cut_off < math.inf:
         return caveat.cure
     return (
-        f"scan a longer part, as the longest cutoff of both scans is {with_unit(longest, 'um')}; "
+        f"scan a longer part, as the longest cutoff of both scans is {format_with_unit(longest, 'um')}; "
         "--cutoff none keeps these wavelengths"
     )
 
@@ -137,9 +138,15 @@ def _joined(upper: Caveat, lower: Caveat) -> str:
 
 
 def find_scan_caveats(
-    body: Profile | Surface, *, form: bool = True, instrument: bool = True, tip_radius: float | None = None,
-    textured: bool = False, has_readings: bool = False, elastic: bool = False,
-) -> list[Caveat]:  # fmt: skip
+    body: Profile | Surface,
+    *,
+    form: bool = True,
+    instrument: bool = True,
+    tip_radius: float | None = None,
+    textured: bool = False,
+    has_readings: bool = False,
+    elastic: bool = False,
+) -> list[Caveat]:
     """Return caveats about a scan: heights, form, spikes, and wavelengths not attributed to the surface.
 
     `textured` scans may have lines and humps. `has_readings` is true if the filtered scan is pressed as well, and
@@ -199,7 +206,7 @@ def _of_instrument(
         is_known = limit.origin == "instrument"
         source = "where" if is_known else "perhaps from the instrument:"
         text = f"{_waves(limit)}, {source} {REASONS[limit.reason]}"
-        cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' removes this fraction"
+        cure = f"--cutoff '{format_with_unit(limit.cut_off, 'um')}' removes this fraction"
         if limit.matters:
             cure += ", --cutoff none keeps it" if is_known else CURE
             if is_known and textured:
@@ -216,22 +223,25 @@ def _of_instrument(
         return
     peak = find_peak(power_spectrum(levelled(body, "line")))
     if peak is not None and peak[1] >= PEAK and peak[0] > shortest:
-        part, wave = percent(peak[1]), with_unit(peak[0], "um")
+        part, wave = format_percent(peak[1]), format_with_unit(peak[0], "um")
         text = f"a peak at {wave}, perhaps from the instrument, contributes {part} of the curvature"
-        yield Caveat(text, f"--cutoff '{with_unit(CUTOFF_MARGIN * peak[0], 'um')}' removes it", "caution", peak[0])
+        yield Caveat(
+            text, f"--cutoff '{format_with_unit(CUTOFF_MARGIN * peak[0], 'um')}' removes it", "caution", peak[0]
+        )
 
 
 def _waves(limit: InstrumentLimit) -> str:
     """Return the mean square slope fraction of unreliable wavelengths, with their limit."""
     fraction = f"{100 * limit.slope_fraction:.0f} %"  # few digits, so that caveats of two scans are equal
     along = f" along {limit.axis}" if limit.axis else ""
-    return f"{fraction} of the mean square slope is from wavelengths below {with_unit(limit.wavelength, 'um')}{along}"
+    wavelength = format_with_unit(limit.wavelength, "um")
+    return f"{fraction} of the mean square slope is from wavelengths below {wavelength}{along}"
 
 
 def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
-        text = f"heights span {with_unit(height, 'um')} over {with_unit(extent, 'um')}"
+        text = f"heights span {format_with_unit(height, 'um')} over {format_with_unit(extent, 'um')}"
         yield Caveat(text, "check the unit of heights", "fault" if height > IMPOSSIBLE * extent else "caution")
     if not isinstance(body, Profile):
         return

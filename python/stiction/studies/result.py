@@ -442,20 +442,20 @@ class Result:
         """
         import matplotlib as mpl
 
-        from stiction.views.style import STYLE
+        from stiction.views.style import MATPLOTLIB_STYLE
 
         drawings = dict(self._drawings())
         if name not in drawings:
             raise ValueError(f"name must be one of {', '.join(map(repr, drawings))}, got {name!r}")
-        with mpl.rc_context(STYLE):
+        with mpl.rc_context(MATPLOTLIB_STYLE):
             figure: Figure = drawings[name]()
         vars(figure)["_repr_png_"] = partial(render_png, figure)  # so that a notebook shows it without pyplot
         return figure
 
     def _drawings(self) -> Sequence[tuple[str, Any]]:
-        from stiction.views.figures.standard import figures_of
+        from stiction.views.figures.standard import select_figures
 
-        return list(figures_of(self))
+        return list(select_figures(self))
 
     def save_report(self, path: str | Path) -> Path:
         """Write the interactive HTML report of the result and return its path."""

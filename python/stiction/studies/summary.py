@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._number_format import quoted
+from stiction._number_format import format_estimate
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_bracket
 from stiction.studies.assessment import MORE_CONTACTS_REMEDY, VERDICTS, Caveat, find_point_caveats
@@ -269,7 +269,9 @@ def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
         budget.append(Left(left.words, low, high, high - low))
     value = other.rules[0]
     is_measured = one.at["cut_off"] == 0
-    words = f"; {'without' if is_measured else 'with'} them μ_s is {quoted(value.value, value.lower, value.upper)}"
+    words = (
+        f"; {'without' if is_measured else 'with'} them μ_s is {format_estimate(value.value, value.lower, value.upper)}"
+    )
     words = words if math.isfinite(value.value) else ""
     own = [replace(each, text=each.text + words) if each.has_readings else each for each in one.caveats]
     texts = {each.text for each in one.caveats}
@@ -305,14 +307,19 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     kept = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
     caveats = [*kept, *find_point_caveats(point, study, mean, status)]
     return PointSummary(
-        study=study, values=point, rules=rules, status=status,
+        study=study,
+        values=point,
+        rules=rules,
+        status=status,
         caveats=tuple(sorted(caveats, key=lambda caveat: caveat.severity != "fault")),
         at=_place_of(point, study),
         bracket=None if any(_spoils_bracket(caveat) for caveat in caveats) else _bracket(point, study, mean),
-        budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
-        from_roughness=_from_roughness(point, study, rules[0]), waited=_waited(point, rules[0].rule),
+        budget=_budget(point, rules[0].rule),
+        parts=_parts(point, rules[0]),
+        from_roughness=_from_roughness(point, study, rules[0]),
+        waited=_waited(point, rules[0].rule),
         sticking=find_sticking(point, rules[0].rule),
-    )  # fmt: skip
+    )
 
 
 # ---- Values ----------------------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._repr import with_unit
+from stiction._repr import format_with_unit
 
 RoundForm = Literal["circle", "sphere", "cylinder"]
 Points = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
@@ -53,7 +53,7 @@ def round_form(
         lambda values: model(values * scale, inside) - targets, start / scale, xtol=_FIT_TOLERANCE, ftol=_FIT_TOLERANCE
     ).x * scale  # fmt: skip
     curvature = float(result[1])
-    radius = "an infinite radius" if curvature == 0 else f"radius {with_unit(1 / abs(curvature), 'µm')}"
+    radius = "an infinite radius" if curvature == 0 else f"radius {format_with_unit(1 / abs(curvature), 'µm')}"
     return model(result, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
 
 

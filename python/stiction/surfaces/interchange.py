@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stiction._repr import with_unit
+from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import LENGTH_UNITS
 
 if TYPE_CHECKING:
@@ -63,10 +63,12 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
     """Describe the size, spacing, roughness and history of a body in one line."""
     size = " × ".join(map(str, heights.shape))
     steps = np.unique(spacing).tolist()
-    spacing_text = f"{with_unit(steps[0], 'µm')} apart"
+    spacing_text = f"{format_with_unit(steps[0], 'µm')} apart"
     if len(steps) > 1:
-        spacing_text = f"{with_unit(spacing[1], 'µm')} apart along x and {with_unit(spacing[0], 'µm')} along y"
-    roughness_text = f"{'Pq' if heights.ndim == 1 else 'Sq'} {with_unit(float(heights.std()), 'µm')}"
+        spacing_text = (
+            f"{format_with_unit(spacing[1], 'µm')} apart along x and {format_with_unit(spacing[0], 'µm')} along y"
+        )
+    roughness_text = f"{'Pq' if heights.ndim == 1 else 'Sq'} {format_with_unit(float(heights.std()), 'µm')}"
     if history and not any(step.startswith("levelled") for step in history):
         roughness_text += ", not levelled"
     made = f"; {', '.join(history)}" if history else ""

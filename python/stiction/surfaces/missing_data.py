@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._repr import with_unit
+from stiction._repr import format_with_unit
 
 MIN_OUTLIER_DEVIATIONS = 6.0
 """Smallest deviation of an outlier from its neighbours, in robust standard deviations. A robust standard deviation is
@@ -52,7 +52,7 @@ def describe_missing(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> 
     """Describe the fraction of missing points and the position of the largest gap."""
     points, box = find_largest_gap(missing)
     ends = [
-        f"{axis} {with_unit(extent.start * step, 'µm')} to {with_unit(extent.stop * step, 'µm')}"
+        f"{axis} {format_with_unit(extent.start * step, 'µm')} to {format_with_unit(extent.stop * step, 'µm')}"
         for axis, extent, step in zip("xy", box[::-1], spacing[::-1], strict=False)
     ]
     count = "1 point" if points == 1 else f"{points} points"

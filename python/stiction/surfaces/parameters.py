@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stiction._repr import TextRepr, number_and_unit, table_html
+from stiction._repr import TextRepr, format_number_and_unit, table_html
 
 NOT_LEVELLED = "no: as they are"  # description of heights that were not levelled
 
@@ -185,7 +185,7 @@ class ParameterSet(TextRepr):
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
 
     def _formatted_values(self) -> list[tuple[str, str, str]]:
-        return [(name, *number_and_unit(value, PARAMETERS[name].unit)) for name, value in self.values.items()]
+        return [(name, *format_number_and_unit(value, PARAMETERS[name].unit)) for name, value in self.values.items()]
 
     def _extra_rows(self) -> dict[str, str]:
         return {"levelled": self.levelled}

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stiction._checks import Floats, check_bool, check_choice, number, whole_number
-from stiction._repr import with_unit
+from stiction._repr import format_with_unit
 from stiction.surfaces.filters import gaussian_mean, robust_mean
 from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
@@ -120,8 +120,8 @@ class SectionParameters(ParameterSet):
 
     def _extra_rows(self) -> dict[str, str]:
         filters = self.filters
-        short_cutoff_given = "none" if filters.ls is None else with_unit(filters.ls, "µm")
-        lengths = f"λc {with_unit(filters.lc, 'µm')}, λs {short_cutoff_given}, {filters.sections} sections"
+        short_cutoff_given = "none" if filters.ls is None else format_with_unit(filters.ls, "µm")
+        lengths = f"λc {format_with_unit(filters.lc, 'µm')}, λs {short_cutoff_given}, {filters.sections} sections"
         return super()._extra_rows() | {"filters": f"{lengths}: {filters.reason}"}
 
 
@@ -258,12 +258,12 @@ def _compute_by_class(
 
 def _format_reasons(parameters: SectionParameters) -> str:
     """Format Ra and RSm as the reasons for a setting class."""
-    elements = "" if math.isnan(parameters.RSm) else f" and RSm {with_unit(parameters.RSm, 'µm')}"
-    return f"Ra {with_unit(parameters.Ra, 'µm')}{elements}"
+    elements = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
+    return f"Ra {format_with_unit(parameters.Ra, 'µm')}{elements}"
 
 
 def _format_length(length: float) -> str:
-    return with_unit(length, "µm")
+    return format_with_unit(length, "µm")
 
 
 def _min_section_length(spacing: float) -> float:

@@ -1,1 +1,1 @@
-"""What people look at."""
+"""Presentation of results as text, tables, figures and reports."""

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._checks import check_instance
-from stiction._number_format import finite, percent, with_interval, with_unit
+from stiction._number_format import finite_or_none, format_percent, format_with_interval, format_with_unit
 from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_VARIATION
 from stiction.studies.interfaces import EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY, Fit, Interface
 from stiction.views.point import RULE_DESCRIPTIONS
 from stiction.views.rows import entry, record_json
-from stiction.views.style import ALL, FORCE, FULL_WIDTH, STYLE, new_figure
+from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 from stiction.views.text import format_table, wrap_text
 
 if TYPE_CHECKING:
@@ -27,13 +27,13 @@ MAX_SHOWN_SAMPLES = 800  # samples of the joint distribution shown in the figure
 
 
 def calibration_text(interface: Interface) -> str:
-    """Return the identified combination of mu0 and tau0, their values if separated, and the fit of each rule."""
-    first = interface.fits[0]
-    place = f"at A/F = {interface.area_per_load:.3g} /GPa, {RULE_DESCRIPTIONS[first.sliding]}"
-    lines = [wrap_text(f"μ0 + τ0 A/F = {with_interval(*interface.identified)} {place}", hang="  ")]
+    """Format the fitted combination of mu0 and tau0, both values if they are determined, and the fit of each rule."""
+    first_fit = interface.fits[0]
+    condition = f"at A/F = {interface.area_per_load:.3g} /GPa, {RULE_DESCRIPTIONS[first_fit.sliding]}"
+    lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hang="  ")]
     if interface.separated:
         tau0 = (1e3 * item for item in interface.tau0)
-        lines += [f"μ0 = {with_interval(*interface.mu0)}", f"τ0 = {with_interval(*tau0)} MPa"]
+        lines += [f"μ0 = {format_with_interval(*interface.mu0)}", f"τ0 = {format_with_interval(*tau0)} MPa"]
     else:
         lines += [wrap_text(item, hang="  ") for item in _not_separated_lines(interface)]
     if interface.growth is not None:
@@ -41,7 +41,7 @@ def calibration_text(interface: Interface) -> str:
     lines += ["", *(wrap_text(item, hang="  ") for fit in interface.fits for item in _fit_lines(interface, fit))]
     if interface.advice:
         table = [["test that would separate them", "± μ0", "± τ0"]]
-        table += [[text, f"{mu0:.2g}", with_unit(tau0, "GPa")] for text, mu0, tau0 in interface.advice]
+        table += [[text, f"{mu0:.2g}", format_with_unit(tau0, "GPa")] for text, mu0, tau0 in interface.advice]
         lines += ["", format_table(table)]
     return "\n".join(lines)
 
@@ -49,12 +49,14 @@ def calibration_text(interface: Interface) -> str:
 def _not_separated_lines(interface: Interface) -> Iterator[str]:
     value, ratio = interface.identified[0], interface.area_per_load
     count = len(interface.tests)
-    shortage = f"A/F varies by {percent(interface.variation)} among {count} tests" if count > 1 else "there is one test"
+    shortage = (
+        f"A/F varies by {format_percent(interface.variation)} among {count} tests" if count > 1 else "there is one test"
+    )
     requirement = (
         f", and {MIN_VARIATION:.0%} are required".replace("%", " %") if count > 2 else ", and three are needed"
     )
     yield f"Only μ0 + τ0 A/F is determined: {shortage}{requirement} to determine either one."
-    tau0 = with_unit(value / ratio, "GPa")
+    tau0 = format_with_unit(value / ratio, "GPa")
     yield f"The tests allow all values from μ0 = {value:.3g}, τ0 = 0, to μ0 = 0, τ0 = {tau0}."
 
 
@@ -65,7 +67,7 @@ def _growth_line(interface: Interface) -> str:
     if interface.growth.is_exact:
         return f"{text}. A pair with this interface uses the same value."
     low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
-    text += f", and are consistent with {with_interval(value, low, high)}"
+    text += f", and are consistent with {format_with_interval(value, low, high)}"
     return f"{text}. A pair with this interface uses the same range."
 
 
@@ -91,23 +93,27 @@ def _fit_lines(interface: Interface, fit: Fit) -> Iterator[str]:
 
 def calibration_record(interface: Interface) -> str:
     """Return the calibration as a JSON record."""
-    alone = "ok" if interface.separated else "not separated"
-    place = {"area_per_load_per_GPa": interface.area_per_load}
+    separate_status = "ok" if interface.separated else "not separated"
+    coordinates = {"area_per_load_per_GPa": interface.area_per_load}
     values = [
-        entry(name, value, unit, lower=low, upper=high, at=place, status=status)
-        for name, (value, low, high), unit, place, status in (
-            ("identified", interface.identified, "1", place, "ok"),
-            ("mu0", interface.mu0, "1", {}, alone),
-            ("tau0", interface.tau0, "GPa", {}, alone),
+        entry(name, value, unit, lower=low, upper=high, coordinates=coordinates, status=status)
+        for name, (value, low, high), unit, coordinates, status in (
+            ("identified", interface.identified, "1", coordinates, "ok"),
+            ("mu0", interface.mu0, "1", {}, separate_status),
+            ("tau0", interface.tau0, "GPa", {}, separate_status),
         )
     ]
     fits = [
         {
-            "sliding": fit.sliding, "chi_squared": finite(fit.chi_squared), "freedom": fit.freedom,
-            "probability": finite(fit.probability), "errors_multiplied_by": fit.scale, "trend": finite(fit.trend),
+            "sliding": fit.sliding,
+            "chi_squared": finite_or_none(fit.chi_squared),
+            "freedom": fit.freedom,
+            "probability": finite_or_none(fit.probability),
+            "errors_multiplied_by": fit.scale,
+            "trend": finite_or_none(fit.trend),
         }
         for fit in interface.fits
-    ]  # fmt: skip
+    ]
     advice = [{"what": text, "error_of_mu0": mu0, "error_of_tau0": tau0} for text, mu0, tau0 in interface.advice]
     return record_json(
         "calibrate", values, kind="interface", variation=interface.variation, separated=interface.separated,
@@ -118,19 +124,21 @@ def calibration_record(interface: Interface) -> str:
 
 def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
     """Format a paragraph for each interface."""
-    parts = []
-    for item in interfaces:
-        kind = ", ".join(item[name] for name in ("kind", "motion") if name in item)
-        law = f"{kind}: μ0 = {item['mu0']}, τ0 = {item['tau0']}"
-        others = {name.replace("_", " "): text for name, text in item.items() if name not in _LAW_KEYS}
-        rest = (text if name in _KEYS_WITHOUT_NAME else f"{name} {text}" for name, text in others.items())
-        parts.append("\n".join([item["name"], *(wrap_text(line, indent="  ", hang="  ") for line in (law, *rest))]))
-    return "\n\n".join(parts)
+    paragraphs = []
+    for record in interfaces:
+        kind = ", ".join(record[name] for name in ("kind", "motion") if name in record)
+        law = f"{kind}: μ0 = {record['mu0']}, τ0 = {record['tau0']}"
+        other_entries = {name.replace("_", " "): text for name, text in record.items() if name not in _LAW_KEYS}
+        other_lines = (text if name in _KEYS_WITHOUT_NAME else f"{name} {text}" for name, text in other_entries.items())
+        paragraphs.append(
+            "\n".join([record["name"], *(wrap_text(line, indent="  ", hang="  ") for line in (law, *other_lines))])
+        )
+    return "\n\n".join(paragraphs)
 
 
 _LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
 _KEYS_WITHOUT_NAME = ("conditions", "source")
-"""Entries of an interface that need no label."""
+"""Keys of an interface of which only the text is printed, without the key."""
 
 
 def calibration_figure(interface: Interface) -> Figure:
@@ -161,13 +169,18 @@ def calibration_figure(interface: Interface) -> Figure:
     import matplotlib as mpl
 
     check_instance("interface", interface, Interface, "an Interface, as returned by calibrate()")
-    with mpl.rc_context(STYLE):
-        figure = new_figure(66, width=FULL_WIDTH)
+    with mpl.rc_context(MATPLOTLIB_STYLE):
+        figure = new_figure(66, width=PAGE_WIDTH)
         data, joint = figure.subplots(1, 2)
         _tests_panel(data, interface)
         fit = interface.fits[0]
         joint.plot(
-            1e3 * fit.tau0[:MAX_SHOWN_SAMPLES], fit.mu0[:MAX_SHOWN_SAMPLES], ".", color=ALL, markersize=2, alpha=0.3
+            1e3 * fit.tau0[:MAX_SHOWN_SAMPLES],
+            fit.mu0[:MAX_SHOWN_SAMPLES],
+            ".",
+            color=ALL_CONTACTS_COLOUR,
+            markersize=2,
+            alpha=0.3,
         )
         joint.set(xlabel="adhesive shear strength $\\tau_0$ (MPa)", ylabel="molecular friction coefficient $\\mu_0$")
         joint.set(xlim=(0, None), ylim=(0, None))
@@ -181,15 +194,21 @@ def _tests_panel(axes: Axes, interface: Interface) -> None:
     largest = 1.15 * max(points[:, 0].max(initial=0.0), interface.area_per_load)
     ratio = np.linspace(0.0, largest, 60)
     band = np.array([interface.at(item) for item in ratio])
-    axes.fill_between(ratio, band[:, 1], band[:, 2], color=ALL, alpha=0.15, linewidth=0, label="95 %")
-    axes.plot(ratio, band[:, 0], color=ALL, linewidth=1, label="$\\mu_0 + \\tau_0 A/F$")
+    axes.fill_between(ratio, band[:, 1], band[:, 2], color=ALL_CONTACTS_COLOUR, alpha=0.15, linewidth=0, label="95 %")
+    axes.plot(ratio, band[:, 0], color=ALL_CONTACTS_COLOUR, linewidth=1, label="$\\mu_0 + \\tau_0 A/F$")
     slid = points[:, 3] > 0
     axes.errorbar(
-        points[slid, 0], points[slid, 1], 2 * np.nan_to_num(points[slid, 2]), fmt="o", color=FORCE, markersize=2.5,
-        linewidth=0.6, label="tests, ±2 standard errors",
-    )  # fmt: skip
+        points[slid, 0],
+        points[slid, 1],
+        2 * np.nan_to_num(points[slid, 2]),
+        fmt="o",
+        color=FORCE_COLOUR,
+        markersize=2.5,
+        linewidth=0.6,
+        label="tests, ±2 standard errors",
+    )
     if not slid.all():
-        axes.plot(points[~slid, 0], points[~slid, 1], "^", color=FORCE, markersize=3, label="did not slide")
+        axes.plot(points[~slid, 0], points[~slid, 1], "^", color=FORCE_COLOUR, markersize=3, label="did not slide")
     axes.set(xlim=(0, largest), ylim=(0, 1.3 * max(points[:, 1].max(initial=0.0), band[-1, 0])))
     axes.set(xlabel="true contact area over load $A/F$ (1/GPa)", ylabel="coefficient of static friction")
     axes.legend(loc="lower right")

@@ -1,4 +1,4 @@
-"""Characterisation of a profile or surface: one set of rows for text, JSON, CSV, figure and report."""
+"""Characterisation of a profile or surface: its rows are the content of text, JSON, CSV and report."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stiction._number_format import percent, with_unit
+from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.assessment import Caveat
@@ -62,7 +62,7 @@ _MAX_DISPERSION = 2.0  # dispersion above which the scatter of a spectrum about 
 _HANN_VARIANCE = 2.0  # variance of the logarithm of a bin of a windowed spectrum, times its number of harmonics
 
 _SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}  # text for the units of JSON
-_UNITS = {"": "1"}  # JSON units of parameters; other units replace "µm" by "um" and "²" by "2"
+_JSON_UNITS = {"": "1"}  # JSON units of parameters; other units replace "µm" by "um" and "²" by "2"
 
 
 class Row(NamedTuple):
@@ -271,7 +271,7 @@ class Characterisation:
 
     @cached_property
     def caveats(self) -> list[Caveat]:
-        """Caveats about the scan: heights, form, spikes, and wavelengths that may not be the surface's."""
+        """Caveats about the scan: heights, form, spikes, and wavelengths that may be noise."""
         return find_scan_caveats(self.body, tip_radius=self.tip_radius, textured=self.textured)
 
     def _parameter_rows(self) -> list[Row]:
@@ -344,15 +344,15 @@ class Characterisation:
         fraction = float(result.fraction_below(2 * limit.pixels))
         longest = float(result.wavelength[0])
         slopes = ", ".join(
-            f"{float(result.gradient_at(wavelength)):.3g} from {with_unit(float(wavelength), 'um')}"
+            f"{float(result.gradient_at(wavelength)):.3g} from {format_with_unit(float(wavelength), 'um')}"
             for wavelength in limit.pixels * 2.0 ** np.arange(NUM_OCTAVES)
             if wavelength < longest
         )
         shortest = entry("shortest_wave", limit.pixels, "um")
         octave = entry("slope_in_shortest_octave", fraction)
-        cutoff = with_unit(limit.cut_off, "um")
-        wavelength = with_unit(limit.wavelength, "um") + (f" along {limit.axis}" if limit.axis else "")
-        contribution = f"{percent(limit.slope_fraction)} of the mean square slope"
+        cutoff = format_with_unit(limit.cut_off, "um")
+        wavelength = format_with_unit(limit.wavelength, "um") + (f" along {limit.axis}" if limit.axis else "")
+        contribution = f"{format_percent(limit.slope_fraction)} of the mean square slope"
         if limit.reason == "pixels":
             words = f"only the grid spacing{'' if self.tip_radius is None else '; the tip follows all wavelengths'}"
         elif limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION:
@@ -363,15 +363,19 @@ class Characterisation:
             words = f"{assessment} below {wavelength}: {reason}; --cutoff '{cutoff}' removes this fraction"
         if self.textured and (limit.reason == "pixels" or limit.origin == "instrument"):
             words += "; no line or hump to attribute to the surface (--texture)"
-        below = f"below {with_unit(2 * limit.pixels, 'um')}: {percent(fraction)} of the mean square slope"
+        below = f"below {format_with_unit(2 * limit.pixels, 'um')}: {format_percent(fraction)} of the mean square slope"
         limits = entry("noise_floor_below", limit.noise, "um"), entry("tip_follows_down_to", limit.tip, "um")
         return [
             Row(
-                "wavelengths", (f"{with_unit(limit.pixels, 'um')} (two points) to {length_text(longest)}",), (shortest,)
+                "wavelengths",
+                (f"{format_with_unit(limit.pixels, 'um')} (two points) to {length_text(longest)}",),
+                (shortest,),
             ),
-            Row("", (below,), (octave,)), Row("cumulative slope", (slopes,)), *self._period_rows(),
+            Row("", (below,), (octave,)),
+            Row("cumulative slope", (slopes,)),
+            *self._period_rows(),
             Row("instrument", (words,), limits),
-        ]  # fmt: skip
+        ]
 
     def _period_rows(self) -> list[Row]:
         period = self.limit.period
@@ -524,7 +528,7 @@ def length_text(value: float) -> str:
 
 def _unit(parameter: Parameter) -> str:
     """Return the JSON unit of a parameter."""
-    return _UNITS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
+    return _JSON_UNITS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
 
 
 def _filters_text(result: SectionParameters) -> str:

@@ -9,24 +9,28 @@ from stiction._files import check_replaceable, new_file, replaced_file
 from stiction._text import printable_path
 from stiction.studies.result import Result
 from stiction.views.latex import latex_table
-from stiction.views.report.page import MARK
+from stiction.views.report.page import REPORT_MARK
 from stiction.views.spreadsheet import frame_to_csv
-from stiction.views.style import MARKS
+from stiction.views.style import FIGURE_FILE_MARKS
 
-TABLE = "result.csv"
-VIEWS = {TABLE: b"coefficient of static friction: lower", "report.html": MARK.encode(), "friction.png": MARKS[".png"]}
+RESULT_TABLE_NAME = "result.csv"
+OUTPUT_FILE_MARKS = {
+    RESULT_TABLE_NAME: b"coefficient of static friction: lower",
+    "report.html": REPORT_MARK.encode(),
+    "friction.png": FIGURE_FILE_MARKS[".png"],
+}
 """Files that `pair` writes into its directory, with the marks by which they are recognised."""
 
 
-def check_files(folder: Path, marks: Mapping[str, bytes]) -> None:
+def check_files(folder: Path, file_marks: Mapping[str, bytes]) -> None:
     """Raise `ValueError` if a file that will be replaced exists without its mark."""
-    for name, mark in marks.items():
-        check_replaceable(folder / name, mark, ValueError)
+    for name, file_mark in file_marks.items():
+        check_replaceable(folder / name, file_mark, ValueError)
 
 
-def replace_text(path: Path, text: str, mark: bytes) -> None:
+def replace_text(path: Path, text: str, file_mark: bytes) -> None:
     """Write a text file that may replace an older file with the mark; raise `ValueError` for any other file."""
-    with replaced_file(path, mark, ValueError) as partial:
+    with replaced_file(path, file_mark, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
 
 
@@ -41,7 +45,7 @@ def result_csv(result: Result) -> str:
     return frame_to_csv(result.to_dataframe())
 
 
-WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
+EXPORT_WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
     ".nc": ("the whole result", Result.to_netcdf),
     ".csv": ("a table", lambda result, path: new_text(path, result_csv(result))),
     ".tex": ("a LaTeX table", lambda result, path: new_text(path, latex_table(result.summary()))),
@@ -54,7 +58,7 @@ def write_result(result: Result, path: Path) -> None:
 
     Raises a `ValueError` if the file exists, cannot be written, or its name has no ending of `WRITERS`.
     """
-    if path.suffix.lower() not in WRITERS:
-        endings = " or ".join(f"{ending} ({description})" for ending, (description, _) in WRITERS.items())
+    if path.suffix.lower() not in EXPORT_WRITERS:
+        endings = " or ".join(f"{ending} ({description})" for ending, (description, _) in EXPORT_WRITERS.items())
         raise ValueError(f"{printable_path(path)}: its name must end in {endings}")
-    WRITERS[path.suffix.lower()][1](result, path)
+    EXPORT_WRITERS[path.suffix.lower()][1](result, path)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from stiction._number_format import with_interval, with_unit
+from stiction._number_format import format_with_interval, format_with_unit
 from stiction.mechanics.quantities import column_of
 from stiction.studies.friction_table import MAX_LAW_DEVIATION
 from stiction.views.spreadsheet import frame_to_csv
@@ -18,7 +18,7 @@ _TITLES = {
     "normal_stiffness": ("stiffness over area (GPa/um)", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": ("b of k/A0 = b p^c (GPa/um at 1 GPa)", 1.0),
 }  # fmt: skip
-"""Columns whose names differ from `column_of`, with the factor to their units."""
+"""Column names that differ from those of `column_of`, and factors to their units."""
 
 _LOAD_QUANTITIES = tuple(_TITLES)[:4]
 _LAW_PARAMETERS = ("area_factor", "stiffness_factor", "stiffness_exponent")
@@ -36,7 +36,7 @@ def laws_csv(table: xarray.Dataset) -> str:
     return _csv(table[list(_LAW_QUANTITIES)], _COORDINATES[1:3])
 
 
-def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
+def _csv(part: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
     columns: dict[str, Any] = {}
     for name, values in part.data_vars.items():
         title, factor = _TITLES.get(str(name)) or column_of(str(name))
@@ -45,32 +45,35 @@ def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
             continue
         for end, statistic in (("", "mean"), (": lower", "lower"), (": upper", "upper")):
             columns[f"{title}{end}"] = values.sel(statistic=statistic, drop=True) * factor
-    frame = xarray.Dataset(columns).to_dataframe(dim_order=list(places)).reset_index()
-    for name in places:
+    frame = xarray.Dataset(columns).to_dataframe(dim_order=list(columns_by_name)).reset_index()
+    for name in columns_by_name:
         if (factor := column_of(name)[1]) != 1:
             frame[name] *= factor
-    frame = frame.rename(columns={name: column_of(name)[0] for name in places})
+    frame = frame.rename(columns={name: column_of(name)[0] for name in columns_by_name})
     return frame_to_csv(frame)
 
 
 def friction_table_text(table: xarray.Dataset) -> str:
     """Format the fitted laws of each roughness, and the range of the coefficients of friction."""
-    ends = " to ".join(with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
+    ends = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"
     lines = [wrap_text(f"Pressures of {ends}; {laws}"), ""]
     rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all contacts", "μ_s opposing contacts", "largest deviation"]]
-    for place in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):
-        at = table.isel(hurst_exponent=place[0], rms=place[1])
-        deviations = [float(at[f"{name}_deviation"]) for name in ("area", "stiffness")]
-        coefficients = at["friction_coefficient"].sel(statistic="mean")
+    for indices in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):
+        roughness = table.isel(hurst_exponent=indices[0], rms=indices[1])
+        deviations = [float(roughness[f"{name}_deviation"]) for name in ("area", "stiffness")]
+        coefficients = roughness["friction_coefficient"].sel(statistic="mean")
         rows.append(
             [
-                f"{float(at['hurst_exponent']):.3g}, {with_unit(float(at['rms']), 'um')}",
-                *(with_interval(*at[name].values.tolist()).replace(" no interval", "") for name in _LAW_PARAMETERS),
+                f"{float(roughness['hurst_exponent']):.3g}, {format_with_unit(float(roughness['rms']), 'um')}",
+                *(
+                    format_with_interval(*roughness[name].values.tolist()).replace(" no interval", "")
+                    for name in _LAW_PARAMETERS
+                ),
                 *(_range_text(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
                 ", ".join("none" if np.isnan(deviation) else f"{100 * deviation:.0f} %" for deviation in deviations),
             ]
-        )  # fmt: skip
+        )
     lines.append(format_table(rows))
     if max(float(table[f"{name}_deviation"].max()) for name in ("area", "stiffness")) > MAX_LAW_DEVIATION:
         lines += ["", wrap_text("Use the tabulated values instead of a law that deviates by more than 10 %.")]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._number_format import percent, prefix, quoted, significant, with_unit
+from stiction._number_format import choose_prefix, format_estimate, format_percent, format_significant, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.height_scale import HEIGHT_SCALE_FOLDER, ScaledSides, open_stored_factors
 from stiction.studies.point import (
@@ -28,8 +28,12 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-SCALED: dict[ScaledSides, str] = {"both": "both surfaces", "upper": "the upper surface", "lower": "the lower surface"}
-CAVEAT = (
+SCALED_SURFACE_TEXTS: dict[ScaledSides, str] = {
+    "both": "both surfaces",
+    "upper": "the upper surface",
+    "lower": "the lower surface",
+}
+HEIGHT_SCALE_NOTE = (
     "Only the heights change. A surface finish that also adds or removes wavelengths needs its own scan, "
     "because a factor cannot describe it."
 )
@@ -43,60 +47,64 @@ def stored_scale_factors(result: Result) -> dict[ScaledSides, list[float]]:
     if stored.count < study.ensemble.repetitions:
         return {}
     factors_by_surface: dict[ScaledSides, list[float]] = {
-        scaled: list(open_stored_factors(stored, scaled)) for scaled in SCALED
+        surfaces: list(open_stored_factors(stored, surfaces)) for surfaces in SCALED_SURFACE_TEXTS
     }
-    return {scaled: factors for scaled, factors in factors_by_surface.items() if len(factors) > 1}
+    return {surfaces: factors for surfaces, factors in factors_by_surface.items() if len(factors) > 1}
 
 
-def height_scale_text(at: xarray.Dataset, study: Study) -> str:
-    """Format a result of `at_height_scale`: a table for each load, mu0 and tau0 with a row for each factor."""
-    scaled = SCALED[at.attrs["scaled"]]
+def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
+    """Format a result of `evaluate_height_scale`: a table for each load, mu0 and tau0 with a row for each factor."""
+    scaled_surfaces = SCALED_SURFACE_TEXTS[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
-            f"Heights of {scaled} are multiplied by a factor; 1 is the measured pair. The gradient is the rms gradient "
-            "of the gap. Intervals: 95 %, combined."
+            f"Heights of {scaled_surfaces} are multiplied by a factor; 1 is the measured pair. The gradient is the rms "
+            "gradient of the gap. Intervals: 95 %, combined."
         )
     ]
-    rules = [rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(at["sliding"].values)]
+    rules = [rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(dataset["sliding"].values)]
     is_areal = study.is_areal
-    has_rms = "upper_rms" in at
-    for point in points(at):
-        material = f"μ0 = {float(point['mu0']):g}, τ0 = {with_unit(float(point['tau0']), 'GPa')}"
+    has_rms = "upper_rms" in dataset
+    for point in points(dataset):
+        material = f"μ0 = {float(point['mu0']):g}, τ0 = {format_with_unit(float(point['tau0']), 'GPa')}"
         rms = ["Sq of both" if is_areal else "Pq of both"] if has_rms else []
         headings = {"all": "μ_s all contacts", "opposing": "μ_s opposing contacts"}
         has_fraction = has_nominal_area(point, study) and "contact_area_fraction" in point
         pull_off_heading = ["pull-off"] if "pull_off_pressure" in point else []
         area = "A/A0" if has_fraction else "A (µm²)"
         table = [["factor", "gradient", *rms, *(headings[rule] for rule in rules), area, *pull_off_heading]]
-        table += [_row(point.isel(height_scale=place), rules, study) for place in range(point.sizes["height_scale"])]
+        table += [_row(point.isel(height_scale=index), rules, study) for index in range(point.sizes["height_scale"])]
         load = load_text(point.drop_vars("pull_off", errors="ignore"), study)
         lines += ["", wrap_text(f"At {load}, {material}:"), format_table(table)]
-    lines += ["", wrap_text(CAVEAT)]
+    lines += ["", wrap_text(HEIGHT_SCALE_NOTE)]
     return "\n".join(lines) + "\n"
 
 
 def _row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
     """Return the cells of one factor."""
-    cells = [f"{float(point['height_scale']):.4g}", significant(value_of(point, "rms_gradient"), 3)]
+    cells = [f"{float(point['height_scale']):.4g}", format_significant(value_of(point, "rms_gradient"), 3)]
     if "upper_rms" in point:
         heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]
-        core, unit = prefix(max(heights), "um")
+        core, unit = choose_prefix(max(heights), "um")
         cells.append(f"{', '.join(f'{height / core:.3g}' for height in heights)} {unit}")
     for rule in rules:
         combined = by_rule(point["friction_combined"], rule)
         values = [float(combined.sel(statistic=statistic)) for statistic in MEAN_AND_ENDS]
-        cells.append("sticks" if is_unloaded(point) else quoted(*values))
+        cells.append("sticks" if is_unloaded(point) else format_estimate(*values))
     if not has_nominal_area(point, study) or "contact_area_fraction" not in point:
-        cells.append(significant(value_of(point, "contact_area"), 3))
+        cells.append(format_significant(value_of(point, "contact_area"), 3))
     elif (status := contact_status_of(point, study)) != STATUS_OK:
         cells.append(status)
     else:
-        cells.append(percent(value_of(point, "contact_area_fraction")))
-    return [*cells, with_unit(value_of(point, "pull_off_pressure"), "GPa")] if "pull_off_pressure" in point else cells
+        cells.append(format_percent(value_of(point, "contact_area_fraction")))
+    return (
+        [*cells, format_with_unit(value_of(point, "pull_off_pressure"), "GPa")]
+        if "pull_off_pressure" in point
+        else cells
+    )
 
 
-def height_scale_record(at: xarray.Dataset, study: Study) -> str:
-    """Return a result of `at_height_scale` as a JSON record."""
-    fields = {"kind": "pair", "scaled": at.attrs["scaled"], "solved": at.attrs["solved"].tolist()}
-    fields |= {name: float(at[name]) for name in ("effective_modulus", "nominal_area") if name in at.coords}
-    return rows.record_json("at", rows.value_records(rows.values_frame(at)), **fields)
+def height_scale_record(dataset: xarray.Dataset, study: Study) -> str:
+    """Return a result of `evaluate_height_scale` as a JSON record."""
+    fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
+    fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
+    return rows.record_json("at", rows.value_records(rows.values_frame(dataset)), **fields)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stiction._number_format import percent, quoted, significant
+from stiction._number_format import format_estimate, format_percent, format_significant
 from stiction.mechanics.quantities import column_of
 from stiction.studies.summary import PointSummary, Summary
 
@@ -22,36 +22,36 @@ def latex_table(summary: Summary) -> str:
     points = summary.headlines
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     varying = [name for name in names if len({point.at[name] for point in points}) > 1]
-    shared = [f"{_title(name)} = {_coordinate(name, points[0])}" for name in names if name not in varying]
+    shared = [f"{_column_heading(name)} = {_coordinate(name, points[0])}" for name in names if name not in varying]
     has_area = "contact_area_fraction" in summary.at
     rules = [rule.rule for rule in points[0].rules]
-    head = [
-        *map(_title, varying),
+    header = [
+        *map(_column_heading, varying),
         *(_RULE_HEADINGS[rule] for rule in rules),
         *([r"$A/A_0$"] if has_area else []),
         "assessment",
     ]
-    rows = [[*(_coordinate(name, point) for name in varying), *_values(point, has_area)] for point in points]
+    rows = [[*(_coordinate(name, point) for name in varying), *_point_cells(point, has_area)] for point in points]
     lines = [f"% {text}" for text in shared]
-    lines += [rf"\begin{{tabular}}{{{'l' * len(head)}}}", r"\hline", _row(head), r"\hline", *map(_row, rows)]
+    lines += [rf"\begin{{tabular}}{{{'l' * len(header)}}}", r"\hline", _row(header), r"\hline", *map(_row, rows)]
     return "\n".join([*lines, r"\hline", r"\end{tabular}"]) + "\n"
 
 
-def _values(point: PointSummary, has_area: bool) -> list[str]:
+def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
     """Return the coefficient of each rule, the area fraction and the assessment of a point."""
-    cells = [quoted(rule.value, rule.lower, rule.upper) for rule in point.rules]
-    cells += [percent(point.quantity("contact_area_fraction")[0])] if has_area else []
+    cells = [format_estimate(rule.value, rule.lower, rule.upper) for rule in point.rules]
+    cells += [format_percent(point.quantity("contact_area_fraction")[0])] if has_area else []
     return [cell.translate(_ESCAPES) for cell in (*cells, point.verdict)]
 
 
-def _title(name: str) -> str:
+def _column_heading(name: str) -> str:
     """Return the heading of a coordinate with its unit."""
     return _COORDINATE_HEADINGS.get(name, column_of(name)[0].translate(_ESCAPES))
 
 
 def _coordinate(name: str, point: PointSummary) -> str:
     factor = 1.0 if name in _COORDINATE_HEADINGS else column_of(name)[1]
-    return significant(factor * point.at[name], 4)
+    return format_significant(factor * point.at[name], 4)
 
 
 def _row(cells: Sequence[str]) -> str:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _PROPERTIES = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GPa"}
 
 
-def materials_text(chosen: Sequence[Material]) -> str:
+def materials_text(materials: Sequence[Material]) -> str:
     """Format a table of ranges grouped by kind of material, followed by the numbered sources."""
     sources: dict[str, int] = {}
 
@@ -26,23 +26,30 @@ def materials_text(chosen: Sequence[Material]) -> str:
         return f"{text} [{sources.setdefault(value.source, len(sources) + 1)}]"
 
     rows = []
-    for kind, group in itertools.groupby(chosen, key=lambda item: item.kind):
+    for kind, group in itertools.groupby(materials, key=lambda material: material.kind):
         rows.append([f"{kind}", "E (GPa)", "ν", "hardness (GPa)"])
-        rows += [[item.name, *(cell(getattr(item, name)) for name in _PROPERTIES)] for item in group]
-    others = [f"{item.name}: {', '.join(item.aliases)}" for item in chosen if item.aliases]
-    parts = [format_table(rows), *([wrap_text(f"Also known as: {'; '.join(others)}.")] if others else [])]
-    parts.append("\n".join(wrap_text(f"[{number}] {source}", hang="    ") for source, number in sources.items()))
-    return "\n\n".join(parts) + "\n"
+        rows += [[material.name, *(cell(getattr(material, name)) for name in _PROPERTIES)] for material in group]
+    alias_lines = [f"{material.name}: {', '.join(material.aliases)}" for material in materials if material.aliases]
+    paragraphs = [
+        format_table(rows),
+        *([wrap_text(f"Also known as: {'; '.join(alias_lines)}.")] if alias_lines else []),
+    ]
+    paragraphs.append("\n".join(wrap_text(f"[{number}] {source}", hang="    ") for source, number in sources.items()))
+    return "\n\n".join(paragraphs) + "\n"
 
 
-def materials_record(chosen: Sequence[Material]) -> str:
+def materials_record(materials: Sequence[Material]) -> str:
     """Return materials as a JSON record."""
     entries: list[dict[str, Any]] = []
-    for item in chosen:
-        entries.append({"name": item.name, "kind": item.kind, "aliases": list(item.aliases)})
+    for material in materials:
+        entries.append({"name": material.name, "kind": material.kind, "aliases": list(material.aliases)})
         for name, unit in _PROPERTIES.items():
-            value = getattr(item, name)
+            value = getattr(material, name)
             entries[-1][name] = value and {
-                "value": float(value), "low": value.low, "high": value.high, "unit": unit, "source": value.source
-            }  # fmt: skip
+                "value": float(value),
+                "low": value.low,
+                "high": value.high,
+                "unit": unit,
+                "source": value.source,
+            }
     return record_json("materials", [], materials=entries)

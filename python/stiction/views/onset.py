@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._number_format import finite, percent, prefix, quoted, with_interval, with_unit
+from stiction._number_format import (
+    choose_prefix,
+    finite_or_none,
+    format_estimate,
+    format_percent,
+    format_with_interval,
+    format_with_unit,
+)
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.onset import MODELS
 from stiction.studies.point import MEAN_AND_ENDS
@@ -17,67 +24,70 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-HALF = 0.5
-AMPLITUDES = (0.5, 0.9)  # tangential load amplitudes of cycles, relative to the sliding load
+HALF_SLIDING_LOAD = 0.5
+CYCLE_AMPLITUDES = (0.5, 0.9)  # tangential load amplitudes of cycles, relative to the sliding load
 
 
 def onset_text(onset: xarray.Dataset) -> str:
     """Return a sentence with the pre-sliding displacement, the contact that slips, and the tangential stiffness."""
-    parts, displacement = [], onset["displacement_at_sliding"]
-    if math.isfinite(_ends(displacement)[0]):
+    phrases, displacement = [], onset["displacement_at_sliding"]
+    if math.isfinite(_interval_ends(displacement)[0]):
         factor, unit = _length_scale(displacement)
-        parts.append(f"pre-sliding displacement {quoted(*_ends(displacement, factor))} {unit}")
-    slipped = _ends(onset["slipped_area"].sel(fraction=HALF))
-    parts.append(f"{percent(slipped[0])} of the contact slips at half of the sliding load")
+        phrases.append(f"pre-sliding displacement {format_estimate(*_interval_ends(displacement, factor))} {unit}")
+    slipped = _interval_ends(onset["slipped_area"].sel(fraction=HALF_SLIDING_LOAD))
+    phrases.append(f"{format_percent(slipped[0])} of the contact slips at half of the sliding load")
     factor, unit = _stiffness_scale(onset["stiffness"])
-    if math.isfinite((ends := _ends(onset["stiffness"], factor))[0]):
-        parts.append(f"initial tangential stiffness {quoted(*ends)} {unit}")
-    text = "; ".join(parts)
+    if math.isfinite((ends := _interval_ends(onset["stiffness"], factor))[0]):
+        phrases.append(f"initial tangential stiffness {format_estimate(*ends)} {unit}")
+    text = "; ".join(phrases)
     return text[0].upper() + text[1:] + "."
 
 
 def _length_scale(table: xarray.DataArray) -> tuple[float, str]:
     """Return the factor from µm to the unit in which a mean has the fewest zeros, and this unit."""
-    value = _ends(table)[0]
-    factor, unit = prefix(value if math.isfinite(value) else 0.0, "um")
+    value = _interval_ends(table)[0]
+    factor, unit = choose_prefix(value if math.isfinite(value) else 0.0, "um")
     return 1 / factor, unit
 
 
 def _stiffness_scale(table: xarray.DataArray) -> tuple[float, str]:
     """Return the factor from mN/µm to the unit of a mean stiffness, and this unit."""
-    return (1e-3, "N/µm") if _ends(table)[0] >= LARGE_STIFFNESS else (1.0, "mN/µm")
+    return (1e-3, "N/µm") if _interval_ends(table)[0] >= MIN_STIFFNESS_IN_NEWTON else (1.0, "mN/µm")
 
 
-LARGE_STIFFNESS = 1e4  # mN/µm, above which a stiffness is printed in N/µm
+MIN_STIFFNESS_IN_NEWTON = 1e4  # mN/µm, above which a stiffness is printed in N/µm
 
 
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     """Return a table of means and intervals, headings first."""
     attributes = onset.attrs
-    load, tau0 = with_unit(float(attributes["load_mN"]), "mN"), _strength(float(attributes["tau0_GPa"]))
-    head = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
-    half = onset.sel(fraction=HALF)
+    load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _strength(float(attributes["tau0_GPa"]))
+    header = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
+    half = onset.sel(fraction=HALF_SLIDING_LOAD)
     (length, length_unit), (rigid, rigid_unit), (normal, normal_unit) = (
         _length_scale(onset["displacement_at_sliding"]),
         _stiffness_scale(onset["stiffness"]),
         _stiffness_scale(onset["unloading_stiffness"]),
     )
     rows = [
-        ["sliding load (mN)", _cell(onset["sliding_load"])],
-        [f"pre-sliding displacement ({length_unit})", _cell(onset["displacement_at_sliding"], length)],
-        [f"tangential stiffness ({rigid_unit})", _cell(onset["stiffness"], rigid)],
-        [f"normal stiffness, unloading or by ultrasound ({normal_unit})", _cell(onset["unloading_stiffness"], normal)],
-        ["contact that slips at half of the sliding load (%)", _cell(half["slipped_area"], 100.0)],
-        ["load on the slipping contact (%)", _cell(half["slipped_load"], 100.0)],
+        ["sliding load (mN)", _format_cell(onset["sliding_load"])],
+        [f"pre-sliding displacement ({length_unit})", _format_cell(onset["displacement_at_sliding"], length)],
+        [f"tangential stiffness ({rigid_unit})", _format_cell(onset["stiffness"], rigid)],
+        [
+            f"normal stiffness, unloading or by ultrasound ({normal_unit})",
+            _format_cell(onset["unloading_stiffness"], normal),
+        ],
+        ["contact that slips at half of the sliding load (%)", _format_cell(half["slipped_area"], 100.0)],
+        ["load on the slipping contact (%)", _format_cell(half["slipped_load"], 100.0)],
         *(
             [
                 f"energy dissipated in a cycle of {amplitude:g} times the sliding load (pJ)",
-                _cell(onset["energy_lost"].sel(fraction=amplitude), 1000.0),
+                _format_cell(onset["energy_lost"].sel(fraction=amplitude), 1000.0),
             ]
-            for amplitude in AMPLITUDES
+            for amplitude in CYCLE_AMPLITUDES
         ),
     ]
-    return [["onset of sliding", head], *(row for row in rows if row[1] != "none")]
+    return [["onset of sliding", header], *(row for row in rows if row[1] != "none")]
 
 
 def onset_note(onset: xarray.Dataset) -> str:
@@ -95,12 +105,15 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     """Return the curve, its characteristic values and the fitted model parameters as a JSON record (mN, µm, GPa)."""
 
     def records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
-        return {name: dict(zip(MEAN_AND_ENDS, map(finite, _ends(dataset[name])), strict=True)) for name in names}
+        return {
+            name: dict(zip(MEAN_AND_ENDS, map(finite_or_none, _interval_ends(dataset[name])), strict=True))
+            for name in names
+        }
 
     numbers = records(onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
-    of_curve = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
+    curve_names = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
     curve = [
-        {"fraction": float(fraction), **records(onset.sel(fraction=fraction), *of_curve)}
+        {"fraction": float(fraction), **records(onset.sel(fraction=fraction), *curve_names)}
         for fraction in onset["fraction"].values
     ]
     attributes = {str(name): value for name, value in onset.attrs.items()}
@@ -109,20 +122,25 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
         for model, names in MODELS.items()
     }
     return {
-        "sentence": onset_text(onset), "load": float(attributes["load_mN"]), "mu0": float(attributes["mu0"]),
-        "tau0": float(attributes["tau0_GPa"]), "members": int(attributes["members"]),
-        "poisson_ratio": np.ravel(attributes["poisson_ratio"]).astype(float).tolist(), **numbers,
-        **{model: parameters or None for model, parameters in models.items()}, "curve": curve,
-    }  # fmt: skip
+        "sentence": onset_text(onset),
+        "load": float(attributes["load_mN"]),
+        "mu0": float(attributes["mu0"]),
+        "tau0": float(attributes["tau0_GPa"]),
+        "members": int(attributes["members"]),
+        "poisson_ratio": np.ravel(attributes["poisson_ratio"]).astype(float).tolist(),
+        **numbers,
+        **{model: parameters or None for model, parameters in models.items()},
+        "curve": curve,
+    }
 
 
-def _ends(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
+def _interval_ends(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
     mean, lower, upper = (factor * float(table.sel(statistic=statistic)) for statistic in MEAN_AND_ENDS)
     return mean, lower, upper
 
 
-def _cell(table: xarray.DataArray, factor: float = 1.0) -> str:
-    return with_interval(*_ends(table, factor))
+def _format_cell(table: xarray.DataArray, factor: float = 1.0) -> str:
+    return format_with_interval(*_interval_ends(table, factor))
 
 
 def quantity_label(name: str, study: Study) -> str:
@@ -136,4 +154,4 @@ def quantity_label(name: str, study: Study) -> str:
 
 
 def _strength(tau0: float) -> str:
-    return with_unit(tau0, "GPa") if tau0 else "0"
+    return format_with_unit(tau0, "GPa") if tau0 else "0"

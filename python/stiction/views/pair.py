@@ -250,8 +250,8 @@ def pair(
     for name, body in (("first", first), ("second", second)):
         if any(step == "turned over" for step in getattr(body, "history", ())):
             warn(
-                f"{name} was turned over, and pair turns the first body over itself: give both as they were scanned, "
-                "heights out of the material",
+                f"{name} is flipped, but pair flips the first body itself: give both bodies as they were scanned, "
+                "with heights that point out of the material",
                 stacklevel=2,
             )
     folder = Path(tempfile.mkdtemp(prefix="stiction-") if directory is None else directory)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._number_format import with_unit
+from stiction._number_format import format_with_unit
 from stiction.studies.point import has_nominal_area, is_unloaded, range_of
 
 if TYPE_CHECKING:
@@ -30,21 +30,21 @@ def materials_text(study: Study) -> str:
 def adhesion_text(point: xarray.Dataset, study: Study) -> str:
     """Return the work of adhesion of a study and its range: "adhesion 50 mJ/m² over 0.5 nm"."""
     work = 1e6 * float(study.contact.work_of_adhesion or 0.0)
-    return f"adhesion {work:.3g} mJ/m² over {with_unit(range_of(point, study)[1], 'um')}"
+    return f"adhesion {work:.3g} mJ/m² over {format_with_unit(range_of(point, study)[1], 'um')}"
 
 
 def load_text(point: xarray.Dataset, study: Study) -> str:
-    """Return the load of a point, and over the nominal area: "10 mN (100 MPa)"."""
+    """Return the load of a point with its nominal pressure: "10 mN (100 MPa)"."""
     load = float(point["load"])
     if is_unloaded(point):
         return "no load"
     if not has_nominal_area(point, study):
-        return with_unit(load, "mN")
-    return f"{with_unit(load, 'mN')} ({with_unit(load / float(point['nominal_area']), 'GPa')})"
+        return format_with_unit(load, "mN")
+    return f"{format_with_unit(load, 'mN')} ({format_with_unit(load / float(point['nominal_area']), 'GPa')})"
 
 
 def averaged_directions_text(directions: Any) -> str:
-    """Return the directions (degrees) of a mean in words."""
+    """Describe in words the directions (degrees) over which a mean is taken."""
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
         return f"the upper body moves {motion_text(float(degrees[0]))}"

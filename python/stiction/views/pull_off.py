@@ -6,40 +6,43 @@ from typing import Any
 
 import numpy as np
 
-from stiction._number_format import finite, prefix, with_interval, with_unit
+from stiction._number_format import choose_prefix, finite_or_none, format_with_interval, format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, ValueWithInterval
 
 
-def pull_off_text(sticking: Sticking, inputs: str = "") -> str:
+def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
     """Return whether bodies stick without a load, with pull-off force, pressure and friction.
 
     `inputs` are mu0 and tau0 of the friction, if the result has several values.
     """
-    bound = "at least " if sticking.is_bound else ""
-    limit = f"{with_unit(STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
-    where = {"yes": "", "no": f", less than {limit}", "uncertain": f"; the threshold is {limit}"}[sticking.sticks]
+    bound_text = "at least " if estimate.is_bound else ""
+    limit = f"{format_with_unit(STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
+    threshold_text = {"yes": "", "no": f", less than {limit}", "uncertain": f"; the threshold is {limit}"}[
+        estimate.sticks
+    ]
     return (
-        f"Sticks without a load: {sticking.sticks}. Pull-off force {bound}{_shown(sticking.pull_off, 'pull_off')}, "
-        f"{_shown(sticking.pressure, 'pull_off_pressure')} on the nominal area{where}; friction at no load "
-        f"{_shown(sticking.friction, 'friction_at_no_load')}{inputs and f' with {inputs}'}."
+        f"Sticks without a load: {estimate.sticks}. Pull-off force {bound_text}"
+        f"{_format_interval(estimate.pull_off, 'pull_off')}, "
+        f"{_format_interval(estimate.pressure, 'pull_off_pressure')} on the nominal area{threshold_text}; friction at "
+        f"no load {_format_interval(estimate.friction, 'friction_at_no_load')}{inputs and f' with {inputs}'}."
     )
 
 
-def pull_off_record(sticking: Sticking) -> dict[str, Any]:
-    """Return the fields for JSON, in mN and GPa."""
+def pull_off_record(estimate: Sticking) -> dict[str, Any]:
+    """Return the pull-off force and pressure as JSON fields, in mN and GPa."""
     intervals = {
-        "pull_off": sticking.pull_off,
-        "pull_off_pressure": sticking.pressure,
-        "friction_at_no_load": sticking.friction,
+        "pull_off": estimate.pull_off,
+        "pull_off_pressure": estimate.pressure,
+        "friction_at_no_load": estimate.friction,
     }
     names = ("value", "lower", "upper")
-    values = {key: dict(zip(names, map(finite, interval), strict=True)) for key, interval in intervals.items()}
-    return {"sticks": sticking.sticks, "pull_off_is_bound": sticking.is_bound, **values}
+    values = {key: dict(zip(names, map(finite_or_none, interval), strict=True)) for key, interval in intervals.items()}
+    return {"sticks": estimate.sticks, "pull_off_is_bound": estimate.is_bound, **values}
 
 
-def _shown(interval: ValueWithInterval, name: str) -> str:
+def _format_interval(interval: ValueWithInterval, name: str) -> str:
     """Return a mean with its interval, in the unit with the fewest zeros."""
-    factor, unit = prefix(interval[0], QUANTITIES[name].unit) if np.isfinite(interval[0]) else (1.0, "")
+    factor, unit = choose_prefix(interval[0], QUANTITIES[name].unit) if np.isfinite(interval[0]) else (1.0, "")
     value, lower, upper = (item / factor for item in interval)
-    return f"{with_interval(value, lower, upper)} {unit}".replace(" no interval", "").rstrip()
+    return f"{format_with_interval(value, lower, upper)} {unit}".replace(" no interval", "").rstrip()

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._core import __version__
-from stiction._number_format import duration, finite, quoted
+from stiction._number_format import finite_or_none, format_estimate, format_time
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_of, shown_in
 from stiction.studies.point import CELL_DIMENSIONS, rules_of
@@ -32,18 +32,29 @@ if TYPE_CHECKING:
     import xarray
 
 
-SCHEMA = 1
+SCHEMA_VERSION = 1
 _POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # coordinates that identify a row of the CSV
 
-PLACE = ("height_scale", *_POINT_COORDINATES, "sliding", "direction", "axis", "fraction_below", "input", "wait")
+COORDINATE_ORDER = (
+    "height_scale",
+    *_POINT_COORDINATES,
+    "sliding",
+    "direction",
+    "axis",
+    "fraction_below",
+    "input",
+    "wait",
+)
 """Coordinates of a value, in the order of their columns."""
 
-_COEFFICIENTS = {
-    "friction_all_round": "all directions", "friction_by_axis": "axis", "friction_coefficient": "direction",
-}  # fmt: skip
+_COEFFICIENT_COLUMNS = {
+    "friction_all_round": "all directions",
+    "friction_by_axis": "axis",
+    "friction_coefficient": "direction",
+}
 """Coefficients that are rows of the CSV, and the coordinate or label of their motion."""
 
-_COLUMNS = ("name", "value", "unit", "lower", "upper", "interval", "status")
+_VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "interval", "status")
 
 _MOTION_LABELS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
@@ -51,12 +62,12 @@ _MOTION_LABELS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 # ---- The frame -------------------------------------------------------------------------------------------------------
 
 
-def values_frame(at: xarray.Dataset) -> pandas.DataFrame:
+def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
     """Return every value of a result of `at_load` as a row with name, unit, interval, status and coordinates.
 
     Parameters
     ----------
-    at : xarray.Dataset
+    dataset : xarray.Dataset
         Result of `at_load`.
 
     Returns
@@ -68,52 +79,52 @@ def values_frame(at: xarray.Dataset) -> pandas.DataFrame:
     """
     import pandas
 
-    numbers = [str(name) for name, table in at.data_vars.items() if table.dtype.kind in "if"]
-    order = {name: place for place, name in enumerate(QUANTITIES)}
-    parts = [_quantity_rows(at, name) for name in sorted(numbers, key=lambda name: order.get(name, len(order)))]
-    complete = pandas.concat(parts, ignore_index=True)
-    places = [name for name in PLACE if name in complete]
-    return complete[[*_COLUMNS, *places]]
+    names = [str(name) for name, table in dataset.data_vars.items() if table.dtype.kind in "if"]
+    order = {name: position for position, name in enumerate(QUANTITIES)}
+    frames = [_quantity_rows(dataset, name) for name in sorted(names, key=lambda name: order.get(name, len(order)))]
+    complete = pandas.concat(frames, ignore_index=True)
+    coordinates = [name for name in COORDINATE_ORDER if name in complete]
+    return complete[[*_VALUE_COLUMNS, *coordinates]]
 
 
-def _quantity_rows(at: xarray.Dataset, name: str) -> pandas.DataFrame:
+def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
     """Return a row for each value of one quantity. Built from arrays, which is ten times faster than from datasets."""
     import pandas
 
-    table = at.variables[name]
+    table = dataset.variables[name]
     dims = [str(dim) for dim in table.dims if dim != "statistic"]
-    shape = tuple(at.sizes[dim] for dim in dims)
+    shape = tuple(dataset.sizes[dim] for dim in dims)
 
-    def along(selected: xarray.Variable) -> Any:
+    def broadcast_to_rows(variable: xarray.Variable) -> Any:
         """Return the values of a variable broadcast to all rows."""
-        array = selected.transpose(*(dim for dim in dims if dim in selected.dims)).values
-        places = tuple(slice(None) if dim in selected.dims else None for dim in dims)
-        return np.broadcast_to(array[places], shape).ravel()
+        values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
+        slices = tuple(slice(None) if dim in variable.dims else None for dim in dims)
+        return np.broadcast_to(values[slices], shape).ravel()
 
     columns: dict[str, Any] = {"name": name}
     columns |= dict.fromkeys(("value", "lower", "upper"), math.nan)
     if "statistic" in table.dims:
-        for place, statistic in enumerate(at["statistic"].values):
-            selected = table.isel(statistic=place)
-            columns["value" if statistic == "mean" else str(statistic)] = along(selected).astype(float)
+        for position, statistic in enumerate(dataset["statistic"].values):
+            variable = table.isel(statistic=position)
+            columns["value" if statistic == "mean" else str(statistic)] = broadcast_to_rows(variable).astype(float)
     else:
-        columns["value"] = along(table).astype(float)
+        columns["value"] = broadcast_to_rows(table).astype(float)
     has_interval = "statistic" in table.dims and name in QUANTITIES
     columns["interval"] = QUANTITIES[name].interval if has_interval else ""
-    own_unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-    columns["unit"] = str(table.attrs.get("units", own_unit)).replace("um^2", "um2") or "1"
-    if name == "contact_area_fraction" and "contact_status" in at:
-        columns["status"] = along(at.variables["contact_status"])
-    elif "status" in at and set(at["status"].dims) <= set(dims):
-        columns["status"] = along(at.variables["status"])
+    unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+    columns["unit"] = str(table.attrs.get("units", unit)).replace("um^2", "um2") or "1"
+    if name == "contact_area_fraction" and "contact_status" in dataset:
+        columns["status"] = broadcast_to_rows(dataset.variables["contact_status"])
+    elif "status" in dataset and set(dataset["status"].dims) <= set(dims):
+        columns["status"] = broadcast_to_rows(dataset.variables["status"])
     else:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     directed = name in QUANTITIES and QUANTITIES[name].directed
-    for coordinate in PLACE:
+    for coordinate in COORDINATE_ORDER:
         # A single sliding rule or direction is a scalar coordinate, but becomes a column as well.
-        is_scalar = coordinate in at.coords and not at.coords[coordinate].ndim
+        is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
         if coordinate in dims or (is_scalar and (directed or coordinate not in ("sliding", "direction"))):
-            columns[coordinate] = along(at.variables[coordinate])
+            columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
     return pandas.DataFrame(columns)
 
 
@@ -130,49 +141,51 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     """
     import pandas
 
-    at, study = summary.at, summary.study
-    rows = values_frame(at)
+    dataset, study = summary.at, summary.study
+    rows = values_frame(dataset)
     keys = [name for name in _POINT_COORDINATES if name in rows]
-    parts: list[pandas.DataFrame] = []
-    for name, motion in _COEFFICIENTS.items():
-        if name not in at or (name != "friction_all_round" and parts and motion not in at[name].dims):
+    frames: list[pandas.DataFrame] = []
+    for name, motion in _COEFFICIENT_COLUMNS.items():
+        if name not in dataset or (name != "friction_all_round" and frames and motion not in dataset[name].dims):
             continue  # a single direction equals the mean over all directions
         selected = rows[rows["name"] == name]
-        column = (
+        motion_column = (
             selected[motion].map(_MOTION_LABELS[motion])
-            if motion in at[name].dims
-            else _COEFFICIENTS["friction_all_round"]
+            if motion in dataset[name].dims
+            else _COEFFICIENT_COLUMNS["friction_all_round"]
         )
         selected = selected.assign(
-            motion=column, sliding=selected["sliding"] if "sliding" in selected else rules_of(study)[0]
+            motion=motion_column, sliding=selected["sliding"] if "sliding" in selected else rules_of(study)[0]
         )
-        parts.append(selected[[*keys, "sliding", "motion", "status", "value", "lower", "upper"]])
-    table = pandas.concat(parts, ignore_index=True)
+        frames.append(selected[[*keys, "sliding", "motion", "status", "value", "lower", "upper"]])
+    table = pandas.concat(frames, ignore_index=True)
     title = "coefficient of static friction"
     ends = {f"{title}: {end}": f"{title}: sampling {end}" for end in ("lower", "upper")}
     table = table.rename(columns={"value": title} | dict(zip(("lower", "upper"), ends.values(), strict=True)))
-    for name in _load_quantities(at):
+    for name in _load_quantities(dataset):
         selected = rows[rows["name"] == name]
-        on = [key for key in (*keys, "sliding") if key in selected and selected[key].notna().all()]
-        words = quantity_label(name, study).replace("μ", "mu").replace("τ", "tau")
+        keys_of_quantity = [key for key in (*keys, "sliding") if key in selected and selected[key].notna().all()]
+        label = quantity_label(name, study).replace("μ", "mu").replace("τ", "tau")
         unit = "" if selected["unit"].iloc[0] == "1" else f" ({selected['unit'].iloc[0]})"
-        columns = {"value": f"{words}{unit}", "lower": f"{words}{unit}: lower", "upper": f"{words}{unit}: upper"}
-        table = table.merge(selected[[*on, *columns]].rename(columns=columns), on=on, how="left")
+        columns = {"value": f"{label}{unit}", "lower": f"{label}{unit}: lower", "upper": f"{label}{unit}: upper"}
+        table = table.merge(
+            selected[[*keys_of_quantity, *columns]].rename(columns=columns), on=keys_of_quantity, how="left"
+        )
     coefficients = _mean_coefficients(summary.points)
     assessments = _assessment_table(summary.points, keys, coefficients)
     table = table.merge(assessments, on=[*keys, "sliding"], how="left")
-    table.loc[table["motion"] != _COEFFICIENTS["friction_all_round"], [*ends, *coefficients]] = math.nan
-    others = [str(name) for name in table if name not in ends]
-    place = others.index(title) + 1
-    table = table[[*others[:place], *ends, *others[place:]]]
+    table.loc[table["motion"] != _COEFFICIENT_COLUMNS["friction_all_round"], [*ends, *coefficients]] = math.nan
+    other_columns = [str(name) for name in table if name not in ends]
+    position = other_columns.index(title) + 1
+    table = table[[*other_columns[:position], *ends, *other_columns[position:]]]
     for key in keys:
         table[key] *= column_of(key)[1]
     return table.rename(columns={key: column_of(key)[0] for key in keys} | {"motion": "upper body to (degree)"})
 
 
-def _load_quantities(at: xarray.Dataset) -> list[str]:
+def _load_quantities(dataset: xarray.Dataset) -> list[str]:
     """Return the quantities in the CSV file, without quantities that depend on several directions."""
-    return [name for name in shown_in("csv") if name in at and at[name].sizes.get("direction", 1) == 1]
+    return [name for name in shown_in("csv") if name in dataset and dataset[name].sizes.get("direction", 1) == 1]
 
 
 def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]:
@@ -182,7 +195,7 @@ def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]
     """
     rows = [(point, rule is point.rules[0]) for point in points for rule in point.rules]
     waited = {
-        f"mu_s after {duration(aged.seconds)}{end}": [
+        f"mu_s after {format_time(aged.seconds)}{end}": [
             getattr(point.waited[index], field) if is_quoted else math.nan for point, is_quoted in rows
         ]
         for index, aged in enumerate(points[0].waited if points else ())
@@ -223,43 +236,49 @@ def _assessment_table(
 
 def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> str:
     """Return a record as JSON text."""
-    complete = {"schema": SCHEMA, "stiction": __version__, "command": command, **fields, "values": values}
-    return json.dumps(complete, ensure_ascii=False, allow_nan=False, indent=1)
+    record = {"schema": SCHEMA_VERSION, "stiction": __version__, "command": command, **fields, "values": values}
+    return json.dumps(record, ensure_ascii=False, allow_nan=False, indent=1)
 
 
 def entry(
     name: str, value: float, unit: str = "1", *, lower: float = math.nan, upper: float = math.nan,
-    interval: str | None = None, at: dict[str, Any] | None = None, status: str = STATUS_OK,
+    interval: str | None = None, coordinates: dict[str, Any] | None = None, status: str = STATUS_OK,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return one value of a record."""
+    """Return a value with its name, unit, interval, coordinates and status for JSON."""
     return {
-        "name": name, "value": finite(value), "unit": unit, "lower": finite(lower), "upper": finite(upper),
-        **({} if interval is None else {"interval": interval}), "at": at or {}, "status": status,
-    }  # fmt: skip
+        "name": name,
+        "value": finite_or_none(value),
+        "unit": unit,
+        "lower": finite_or_none(lower),
+        "upper": finite_or_none(upper),
+        **({} if interval is None else {"interval": interval}),
+        "at": coordinates or {},
+        "status": status,
+    }
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
     """Return the JSON record of a command on a result, with points, caveats, cutoff study and onset of sliding."""
-    at, study = summary.at, summary.study
+    dataset, study = summary.at, summary.study
     fields = {"kind": "pair" if study.is_measured else "study", **fields}
-    fields |= {name: str(at.attrs[name]) for name in ("upper", "lower", "reading") if name in at.attrs}
+    fields |= {name: str(dataset.attrs[name]) for name in ("upper", "lower", "reading") if name in dataset.attrs}
     for name in ("effective_modulus", "nominal_area"):
-        if name in at.coords:
-            fields[name] = float(at[name])
-    resolution = resolution_record(at, study, summary.over_cut_offs)
+        if name in dataset.coords:
+            fields[name] = float(dataset[name])
+    resolution = resolution_record(dataset, study, summary.over_cut_offs)
     fields |= {} if resolution is None else {"resolution": resolution}
     fields |= {} if summary.onset is None else {"onset": onset_record(summary.onset)}
     fields["answers"] = [point_record(point) for point in summary.points]
-    return record_json(command, value_records(values_frame(at)), **fields)
+    return record_json(command, value_records(values_frame(dataset)), **fields)
 
 
 def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     """Convert a data frame to the values of a record."""
     values = []
     for row in rows.to_dict("records"):
-        selected = {name: row.pop(name) for name in _COLUMNS}
-        coordinates = {name: place for name, place in row.items() if place == place}  # without NaN
-        values.append(entry(**selected, at=coordinates))
+        selected = {name: row.pop(name) for name in _VALUE_COLUMNS}
+        coordinates = {name: value for name, value in row.items() if value == value}  # without NaN
+        values.append(entry(**selected, coordinates=coordinates))
     return values
 
 
@@ -267,38 +286,58 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     """Return the record of a point: values to quote, intervals, assessment and caveats."""
     return {
         "at": point.at,
-        "headline": not point.covered,  # otherwise a variant of the filter, covered by the interval of a headline
+        "headline": not point.covered,  # False for filter variants, which the interval of a headline covers
         "status": point.status,
         "rules": [
             {
-                "rule": rule.rule, "text": quoted(rule.value, rule.lower, rule.upper),
-                "value": finite(rule.value), "lower": finite(rule.lower),
-                "upper": finite(rule.upper), "members_from": finite(rule.low), "members_to": finite(rule.high),
-                "by_slopes_alone": finite(rule.slopes),
-                **{name: {"lower": finite(low), "upper": finite(high)}
-                   for name, (low, high) in (("of_positions", rule.positions), ("next_test", rule.next_test))},
+                "rule": rule.rule,
+                "text": format_estimate(rule.value, rule.lower, rule.upper),
+                "value": finite_or_none(rule.value),
+                "lower": finite_or_none(rule.lower),
+                "upper": finite_or_none(rule.upper),
+                "members_from": finite_or_none(rule.low),
+                "members_to": finite_or_none(rule.high),
+                "by_slopes_alone": finite_or_none(rule.slopes),
+                **{
+                    name: {"lower": finite_or_none(low), "upper": finite_or_none(high)}
+                    for name, (low, high) in (("of_positions", rule.positions), ("next_test", rule.next_test))
+                },
             }
             for rule in point.rules
         ],
         "parts": None
         if point.parts is None
-        else dict(zip(("mu0", "adhesion", "slopes"), map(finite, point.parts), strict=True)),
+        else dict(zip(("mu0", "adhesion", "slopes"), map(finite_or_none, point.parts), strict=True)),
         "budget": [
-            {"if_known": left.words, "lower": finite(left.lower), "upper": finite(left.upper),
-             "width": finite(left.width)}
-            for left in point.budget
+            {
+                "if_known": remaining.words,
+                "lower": finite_or_none(remaining.lower),
+                "upper": finite_or_none(remaining.upper),
+                "width": finite_or_none(remaining.width),
+            }
+            for remaining in point.budget
         ],
-        "waited": [{name: finite(value) for name, value in vars(aged).items()} for aged in point.waited],
+        "waited": [
+            {name: finite_or_none(value) for name, value in vars(aged_estimate).items()}
+            for aged_estimate in point.waited
+        ],
         "scans": dict(zip(("upper", "lower"), point.scans, strict=True)),
         "contact_status": point.contact_status,
         "sticking": None if point.sticking is None else pull_off_record(point.sticking),
         "verdict": point.verdict,
         "sentence": sentence_text(point),
-        "from_roughness": None if point.from_roughness is None else finite(point.from_roughness),
+        "from_roughness": None if point.from_roughness is None else finite_or_none(point.from_roughness),
         "assumptions": list(list_assumptions(point.study)),
         "interval_covers": covers_text(point),
-        "finer_scans": None if point.bracket is None else {
-            "from": finite(point.bracket[0]), "to": finite(point.bracket[1]), "rule": "all", "hardness": point.hardness,
+        "finer_scans": None
+        if point.bracket is None
+        else {
+            "from": finite_or_none(point.bracket[0]),
+            "to": finite_or_none(point.bracket[1]),
+            "rule": "all",
+            "hardness": point.hardness,
         },
-        "caveats": [{"text": item.text, "cure": item.cure, "severity": item.severity} for item in point.caveats],
-    }  # fmt: skip
+        "caveats": [
+            {"text": caveat.text, "cure": caveat.cure, "severity": caveat.severity} for caveat in point.caveats
+        ],
+    }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._drawing import set_log_ticks
-from stiction._number_format import percent, with_unit
+from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import KAPPA
@@ -16,7 +16,15 @@ from stiction.studies.input_caveats import MUCH, spectra_differ
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
 from stiction.views.spreadsheet import frame_to_csv
-from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, OPPOSING, STYLE, new_figure
+from stiction.views.style import (
+    ALL_CONTACTS_COLOUR,
+    AREA_COLOUR,
+    MATPLOTLIB_STYLE,
+    NOT_OPPOSING_COLOUR,
+    OPPOSING_COLOUR,
+    PAGE_WIDTH,
+    new_figure,
+)
 from stiction.views.text import format_table, wrap_text
 
 if TYPE_CHECKING:
@@ -25,10 +33,10 @@ if TYPE_CHECKING:
 
 MAX_SLOPE_ROWS = 12  # maximum number of wavelengths in the table of slopes
 
-MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
+COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
 """Materials whose ratio of hardness to E*, in contact with themselves, is a line in the figure."""
 
-SCAN_COLOURS = (LEANING, AREA, OPPOSING, "#cc79a7", "#56b4e9", "#e69f00")  # colours of the scans
+SCAN_COLOURS = (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
 MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name in a figure
 
 
@@ -43,12 +51,14 @@ def joined_text(joined: JoinedSpectrum) -> str:
     ):
         deviation = "no overlap" if math.isnan(ratio) else f"{ratio:.2f} times as much power"
         deviation += ", from few wavelengths" if 2 * chance > math.log(MUCH) else ""
-        rows.append([name, f"{with_unit(shortest, 'um')} to {with_unit(longest, 'um')}", reason, deviation])
+        rows.append(
+            [name, f"{format_with_unit(shortest, 'um')} to {format_with_unit(longest, 'um')}", reason, deviation]
+        )
     roughness = joined.roughness()
     slopes = [["wavelengths above", "h'", "h'' (1/µm)"]]
     for wavelength in roughness.wavelength[:: max(1, roughness.wavelength.size // MAX_SLOPE_ROWS)]:
         numbers = (roughness.gradient_at(wavelength), roughness.curvature_at(wavelength))
-        slopes.append([with_unit(float(wavelength), "um"), *(f"{float(number):.3g}" for number in numbers)])
+        slopes.append([format_with_unit(float(wavelength), "um"), *(f"{float(number):.3g}" for number in numbers)])
     text = ""
     if (joined.count == 0).any():
         text = "Some wavelengths between the scans are in no scan; a power law fills the gap.\n"
@@ -65,18 +75,23 @@ def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
     roughness = joined.roughness()
     scans = [
         {
-            "file": name, "shortest_um": band[0], "longest_um": band[1], "ended_by": reason,
+            "file": name,
+            "shortest_um": band[0],
+            "longest_um": band[1],
+            "ended_by": reason,
             "power_over_others": float(ratio) if math.isfinite(ratio) else None,
         }
         for name, band, reason, ratio in zip(
             joined.names, joined.bands, joined.reasons, joined.disagreement, strict=True
         )
-    ]  # fmt: skip
+    ]
     curve = {
-        "wavelength_um": roughness.wavelength, "rms_gradient": roughness.gradient,
+        "wavelength_um": roughness.wavelength,
+        "rms_gradient": roughness.gradient,
         "rms_curvature_per_um": roughness.curvature,
-        "density_um4": joined.density, "waves": joined.count,
-    }  # fmt: skip
+        "density_um4": joined.density,
+        "waves": joined.count,
+    }
     return {"scans": scans, "spectrum": {name: [float(item) for item in values] for name, values in curve.items()}}
 
 
@@ -89,14 +104,16 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
     """
     import matplotlib as mpl
 
-    with mpl.rc_context(STYLE):
-        figure = new_figure(66, width=FULL_WIDTH)
+    with mpl.rc_context(MATPLOTLIB_STYLE):
+        figure = new_figure(66, width=PAGE_WIDTH)
         spectra, slopes, pressure = figure.subplots(1, 3)
         _spectra_panel(spectra, joined)
         roughness = joined.roughness()
-        slopes.plot(roughness.wavelength, roughness.gradient, color=ALL, linewidth=1, label="slope $h'$")
+        slopes.plot(
+            roughness.wavelength, roughness.gradient, color=ALL_CONTACTS_COLOUR, linewidth=1, label="slope $h'$"
+        )
         words = "curvature $h''$ (1/µm)"
-        slopes.plot(roughness.wavelength, roughness.curvature, "--", color=OPPOSING, linewidth=1, label=words)
+        slopes.plot(roughness.wavelength, roughness.curvature, "--", color=OPPOSING_COLOUR, linewidth=1, label=words)
         slopes.set_title("cumulative, down to this wavelength", pad=2)
         slopes.legend(loc="upper left")
         _pressure_panel(pressure, joined)
@@ -132,7 +149,7 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     roughness = joined.roughness()
     elastic = math.sqrt(2) * roughness.gradient / KAPPA
     axes.plot(roughness.wavelength, elastic, color="black", linewidth=1)
-    for index, name in enumerate(MATERIALS):
+    for index, name in enumerate(COMPARED_MATERIALS):
         body = material(name)
         young, ratio = float(body.young_modulus), float(body.poisson_ratio)
         limit = float(body.hardness or 0.0) / float(effective_modulus(young, ratio, young, ratio))
@@ -142,9 +159,15 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
         colour = SCAN_COLOURS[index % len(SCAN_COLOURS)]
         axes.plot([start, joined.shortest], [limit, limit], color=colour, linewidth=0.8)
         axes.annotate(
-            f"{name} yields", (joined.shortest, limit), (0, -1), textcoords="offset points", ha="right", va="top",
-            fontsize=6, color=colour,
-        )  # fmt: skip
+            f"{name} yields",
+            (joined.shortest, limit),
+            (0, -1),
+            textcoords="offset points",
+            ha="right",
+            va="top",
+            fontsize=6,
+            color=colour,
+        )
     axes.set_ylabel("mean pressure $p_c/E^*$, same material")
     axes.set_title("$A/A_0 = p/p_c$, $\\mu_s = \\mu_0 + \\tau_0/p_c$", pad=2)
 
@@ -159,14 +182,14 @@ def repeated_text(comparison: RepeatedScans) -> str:
         [comparison.wavelength, comparison.common, comparison.noise]
     ).tolist():
         fraction = noise**2 / (noise**2 + common**2) if noise or common else 0.0
-        waves = f"{with_unit(wavelength, 'um')} to {with_unit(2 * wavelength, 'um')}"
-        rows.append([waves, with_unit(common, "um"), with_unit(noise, "um"), percent(fraction)])
+        waves = f"{format_with_unit(wavelength, 'um')} to {format_with_unit(2 * wavelength, 'um')}"
+        rows.append([waves, format_with_unit(common, "um"), format_with_unit(noise, "um"), format_percent(fraction)])
     shift = ", ".join(
-        f"{axis} = {with_unit(item, 'um')}" for axis, item in zip("xy", comparison.shift[::-1], strict=False)
+        f"{axis} = {format_with_unit(item, 'um')}" for axis, item in zip("xy", comparison.shift[::-1], strict=False)
     )
     text = (
         f"The second scan starts at {shift} of the first one. The correlation is {comparison.correlation:.4g}, the "
-        f"noise of a single scan {with_unit(comparison.noise_rms, 'um')}."
+        f"noise of a single scan {format_with_unit(comparison.noise_rms, 'um')}."
     )
     return f"{format_table(rows)}\n\n{wrap_text(text)}\n{wrap_text(limit_text(comparison))}\n"
 
@@ -177,7 +200,7 @@ def limit_text(comparison: RepeatedScans) -> str:
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.limit <= comparison.wavelength[0]:
         return "All wavelengths of the mean scan can be used: less than a tenth of its mean square slope is noise."
-    wavelength = with_unit(comparison.limit, "um")
+    wavelength = format_with_unit(comparison.limit, "um")
     return (
         f"Wavelengths of the mean scan above {wavelength} can be used: --cutoff '{wavelength}' limits noise to a "
         "tenth of the mean square slope."
@@ -210,7 +233,7 @@ def repeated_figure(comparison: RepeatedScans) -> Figure:
     """Draw noise and common heights against wavelength; 85 mm wide."""
     import matplotlib as mpl
 
-    with mpl.rc_context(STYLE):
-        figure = new_figure(66, width=FULL_WIDTH / 2)
+    with mpl.rc_context(MATPLOTLIB_STYLE):
+        figure = new_figure(66, width=PAGE_WIDTH / 2)
         comparison.plot(figure.subplots())
     return figure

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._number_format import percent, quoted, significant, with_unit
+from stiction._number_format import format_estimate, format_percent, format_significant, format_with_unit
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import find_inputs
 from stiction.studies.interfaces import find_interface
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-READINGS_DIFFER = 0.01  # relative difference between the definitions of the load above which the definition is printed
-OTHER_KAPPA = 0.2
+MIN_STATED_READING_DIFFERENCE = 0.01  # relative difference of the loads above which the text defines the load
+MIN_STATED_KAPPA_DEVIATION = 0.2
 """Relative difference of A E* h'/F from the usual value above which the small-slope estimate does not apply."""
 
-KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
+SLOPE_ESTIMATE_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 """Usual value of A E* h'/F, used by `gentle_friction`."""
 
 
@@ -38,7 +38,7 @@ def finer_text(point: PointSummary) -> str:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
     ends = f"{low} (μ0 + τ0/{'H′' if point.grows else 'H'})" + (f" to {high}" if low != high else "")
-    return f"with H = {with_unit(point.hardness, 'GPa')} a finer scan would give {ends}"
+    return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {ends}"
 
 
 def sentence_text(point: PointSummary) -> str:
@@ -51,9 +51,10 @@ def sentence_text(point: PointSummary) -> str:
         faults = "; ".join(caveat.text for caveat in point.faults)
         return f"There is no coefficient to quote at {inputs_text(point)}: {faults}."
     first, *others = point.rules
-    text = f"μ_s = {quoted(first.value, first.lower, first.upper)} with {RULE_DESCRIPTIONS[first.rule]}"
+    text = f"μ_s = {format_estimate(first.value, first.lower, first.upper)} with {RULE_DESCRIPTIONS[first.rule]}"
     text += "".join(
-        f", {quoted(rule.value, rule.lower, rule.upper)} with {RULE_DESCRIPTIONS[rule.rule]}" for rule in others
+        f", {format_estimate(rule.value, rule.lower, rule.upper)} with {RULE_DESCRIPTIONS[rule.rule]}"
+        for rule in others
     )
     parts = [f"{text}, at {inputs_text(point)}", note_text(point)]
     parts += [f"assumed: {', '.join(assumed)}"] if assumed else []
@@ -65,7 +66,9 @@ def covers_text(point: PointSummary) -> str:
     """Return the contributions to the 95 % interval of the first rule; empty without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
-    inputs = dict.fromkeys(left.words for left in point.budget) or [f"the mean over {_averaged(point)}"]
+    inputs = dict.fromkeys(contribution.words for contribution in point.budget) or [
+        f"the mean over {_averaging_text(point)}"
+    ]
     return f"95 % interval of {', '.join(inputs)}"
 
 
@@ -90,44 +93,44 @@ def roughness_text(point: PointSummary) -> str:
 def inputs_text(point: PointSummary) -> str:
     """Return load, materials and resolution of a point."""
     values, study = point.values, point.study
-    parts = [load_text(values, study)]
+    items = [load_text(values, study)]
     if "fractal_dimension" in values.coords:
         name, value = shape_coordinate(study, float(values["fractal_dimension"]))
-        parts.append(f"{name} = {value:.3g}")
+        items.append(f"{name} = {value:.3g}")
     if "amplitude" in values.coords:
-        parts.append(f"amplitude {with_unit(float(values['amplitude']), 'um')}")
-    parts.append(f"μ0 = {float(values['mu0']):g}{_asked(values, study, 'mu0')}")
-    adhesion = with_unit(float(values["tau0"]), "GPa") if float(values["tau0"]) else "0"
-    parts.append(f"τ0 = {adhesion}{_asked(values, study, 'tau0')}")
-    if study.known.interface is not None and all(_is_asked(values, study, name) for name in ("mu0", "tau0")):
-        parts.append(_interface_words(study))
-    if made_of := materials_text(study):
-        parts.append(made_of)
-    parts.append(f"E* = {with_unit(modulus_of(values, study), 'GPa')}")
+        items.append(f"amplitude {format_with_unit(float(values['amplitude']), 'um')}")
+    items.append(f"μ0 = {float(values['mu0']):g}{_input_range_text(values, study, 'mu0')}")
+    adhesion = format_with_unit(float(values["tau0"]), "GPa") if float(values["tau0"]) else "0"
+    items.append(f"τ0 = {adhesion}{_input_range_text(values, study, 'tau0')}")
+    if study.known.interface is not None and all(_is_central_value(values, study, name) for name in ("mu0", "tau0")):
+        items.append(_interface_words(study))
+    if materials := materials_text(study):
+        items.append(materials)
+    items.append(f"E* = {format_with_unit(modulus_of(values, study), 'GPa')}")
     hardness = study.contact.hardness
     if hardness is not None:
-        parts.append(f"hardness {with_unit(float(hardness), 'GPa')}{_range(study)}")
-        if growth := study.contact.junction_growth:
-            parts.append(f"α = {study.known.junction_growth or f'{growth:g}'}")
+        items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
+        if alpha := study.contact.junction_growth:
+            items.append(f"α = {study.known.junction_growth or f'{alpha:g}'}")
     elif study.is_measured:
-        parts.append("yielding by Jackson and Green" if "jackson" in law_of(study) else "elastic")
+        items.append("yielding by Jackson and Green" if "jackson" in law_of(study) else "elastic")
     if study.contact.adheres:
-        parts.append(adhesion_text(values, study))
+        items.append(adhesion_text(values, study))
     if "spacing_um" in values.attrs:
         steps = np.unique(np.atleast_1d(values.attrs["spacing_um"]).astype(float)).tolist()
-        parts.append(f"points {' and '.join(with_unit(step, 'um') for step in steps)} apart")
+        items.append(f"points {' and '.join(format_with_unit(step, 'um') for step in steps)} apart")
     if "cut_off" in values.coords and float(values["cut_off"]) > 0:
-        parts.append(f"low-pass filtered at {with_unit(float(values['cut_off']), 'um')}")
-    return ", ".join(parts)
+        items.append(f"low-pass filtered at {format_with_unit(float(values['cut_off']), 'um')}")
+    return ", ".join(items)
 
 
-def _asked(values: xarray.Dataset, study: Study, name: str) -> str:
+def _input_range_text(values: xarray.Dataset, study: Study, name: str) -> str:
     """Return the specified range of mu0 or tau0 if the point is at its central value."""
     text = getattr(study.known, name)
-    return f" ({text})" if text is not None and _is_asked(values, study, name) else ""
+    return f" ({text})" if text is not None and _is_central_value(values, study, name) else ""
 
 
-def _is_asked(values: xarray.Dataset, study: Study, name: str) -> bool:
+def _is_central_value(values: xarray.Dataset, study: Study, name: str) -> bool:
     return math.isclose(float(values[name]), float(getattr(study.friction, name)[0]), rel_tol=1e-3)
 
 
@@ -136,23 +139,23 @@ def _interface_words(study: Study) -> str:
     interface, name = find_interface(study), Path(str(study.known.interface)).name
     if interface is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
-    fit, parts = interface.fits[0], [interface.about.get("kind", "measured"), interface.about.get("motion", "")]
-    parts += [RULE_DESCRIPTIONS[fit.sliding]] if fit.sliding != "all" else []
-    parts += ["its range is unknown"] if np.ptp(fit.mu0) == np.ptp(fit.tau0) == 0 else []
-    return f"interface {name} ({', '.join(filter(None, parts))})"
+    fit, items = interface.fits[0], [interface.about.get("kind", "measured"), interface.about.get("motion", "")]
+    items += [RULE_DESCRIPTIONS[fit.sliding]] if fit.sliding != "all" else []
+    items += ["its range is unknown"] if np.ptp(fit.mu0) == np.ptp(fit.tau0) == 0 else []
+    return f"interface {name} ({', '.join(filter(None, items))})"
 
 
-def _range(study: Study) -> str:
+def _hardness_range_text(study: Study) -> str:
     """Return the range of the hardness; empty for a single number."""
     interface = find_inputs(study).get("hardness")
     if interface is None:
         return ""
     if study.known.hardness is not None:
         return f" ({study.known.hardness})"
-    return f" ({with_unit(interface.estimate.low, 'GPa')} to {with_unit(interface.estimate.high, 'GPa')})"
+    return f" ({format_with_unit(interface.estimate.low, 'GPa')} to {format_with_unit(interface.estimate.high, 'GPa')})"
 
 
-_READINGS = {
+_READING_TEXTS = {
     "mean": "the load is the mean normal load of all members",
     "elastic": "the load is the elastic contact force, without the contribution of friction on slopes",
     "normal": "the load is the normal load of each member",
@@ -162,22 +165,22 @@ _READINGS = {
 def note_text(point: PointSummary) -> str:
     """Return the averaged directions and members, and the definition of the load."""
     values, study = point.values, point.study
-    parts = []
+    items = []
     if study.surfaces.press == "lines" and values["direction"].size == 2:
-        parts.append("the mean over both directions")
+        items.append("the mean over both directions")
     elif "direction" in values.coords and (study.is_measured or values["direction"].size > 1):
-        parts.append(averaged_directions_text(np.atleast_1d(values["direction"].values)).removesuffix(" all round"))
+        items.append(averaged_directions_text(np.atleast_1d(values["direction"].values)).removesuffix(" all round"))
     if value_of(values, "members") > 1:
-        parts = [f"{parts[0]} and {_averaged(point)}"] if parts else [f"the mean over {_averaged(point)}"]
-    parts += [_scans_text(study)] if study.is_measured else []
+        items = [f"{items[0]} and {_averaging_text(point)}"] if items else [f"the mean over {_averaging_text(point)}"]
+    items += [_scans_text(study)] if study.is_measured else []
     difference = value_of(values, "reading_difference")
-    if difference > READINGS_DIFFER:
-        reading = _READINGS.get(str(values.attrs.get("reading")), "the load has one of three definitions")
-        parts.append(f"{reading}; with another definition of the load μ_s differs by {percent(difference)}")
-    return "; ".join(parts)
+    if difference > MIN_STATED_READING_DIFFERENCE:
+        reading = _READING_TEXTS.get(str(values.attrs.get("reading")), "the load has one of three definitions")
+        items.append(f"{reading}; with another definition of the load μ_s differs by {format_percent(difference)}")
+    return "; ".join(items)
 
 
-def _averaged(point: PointSummary) -> str:
+def _averaging_text(point: PointSummary) -> str:
     """Return how many members were averaged, and of which kind."""
     study = point.study
     kind = "pairs" if not study.is_measured else "positions"
@@ -185,23 +188,25 @@ def _averaged(point: PointSummary) -> str:
     return f"{point.members:.0f} {kind}"
 
 
-STRIP = "a strip 1 µm wide"  # width that profiles represent in the paper
+STRIP_TEXT = "a strip 1 µm wide"  # width that profiles represent in the paper
 
 
 def list_assumptions(study: Study) -> tuple[str, ...]:
     """Return the assumptions of a study: lay and width of profiles, contact model, adhesion."""
     if not study.is_measured:
         return ()
-    surfaces, contact, parts = study.surfaces, study.contact, []
+    surfaces, contact, assumptions = study.surfaces, study.contact, []
     if surfaces.press == "lines":
         is_plane = study.uses_half_space or "cylinder" in law_of(study)
-        parts.append(f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {STRIP}")
+        assumptions.append(
+            f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {STRIP_TEXT}"
+        )
     elif surfaces.press == "surrogates":
-        parts.append("isotropic surfaces")
-    parts += [] if study.uses_half_space else ["contacts that do not interact"]
-    parts += [] if contact.hardness is not None or "jackson" in law_of(study) else ["elastic contact"]
-    parts += ["no adhesion"] if contact.work_of_adhesion is None else []
-    return tuple(parts)
+        assumptions.append("isotropic surfaces")
+    assumptions += [] if study.uses_half_space else ["contacts that do not interact"]
+    assumptions += [] if contact.hardness is not None or "jackson" in law_of(study) else ["elastic contact"]
+    assumptions += ["no adhesion"] if contact.work_of_adhesion is None else []
+    return tuple(assumptions)
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
@@ -209,14 +214,17 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
     values, study = point.values, point.study
     if not study.is_measured:
         return ()
-    parts = [] if study.known.interface is not None else ["μ0 and τ0 as given"]
+    assumptions = [] if study.known.interface is not None else ["μ0 and τ0 as given"]
     if study.uses_half_space:
-        parts.append("contact of half-spaces" if study.contact.hardness is None else "contact of yielding half-spaces")
-    parts += list_assumptions(study)
-    parts += ["no adhesion"] if study.contact.work_of_adhesion is not None and not study.contact.adheres else []
+        assumptions.append(
+            "contact of half-spaces" if study.contact.hardness is None else "contact of yielding half-spaces"
+        )
+    assumptions += list_assumptions(study)
+    if study.contact.work_of_adhesion is not None and not study.contact.adheres:
+        assumptions.append("no adhesion")
     cut_off = float(values["cut_off"]) if "cut_off" in values.coords else 0.0
-    parts.append(f"scans filtered at {with_unit(cut_off, 'um')}" if cut_off > 0 else "scans not filtered")
-    return tuple(parts)
+    assumptions.append(f"scans filtered at {format_with_unit(cut_off, 'um')}" if cut_off > 0 else "scans not filtered")
+    return tuple(assumptions)
 
 
 def _scans_text(study: Study) -> str:
@@ -226,10 +234,10 @@ def _scans_text(study: Study) -> str:
         return "one gap at its one position"
     if counts == (1, 1):
         return "one scan of each part"
-    parts = f"{counts[0]} × {counts[1]} scans of both parts"
-    single = [side for side, count in zip(SIDES, counts, strict=True) if count == 1]
-    return parts + "".join(
-        f", but one of the {side}, so the spread between its places is not included" for side in single
+    text = f"{counts[0]} × {counts[1]} scans of both parts"
+    single_sides = [side for side, count in zip(SIDES, counts, strict=True) if count == 1]
+    return text + "".join(
+        f", but one of the {side}, so the spread between its places is not included" for side in single_sides
     )
 
 
@@ -239,12 +247,12 @@ def slopes_text(point: PointSummary) -> str:
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:
         return ""
-    estimates = " and ".join(f"{quoted(rule.slopes)} with {RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
-    without = " (the hardness is not considered)" if is_capped(study) else ""
+    estimates = " and ".join(f"{format_estimate(rule.slopes)} with {RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
+    hardness_note = " (the hardness is not considered)" if is_capped(study) else ""
     kappa = value_of(values, "rms_gradient") * modulus_of(values, study) / pressure_of(values)
-    if float(values["tau0"]) > 0 and abs(kappa / KAPPA - 1) > OTHER_KAPPA:
+    if float(values["tau0"]) > 0 and abs(kappa / SLOPE_ESTIMATE_KAPPA - 1) > MIN_STATED_KAPPA_DEVIATION:
         return (
-            f"The small-slope estimate does not apply: it assumes A E* h'/F = {KAPPA:g}, and this pair has "
-            f"{significant(kappa)}. It would be {estimates}{without}."
+            f"The small-slope estimate does not apply: it assumes A E* h'/F = {SLOPE_ESTIMATE_KAPPA:g}, and this pair "
+            f"has {format_significant(kappa)}. It would be {estimates}{hardness_note}."
         )
-    return f"Small-slope estimate: {estimates}{without}."
+    return f"Small-slope estimate: {estimates}{hardness_note}."

@@ -31,7 +31,7 @@ _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
 )
 """Allowed values of the quantity types of a study."""
 
-_DEGREES = f"degrees from {-values.MAX_DEGREES} to {values.MAX_DEGREES}"
+_DEGREES_TEXT = f"degrees from {-values.MAX_DEGREES} to {values.MAX_DEGREES}"
 _ALLOWED_VALUES = {
     "law": " or ".join(
         [*(f'`"{name}"`' for name in LAWS_BY_NAME), *(f'a table of name `"{name}"`' for name in LAW_TABLES)]
@@ -48,21 +48,21 @@ _ALLOWED_VALUES = {
 }
 """Allowed values of keys with their own parsers."""
 
-_UNCERTAIN = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
+_UNCERTAIN_VALUE_TEXT = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
 _UNCERTAIN_TYPES = {
-    UncertainInputsTable.model_fields["mu0"].annotation: _UNCERTAIN,
-    UncertainInputsTable.model_fields["young"].annotation: f"a list of one or two such values: {_UNCERTAIN}",
+    UncertainInputsTable.model_fields["mu0"].annotation: _UNCERTAIN_VALUE_TEXT,
+    UncertainInputsTable.model_fields["young"].annotation: f"a list of one or two such values: {_UNCERTAIN_VALUE_TEXT}",
 }
 """Allowed values in the table `[known]`, by type."""
 
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
 _FRICTION_DESCRIPTION = "Loads and friction of measured surfaces, and those in the figures of generated surfaces."
-_CONTACTS = tuple(dict.fromkeys(case for cases in CONTACT_CASES.values() for case in cases.values()))
-_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.Case], ...]], ...] = (
+_CONTACT_CASES = tuple(dict.fromkeys(case for cases in CONTACT_CASES.values() for case in cases.values()))
+_KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.Case], ...]], ...] = (
     ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACE_CASES[:3], ()),
     ("`[surfaces]`, measured", "Two measured files and their combination into pairs.", SURFACE_CASES[3:], ()),
     ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), ()),
-    ("`[contact]`", _CONTACT_DESCRIPTION, _CONTACTS, SHARED_CONTACT_TABLES),
+    ("`[contact]`", _CONTACT_DESCRIPTION, _CONTACT_CASES, SHARED_CONTACT_TABLES),
     ("`[friction]`", _FRICTION_DESCRIPTION, FRICTION_CASES, SHARED_FRICTION_TABLES),
     ("`[known]`", f"{UncertainInputsTable.__doc__}", (UncertainInputsTable,), ()),
     ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
@@ -74,7 +74,7 @@ _TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values
 def key_tables() -> list[tuple[str, str, list[Row]]]:
     """Return title, description and rows of each table of a study file."""
     tables = []
-    for title, phrases, cases, shared in _TABLES:
+    for title, phrases, cases, shared in _KEY_TABLES:
         owners: dict[Row, list[type[values.Table]]] = {}
         for case in cases:
             for key, entry in case.model_fields.items():
@@ -148,7 +148,7 @@ def _allowed_text(key: str, entry: Any) -> str:
     if entry.annotation in _UNCERTAIN_TYPES:
         return _UNCERTAIN_TYPES[entry.annotation]
     if key == "direction":
-        singular = f'`"+x"`, `"-x"` or {_DEGREES}'
+        singular = f'`"+x"`, `"-x"` or {_DEGREES_TEXT}'
         return f"{singular}, or a list of these"
     return _ALLOWED_VALUES.get(key) or _join_with_or(_allowed_phrases(entry.annotation, entry.metadata))
 
@@ -179,7 +179,7 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
     if get_origin(annotation) is tuple:
         items = [item for item in get_args(annotation) if item is not Ellipsis]
         text = _join_with_or(list(dict.fromkeys(phrases for item in items for phrases in _allowed_phrases(item))))
-        for singular, plural in _PLURALS:
+        for singular, plural in _NUMBER_LISTS:
             text = text.replace(singular, plural)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
     if hasattr(annotation, "__metadata__"):  # an alias of Annotated
@@ -188,17 +188,20 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
         ways = [_allowed_phrases(item) for item in get_args(annotation) if item is not type(None)]
         return list(dict.fromkeys(phrases for way in ways for phrases in way))
     ends = {
-        name: getattr(item, name) for item in _flatten_constraints(metadata) for name in _BOUNDS if hasattr(item, name)
+        name: getattr(item, name)
+        for item in _flatten_constraints(metadata)
+        for name in _BOUND_WORDS
+        if hasattr(item, name)
     }
     kind_name = {bool: "`true` or `false`", int: "a whole number", float: "a number", str: "a name"}[annotation]
-    return [" ".join([kind_name, *(f"{_BOUNDS[name]} {_format_bound(end)}" for name, end in ends.items())])]
+    return [" ".join([kind_name, *(f"{_BOUND_WORDS[name]} {_format_bound(end)}" for name, end in ends.items())])]
 
 
-_PLURALS = tuple(
+_NUMBER_LISTS = tuple(
     (f"a {singular}", f"{singular}s")
     for singular in ("length", "pressure", "force", "time", "number", "whole number", "name")
 )
-_BOUNDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
+_BOUND_WORDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
 def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MILLIMETRE = 1 / 25.4
-WIDTH = 80 * MILLIMETRE  # width of one column; no text is smaller than 6 pt at this width
-FULL_WIDTH = 170 * MILLIMETRE  # width of two columns
+COLUMN_WIDTH = 80 * MILLIMETRE  # width of one column; no text is smaller than 6 pt at this width
+PAGE_WIDTH = 170 * MILLIMETRE  # width of two columns
 
-STYLE: dict[Any, Any] = {
+MATPLOTLIB_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
     **dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize", "legend.title_fontsize"), 6),
     **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.5),
@@ -38,18 +38,18 @@ STYLE: dict[Any, Any] = {
 }
 
 # Colours of Okabe and Ito (2008) and of Tol (2021), distinguishable with colour vision deficiencies.
-OPPOSING = "#d55e00"  # contacts whose slope opposes the motion, and the rule of friction at these contacts only
-LEANING = "#0072b2"  # contacts whose slope does not oppose the motion
-ALL = "#332288"  # the rule of friction at all contacts
-RULE_COLOURS = {"all": ALL, "opposing": OPPOSING}  # colours of the sliding rules, in the order of legends
-AREA = "#009e73"  # true contact area
-FORCE = "#000000"  # elastic forces
-FRICTION = "#cc79a7"  # friction forces
-UPPER = "#c6d9e7"  # the upper body
-LOWER = "#e3d5bb"  # the lower body
-STRENGTHS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
-AXES = {"x": "#0072b2", "y": "#d55e00"}  # colours of values along an axis of a map
-LOCKED = "#7a0019"  # self-locking contacts
+OPPOSING_COLOUR = "#d55e00"  # contacts whose slope opposes the motion, and the rule of friction at these contacts only
+NOT_OPPOSING_COLOUR = "#0072b2"  # contacts whose slope does not oppose the motion
+ALL_CONTACTS_COLOUR = "#332288"  # the rule of friction at all contacts
+RULE_COLOURS = {"all": ALL_CONTACTS_COLOUR, "opposing": OPPOSING_COLOUR}  # in the order of legends
+AREA_COLOUR = "#009e73"  # true contact area
+FORCE_COLOUR = "#000000"  # elastic forces
+FRICTION_COLOUR = "#cc79a7"  # friction forces
+UPPER_COLOUR = "#c6d9e7"  # the upper body
+LOWER_COLOUR = "#e3d5bb"  # the lower body
+STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
+AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of values along an axis of a map
+SELF_LOCKED_COLOUR = "#7a0019"  # self-locking contacts
 FRICTION_MAP = "plasma"
 """Colour map of friction coefficients. Viridis shows fractal dimensions, grey heights and inferno pressures."""
 SLIP_MAP = "YlOrRd"  # colour map of the tangential load at which a point slips
@@ -76,14 +76,14 @@ _LABELS = {
 """Axis labels of quantities that results do not contain, or that are drawn in another unit."""
 
 
-def new_figure(height: float, *, width: float = WIDTH, layout: Any = "constrained") -> Figure:
+def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "constrained") -> Figure:
     """Return an empty figure with a height in millimetres and a width in inches."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height * MILLIMETRE), layout=layout)
 
 
-def label(name: str) -> str:
+def axis_label(name: str) -> str:
     """Return the axis label of a quantity: name, symbol and unit."""
     if name in _LABELS:
         return _LABELS[name]
@@ -137,7 +137,7 @@ def evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
 
 FORMATS = ("png", "pdf", "svg")  # file formats of figures
 
-MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
+FIGURE_FILE_MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
 """Metadata by which figures of this package are recognised, by file ending."""
 
 
@@ -164,7 +164,7 @@ def save_figure(figure: Figure, path: Path) -> None:
         ".pdf": {"Creator": producer, "CreationDate": None},
         ".svg": {"Title": producer, "Date": None},
     }
-    with mpl.rc_context(STYLE), replaced_file(path, MARKS[suffix], ValueError) as partial:
+    with mpl.rc_context(MATPLOTLIB_STYLE), replaced_file(path, FIGURE_FILE_MARKS[suffix], ValueError) as partial:
         if suffix == ".png":
             write_png(figure, partial, dpi=figure.dpi, metadata=metadata[suffix])
         else:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._repr import with_unit
+from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
 # Minimum number of points at an extreme value that may be a code for missing points.
@@ -80,8 +80,8 @@ def _find_repeated_extremes(scan: Scan) -> Iterator[str]:
         value, count, distance = code
         number = float(f"{value / scan.factor:.12g}")
         yield (
-            f"{count} of {scan.heights.size} heights are exactly {number:.12g}, {with_unit(distance, 'µm')} from all "
-            f"others, like a code for missing points|{number:.12g}"
+            f"{count} of {scan.heights.size} heights are exactly {number:.12g}, {format_with_unit(distance, 'µm')} "
+            f"from all others, like a code for missing points|{number:.12g}"
         )
         heights = heights[heights != value]
 
@@ -130,7 +130,7 @@ def _find_whole_numbers(scan: Scan) -> Iterator[str]:
         and np.ptp(numbers) >= MIN_DISTINCT_HEIGHTS
         and np.array_equal(numbers, np.round(numbers))
     ):
-        yield f"all heights are multiples of {with_unit(scan.factor, 'µm')}, like counts of a converter"
+        yield f"all heights are multiples of {format_with_unit(scan.factor, 'µm')}, like counts of a converter"
 
 
 def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
@@ -139,7 +139,7 @@ def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
         if points * step >= MAX_EXTENT:
             yield f"the scan is {points * step / 1e6:.3g} m long along {axis}"
         elif step >= MAX_SPACING:
-            yield f"points are {with_unit(step, 'µm')} apart along {axis}"
+            yield f"points are {format_with_unit(step, 'µm')} apart along {axis}"
         if step < MIN_SPACING:
             yield f"points are {step * 1e6:.3g} pm apart along {axis}, closer than atoms"
 
@@ -148,7 +148,7 @@ def _find_tall_scans(scan: Scan) -> Iterator[str]:
     """Find heights with a range larger than the scan."""
     length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
     if scan.span > length:
-        yield f"heights span {with_unit(scan.span, 'µm')} over a scan of {with_unit(length, 'µm')}"
+        yield f"heights span {format_with_unit(scan.span, 'µm')} over a scan of {format_with_unit(length, 'µm')}"
 
 
 CHECKS = (

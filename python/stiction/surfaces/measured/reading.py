@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from stiction._files import describe_os_error
-from stiction._repr import with_unit
+from stiction._repr import format_with_unit
 from stiction._text import printable, printable_path
 from stiction.surfaces.measured.decode import decode, is_text
 from stiction.surfaces.measured.excel import read_excel
@@ -83,11 +83,10 @@ class Reading(Generic[_Body]):
     def __str__(self) -> str:
         shape = " × ".join(map(str, self.body.heights.shape))
         steps = np.unique(self.body.spacings).tolist()
-        spacing_text = with_unit(steps[0], "µm")
+        spacing_text = format_with_unit(steps[0], "µm")
         if len(steps) > 1:
-            spacing_text = (
-                f"{with_unit(self.body.spacings[1], 'µm')} along x and {with_unit(self.body.spacings[0], 'µm')} along y"
-            )
+            along_y, along_x = (format_with_unit(spacing, "µm") for spacing in self.body.spacings[:2])
+            spacing_text = f"{along_x} along x and {along_y} along y"
         source = self.source
         heights = (
             f"heights from {printable(source.column)} in {self.unit}" if source.column else f"heights in {self.unit}"

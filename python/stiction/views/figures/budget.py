@@ -6,9 +6,16 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from stiction._number_format import duration, quoted
+from stiction._number_format import format_estimate, format_time
 from stiction.studies.summary import PointSummary
-from stiction.views.style import AREA, FRICTION, LEANING, OPPOSING, label, new_figure
+from stiction.views.style import (
+    AREA_COLOUR,
+    FRICTION_COLOUR,
+    NOT_OPPOSING_COLOUR,
+    OPPOSING_COLOUR,
+    axis_label,
+    new_figure,
+)
 
 MIN_REDUCTION = 0.02  # minimum fraction by which an input must narrow the interval to be drawn
 MAX_INPUTS = 5  # maximum number of inputs drawn
@@ -18,44 +25,48 @@ def budget_figure(point: PointSummary, *, title: str = "") -> Figure:
     """Draw the contributions to friction with the combined interval, and the uncertainty budget; 80 mm wide."""
     width = point.upper - point.lower
     remaining = [item for item in point.budget if item.width < (1 - MIN_REDUCTION) * width][:MAX_INPUTS]
-    test = point.rules[0].next_test
+    test_interval = point.rules[0].next_test
     rows = [("combined", point.lower, point.upper)]
     rows += [(f"{item.words} known", item.lower, item.upper) for item in remaining]
     figure = new_figure(34 + 5 * len(rows))
     axes: Any = figure.subplots()
     start = 0.0
-    words = (r"$\mu_0$", r"$\tau_0$ on the true area", "slopes")
-    for contribution, colour, word in zip(
-        point.parts or (point.value,), (LEANING, AREA, OPPOSING), words, strict=False
+    labels = (r"$\mu_0$", r"$\tau_0$ on the true area", "slopes")
+    for contribution, colour, label in zip(
+        point.parts or (point.value,), (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR), labels, strict=False
     ):
-        axes.barh(0, contribution, left=start, height=0.6, color=colour, label=word if point.parts else None)
+        axes.barh(0, contribution, left=start, height=0.6, color=colour, label=label if point.parts else None)
         start += contribution
     ends = [[point.value - point.lower], [point.upper - point.value]]
     axes.errorbar([point.value], [0], xerr=ends, color="black", capsize=3, linewidth=1.2)
-    axes.plot(test, [0.45, 0.45], color=FRICTION, linewidth=2, label="next test, 95 %")
+    axes.plot(test_interval, [0.45, 0.45], color=FRICTION_COLOUR, linewidth=2, label="next test, 95 %")
     for row, (_, low, high) in enumerate(rows, 1):
         axes.plot([low, high], [row, row], color="black", linewidth=3 if row == 1 else 1.5, solid_capstyle="butt")
     axes.set_yticks(range(len(rows) + 1), ["contributions", *(name for name, _, _ in rows)])
     axes.invert_yaxis()
-    title = f"{title}\n{quoted(point.value, point.lower, point.upper)}".strip()
-    axes.set(xlim=(0, None), xlabel=label("friction_coefficient"), title=title)
+    title = f"{title}\n{format_estimate(point.value, point.lower, point.upper)}".strip()
+    axes.set(xlim=(0, None), xlabel=axis_label("friction_coefficient"), title=title)
     figure.legend(loc="outside lower center", ncols=2)
     return figure
 
 
 def dwell_time_figure(point: PointSummary, *, title: str = "") -> Figure:
     """Draw the coefficient against dwell time with its 95 % interval; 80 mm wide."""
-    first = point.rules[0]
-    rows = [(1.0, first.value, first.lower, first.upper)]
-    rows += [(item.seconds, item.value, item.lower, item.upper) for item in point.waited if item.seconds != 1]
+    estimate = point.rules[0]
+    rows = [(1.0, estimate.value, estimate.lower, estimate.upper)]
+    rows += [
+        (aged_estimate.seconds, aged_estimate.value, aged_estimate.lower, aged_estimate.upper)
+        for aged_estimate in point.waited
+        if aged_estimate.seconds != 1
+    ]
     seconds, values, lower, upper = zip(*sorted(rows), strict=True)
     figure = new_figure(60)
     axes = figure.subplots()
-    axes.fill_between(seconds, lower, upper, color=FRICTION, alpha=0.25, linewidth=0, label="95 %, combined")
-    axes.plot(seconds, values, "o-", color=FRICTION)
+    axes.fill_between(seconds, lower, upper, color=FRICTION_COLOUR, alpha=0.25, linewidth=0, label="95 %, combined")
+    axes.plot(seconds, values, "o-", color=FRICTION_COLOUR)
     axes.set(xscale="log", xlabel="dwell time", title=title)
-    axes.set(ylabel=label("friction_coefficient"), ylim=(0, None))
-    axes.set_xticks(seconds, [duration(item) for item in seconds])
+    axes.set(ylabel=axis_label("friction_coefficient"), ylim=(0, None))
+    axes.set_xticks(seconds, [format_time(aged_estimate) for aged_estimate in seconds])
     axes.minorticks_off()
     axes.legend(loc="lower right")
     return figure

@@ -15,10 +15,20 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP, PRESSURE_MAP, add_scale_bar
-from stiction._number_format import with_unit
+from stiction._number_format import format_with_unit
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.surfaces.profile import Profile
-from stiction.views.style import FORCE, FRICTION, LEANING, LOWER, OPPOSING, UPPER, direction_text, label, new_figure
+from stiction.views.style import (
+    FORCE_COLOUR,
+    FRICTION_COLOUR,
+    LOWER_COLOUR,
+    NOT_OPPOSING_COLOUR,
+    OPPOSING_COLOUR,
+    UPPER_COLOUR,
+    axis_label,
+    direction_text,
+    new_figure,
+)
 
 _MIN_ZOOM_SPACINGS = 40  # minimum number of spacings on both sides of the magnified contact
 _MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which an axis is in nm
@@ -29,9 +39,17 @@ MIN_ZOOM_POINTS = 60  # minimum number of points on both sides of the strongest 
 
 
 def contact_figure(
-    upper: Profile, lower: Profile, approach: float, *, mu0: float, tau0: float = 0.0, load: float | None = None,
-    offset: float | None = None, title: str = "", **contact: Any,
-) -> Figure:  # fmt: skip
+    upper: Profile,
+    lower: Profile,
+    approach: float,
+    *,
+    mu0: float,
+    tau0: float = 0.0,
+    load: float | None = None,
+    offset: float | None = None,
+    title: str = "",
+    **contact: Any,
+) -> Figure:
     """Draw two profiles in contact, and the contact with the largest load with the forces on the upper body.
 
     Both profiles are on the same grid, at an approach (µm) that corresponds to the load (mN) in the title. `offset`
@@ -39,54 +57,64 @@ def contact_figure(
     """
     contact_points = contacts(upper, lower, approach, **contact)
     x = lower.x
-    drop = float((upper.heights - lower.heights).min()) + approach
-    fine = max(float(np.ptp(upper.heights)), float(np.ptp(lower.heights))) < _MAX_NANOMETRE_RANGE
-    scale = 1000.0 if fine else 1.0
-    bodies = scale * (upper.heights - drop), scale * lower.heights
+    height_shift = float((upper.heights - lower.heights).min()) + approach
+    in_nanometres = max(float(np.ptp(upper.heights)), float(np.ptp(lower.heights))) < _MAX_NANOMETRE_RANGE
+    scale = 1000.0 if in_nanometres else 1.0
+    bodies = scale * (upper.heights - height_shift), scale * lower.heights
     figure = new_figure(90)
-    whole, large = figure.subplots(2, 1, height_ratios=[1, 1.5])
-    draw_bodies(whole, x, *bodies)
-    whole.plot(contact_points.centre[:, 0], scale * contact_points.centre[:, 2], "o", color=FORCE, markersize=2, mew=0)
-    whole.set_xlim(x[0], x[-1])
-    number = f"{len(contact_points)} {'contact' if len(contact_points) == 1 else 'contacts'}"
-    words = [] if load is None else [f"$F_N$ = {with_unit(load, 'mN')}"]
-    words += [] if offset is None else [f"upper profile moved by {offset:.4g} µm"]
-    lines = (title, f"{number} at an approach of {1000 * approach:.4g} nm", ", ".join(words))
-    whole.set_title("\n".join(filter(None, lines)), loc="left", fontsize=6, pad=3)
-    shown: NDArray[np.bool_] = np.zeros(len(contact_points), np.bool_)
+    overview_axes, zoomed_axes = figure.subplots(2, 1, height_ratios=[1, 1.5])
+    draw_bodies(overview_axes, x, *bodies)
+    overview_axes.plot(
+        contact_points.centre[:, 0], scale * contact_points.centre[:, 2], "o", color=FORCE_COLOUR, markersize=2, mew=0
+    )
+    overview_axes.set_xlim(x[0], x[-1])
+    contact_count = f"{len(contact_points)} {'contact' if len(contact_points) == 1 else 'contacts'}"
+    caption = [] if load is None else [f"$F_N$ = {format_with_unit(load, 'mN')}"]
+    caption += [] if offset is None else [f"upper profile moved by {offset:.4g} µm"]
+    title_lines = (title, f"{contact_count} at an approach of {1000 * approach:.4g} nm", ", ".join(caption))
+    overview_axes.set_title("\n".join(filter(None, title_lines)), loc="left", fontsize=6, pad=3)
+    is_in_zoom: NDArray[np.bool_] = np.zeros(len(contact_points), np.bool_)
     if len(contact_points):
         largest = int(contact_points.force.argmax())
-        half = max(
+        half_width = max(
             _MIN_ZOOM_SPACINGS * lower.spacing,
             6 * float(np.sqrt(contact_points.radius[largest] * contact_points.overlap[largest])),
         )
-        middle = float(contact_points.centre[largest, 0])
-        inside = np.abs(x - middle) <= half
-        large.set_title("contact with the largest load", loc="left", fontsize=6, pad=3)  # reserves space for the title
-        draw_bodies(large, x[inside], *(body[inside] for body in bodies))
-        large.set_xlim(x[inside][0], x[inside][-1])
-        whole.axvspan(middle - half, middle + half, color="0.5", alpha=0.25, linewidth=0)
-        shown = np.abs(contact_points.centre[:, 0] - middle) <= half
-    for ax in (whole, large):
-        ax.set(ylabel=label("height_nm" if fine else "height"), xlabel=label("x"))
-    resisting = np.where(contact_points.opposing, mu0 * contact_points.force + tau0 * contact_points.area, 0.0)
+        zoom_centre = float(contact_points.centre[largest, 0])
+        in_window = np.abs(x - zoom_centre) <= half_width
+        zoomed_axes.set_title(
+            "contact with the largest load", loc="left", fontsize=6, pad=3
+        )  # reserves space for the title
+        draw_bodies(zoomed_axes, x[in_window], *(body[in_window] for body in bodies))
+        zoomed_axes.set_xlim(x[in_window][0], x[in_window][-1])
+        overview_axes.axvspan(zoom_centre - half_width, zoom_centre + half_width, color="0.5", alpha=0.25, linewidth=0)
+        is_in_zoom = np.abs(contact_points.centre[:, 0] - zoom_centre) <= half_width
+    for ax in (overview_axes, zoomed_axes):
+        ax.set(ylabel=axis_label("height_nm" if in_nanometres else "height"), xlabel=axis_label("x"))
+    friction_forces = np.where(contact_points.opposing, mu0 * contact_points.force + tau0 * contact_points.area, 0.0)
     style: dict[str, Any] = {"linestyle": "none", "markersize": 5}
-    handles = [Line2D([], [], color=FORCE, marker=r"$\uparrow$", label="elastic force on the upper body", **style)]
-    if (resisting[shown] > 0).any():
-        handles.append(Line2D([], [], color=FRICTION, marker=r"$\leftarrow$", label="friction", **style))
+    handles = [
+        Line2D([], [], color=FORCE_COLOUR, marker=r"$\uparrow$", label="elastic force on the upper body", **style)
+    ]
+    if (friction_forces[is_in_zoom] > 0).any():
+        handles.append(Line2D([], [], color=FRICTION_COLOUR, marker=r"$\leftarrow$", label="friction", **style))
     figure.legend(
-        handles=handles, title="arrows are normal and tangential to the surfaces as drawn",
-        loc="outside lower center", ncols=len(handles),
-    )  # fmt: skip
+        handles=handles,
+        title="arrows are normal and tangential to the surfaces as drawn",
+        loc="outside lower center",
+        ncols=len(handles),
+    )
     figure.draw_without_rendering()  # arrows need the final axes position
     figure.set_layout_engine("none")
     if len(contact_points):
-        size = _reserve_arrow_length(large, scale * float(contact_points.centre[shown, 2].max()))
-        (right, _), (_, up), (left, low) = large.transData.transform([(1.0, 0.0), (0.0, scale), (0.0, 0.0)])
-        larger = float((up - low) / (right - left))
-        text = f"contact with the largest load; heights magnified {larger:.2g} times"
-        large.set_title(text, loc="left", fontsize=6, pad=3)
-        _draw_forces(large, contact_points, shown, scale, larger, resisting, size)
+        max_arrow_length = _reserve_arrow_length(zoomed_axes, scale * float(contact_points.centre[is_in_zoom, 2].max()))
+        (unit_x, _), (_, unit_y), (origin_x, origin_y) = zoomed_axes.transData.transform(
+            [(1.0, 0.0), (0.0, scale), (0.0, 0.0)]
+        )
+        magnification = float((unit_y - origin_y) / (unit_x - origin_x))
+        text = f"contact with the largest load; heights magnified {magnification:.2g} times"
+        zoomed_axes.set_title(text, loc="left", fontsize=6, pad=3)
+        _draw_forces(zoomed_axes, contact_points, is_in_zoom, scale, magnification, friction_forces, max_arrow_length)
     return figure
 
 
@@ -94,56 +122,69 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
     """Draw two profiles as the surfaces of solid bodies."""
     top, bottom = max(float(upper.max()), float(lower.max())), min(float(upper.min()), float(lower.min()))
     margin = 0.08 * (top - bottom or 1.0)
-    axes.fill_between(x, upper, top + margin, color=UPPER, linewidth=0)
-    axes.fill_between(x, bottom - margin, lower, color=LOWER, linewidth=0)
+    axes.fill_between(x, upper, top + margin, color=UPPER_COLOUR, linewidth=0)
+    axes.fill_between(x, bottom - margin, lower, color=LOWER_COLOUR, linewidth=0)
     axes.plot(x, upper, color="#3f6f93", linewidth=0.5)
     axes.plot(x, lower, color="#7d6a3c", linewidth=0.5)
     axes.set_ylim(bottom - margin, top + margin)
-    for side, height, align in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
-        axes.text(0.01, height, side, transform=axes.transAxes, fontsize=6, color="#333333", va=align)
+    for name, height, vertical_alignment in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
+        axes.text(0.01, height, name, transform=axes.transAxes, fontsize=6, color="#333333", va=vertical_alignment)
 
 
 def _reserve_arrow_length(axes: Axes, highest: float) -> float:
     """Return the length (inches) of the longest arrow and extend the axes so that it fits above the highest contact."""
     figure = axes.get_figure()
     assert figure is not None
-    inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
-    size = min(_MAX_ARROW_LENGTH, 0.4 * inches.height, 0.25 * inches.width)
-    low, high = axes.get_ylim()
-    top = low + (highest - low) / (1 - 1.15 * size / inches.height)
-    if top > high:
-        axes.set_ylim(low, top)
-        axes.axhspan(high, top, color=UPPER, linewidth=0)
-    return float(size)
+    extent_in_inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
+    arrow_length = min(_MAX_ARROW_LENGTH, 0.4 * extent_in_inches.height, 0.25 * extent_in_inches.width)
+    lower_limit, upper_limit = axes.get_ylim()
+    new_upper_limit = lower_limit + (highest - lower_limit) / (1 - 1.15 * arrow_length / extent_in_inches.height)
+    if new_upper_limit > upper_limit:
+        axes.set_ylim(lower_limit, new_upper_limit)
+        axes.axhspan(upper_limit, new_upper_limit, color=UPPER_COLOUR, linewidth=0)
+    return float(arrow_length)
 
 
 def _draw_forces(
-    axes: Axes, contact_points: Contacts, shown: Any, scale: float, larger: float, resisting: Floats, size: float
+    axes: Axes,
+    contact_points: Contacts,
+    is_drawn: Any,
+    scale: float,
+    magnification: float,
+    friction_forces: Floats,
+    max_arrow_length: float,
 ) -> None:
     """Draw elastic forces on the upper body and friction at opposing contacts, all to the same scale.
 
     Slopes are magnified by the same factor as heights.
     """
-    places, normals, tangents = (
+    positions, normals, tangents = (
         item[:, ::2] for item in (contact_points.centre, contact_points.normal, contact_points.tangent)
     )  # x, z
-    places = places * (1.0, scale)
+    positions = positions * (1.0, scale)
 
-    def panels(vectors: Floats, factors: tuple[float, float]) -> Floats:
-        bent = vectors * factors
-        return np.asarray(bent / np.hypot(*bent.T)[:, np.newaxis])
+    def unit_vectors(vectors: Floats, factors: tuple[float, float]) -> Floats:
+        scaled_vectors = vectors * factors
+        return np.asarray(scaled_vectors / np.hypot(*scaled_vectors.T)[:, np.newaxis])
 
-    elastic = contact_points.force[:, np.newaxis] * panels(normals, (larger, 1.0))
-    friction = resisting[:, np.newaxis] * panels(tangents, (1.0, larger))
-    longest = max(float(np.hypot(*force[shown].T).max(initial=0.0)) for force in (elastic, friction))
-    for force, colour in ((elastic, FORCE), (friction, FRICTION)):
-        finite = shown & (np.hypot(*force.T) > 0)
+    elastic = contact_points.force[:, np.newaxis] * unit_vectors(normals, (magnification, 1.0))
+    friction = friction_forces[:, np.newaxis] * unit_vectors(tangents, (1.0, magnification))
+    largest_force = max(float(np.hypot(*force[is_drawn].T).max(initial=0.0)) for force in (elastic, friction))
+    for force, colour in ((elastic, FORCE_COLOUR), (friction, FRICTION_COLOUR)):
+        is_nonzero = is_drawn & (np.hypot(*force.T) > 0)
         # Units are inches, so that the direction of an arrow does not depend on the scales of the axes.
         axes.quiver(
-            *places[finite].T, *force[finite].T, color=colour, angles="uv", scale=longest / size,
-            scale_units="inches", width=0.012, units="inches", zorder=3,
-        )  # fmt: skip
-    axes.plot(*places[shown].T, "o", color=FORCE, markersize=2.5, mew=0, zorder=4)
+            *positions[is_nonzero].T,
+            *force[is_nonzero].T,
+            color=colour,
+            angles="uv",
+            scale=largest_force / max_arrow_length,
+            scale_units="inches",
+            width=0.012,
+            units="inches",
+            zorder=3,
+        )
+    axes.plot(*positions[is_drawn].T, "o", color=FORCE_COLOUR, markersize=2.5, mew=0, zorder=4)
 
 
 # ---- All of a member ------------------------------------------------------------------------------------------------
@@ -175,40 +216,45 @@ def contacts_figure(
     is_opposing = find_opposing_contacts(picture, direction)
     x, y = picture["contact_x"].values, picture["contact_y"].values
     sizes = np.maximum(_MAX_MARKER_AREA * force / force.max(initial=1e-300), 3.0)
-    for mask, colour, marker, words in (
-        (is_opposing, OPPOSING, "D", "oppose the motion"),
-        (~is_opposing, LEANING, "o", "do not"),
+    for mask, colour, marker, caption in (
+        (is_opposing, OPPOSING_COLOUR, "D", "oppose the motion"),
+        (~is_opposing, NOT_OPPOSING_COLOUR, "o", "do not"),
     ):
         percent = 100 * force[mask].sum() / (force.sum() or 1.0)
-        text = f"{int(mask.sum())} {words}, with {percent:.0f} % of the load"
+        text = f"{int(mask.sum())} {caption}, with {percent:.0f} % of the load"
         style: dict[str, Any] = {"facecolors": "none", "marker": marker}
         axes.scatter(x[mask], y[mask], s=sizes[mask], edgecolors="white", linewidths=2.0, **style)
         axes.scatter(x[mask], y[mask], s=sizes[mask], edgecolors=colour, linewidths=1.2, label=text, **style)
-    shift = [float(picture.attrs[name]) for name in ("x", "y")]
-    along = [f"{item:.3g} µm".replace("-", "\N{MINUS SIGN}") for item in shift]
-    moved = "" if np.isnan(shift).any() else f"upper body moved by {along[0]} and {along[1]}"
-    words = f"{force.size} contacts at {with_unit(float(picture.attrs['load_mN']), 'mN')}"
-    axes.set_title("\n".join(filter(None, (title, words, moved))), loc="left", fontsize=6, pad=3)
+    displacement = [float(picture.attrs[name]) for name in ("x", "y")]
+    displacement_texts = [f"{item:.3g} µm".replace("-", "\N{MINUS SIGN}") for item in displacement]
+    displacement_caption = (
+        ""
+        if np.isnan(displacement).any()
+        else f"upper body moved by {displacement_texts[0]} and {displacement_texts[1]}"
+    )
+    caption = f"{force.size} contacts at {format_with_unit(float(picture.attrs['load_mN']), 'mN')}"
+    axes.set_title("\n".join(filter(None, (title, caption, displacement_caption))), loc="left", fontsize=6, pad=3)
     add_scale_bar(axes, map_extent(picture, "height"), fontsize=6)
     if has_pressure:
         _pressure_panel(figure, panels[1], picture, hardness)
         draw_frame(axes, map_extent(picture, "zoom"))
     figure.legend(
-        *axes.get_legend_handles_labels(), loc="outside lower center",
+        *axes.get_legend_handles_labels(),
+        loc="outside lower center",
         title=f"motion along {direction_text(direction)}; marker size: load, not area",
-    )  # fmt: skip
+    )
     return figure
 
 
 def draw_heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
     """Draw heights of the lower body in grey with a colour bar; `box` is left, right, bottom, top (µm)."""
-    fine = np.ptp(heights) < _MAX_NANOMETRE_RANGE
-    shown = heights * (1000 if fine else 1)
-    low, high = np.quantile(shown, [0.01, 0.99])
-    image = axes.imshow(shown, extent=box, origin="lower", cmap="gray", vmin=low, vmax=high)
-    bar = figure.colorbar(image, ax=axes, extend="both", shrink=0.8)
-    bar.set_label("lower body, " + label("height_nm" if fine else "height"))
-    axes.set(xlabel=label("x"), ylabel=label("y"))
+    in_nanometres = np.ptp(heights) < _MAX_NANOMETRE_RANGE
+    scaled_heights = heights * (1000 if in_nanometres else 1)
+    lowest, highest = np.quantile(scaled_heights, [0.01, 0.99])
+    image = axes.imshow(scaled_heights, extent=box, origin="lower", cmap="gray", vmin=lowest, vmax=highest)
+    colour_bar = figure.colorbar(image, ax=axes, extend="both", shrink=0.8)
+    colour_bar.set_label("lower body, " + axis_label("height_nm" if in_nanometres else "height"))
+    axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
 
 
 def draw_frame(axes: Axes, box: tuple[float, float, float, float]) -> None:
@@ -235,83 +281,102 @@ def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardnes
         np.where(pressure > 0, pressure, np.nan), extent=box, origin="lower", cmap=PRESSURE_MAP, vmin=0,
         vmax=hardness if hardness is not None and float(np.nanmax(pressure)) >= 0.99 * hardness else None,
     )  # fmt: skip
-    bar = figure.colorbar(image, ax=axes, shrink=0.8)
-    bar.set_label(label("pressure"))
+    colour_bar = figure.colorbar(image, ax=axes, shrink=0.8)
+    colour_bar.set_label(axis_label("pressure"))
     if hardness is not None and image.get_clim()[1] >= 0.99 * hardness:
-        bar.ax.axhline(hardness, color="black", linewidth=1)
-        bar.ax.text(0.5, 1.02, "hardness", transform=bar.ax.transAxes, fontsize=6, ha="center", va="bottom")
+        colour_bar.ax.axhline(hardness, color="black", linewidth=1)
+        colour_bar.ax.text(
+            0.5, 1.02, "hardness", transform=colour_bar.ax.transAxes, fontsize=6, ha="center", va="bottom"
+        )
     axes.set_title("around the contact with the largest load (frame above)", loc="left", fontsize=6, pad=3)
-    axes.set(xlabel=label("x"), ylabel=label("y"))
+    axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
 
 
 # ---- Contacts --------------------------------------------------------------------------------------------------------
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw contacts on maps or between lines, coloured by slope against the motion and by cuts at the edge.
+    """Draw contacts of maps or profiles; colours distinguish opposing contacts and contacts cut by the edge.
 
     `picture` is a result of `contact_picture`, `direction` the motion of the upper body (degrees); 80 mm wide.
     """
-    is_opposing, cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
-    kinds = [(OPPOSING, "opposes motion"), (LEANING, "assists motion")] + [(EDGE_COLOUR, "cut by the edge")] * bool(
-        cut.any()
-    )
+    is_opposing, is_cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
+    kinds = [(OPPOSING_COLOUR, "opposes motion"), (NOT_OPPOSING_COLOUR, "assists motion")] + [
+        (EDGE_COLOUR, "cut by the edge")
+    ] * bool(is_cut.any())
     if "gap" in picture:
         figure = new_figure(70)
         _draw_lines(
-            figure.subplots(2, 1, height_ratios=[1, 2.5]), picture, np.where(is_opposing, OPPOSING, LEANING), cut
+            figure.subplots(2, 1, height_ratios=[1, 2.5]),
+            picture,
+            np.where(is_opposing, OPPOSING_COLOUR, NOT_OPPOSING_COLOUR),
+            is_cut,
         )
     else:
         figure = new_figure(80)
-        _draw_contact_map(figure.subplots(), picture, is_opposing, cut)
+        _draw_contact_map(figure.subplots(), picture, is_opposing, is_cut)
     figure.legend(
-        handles=[Patch(color=colour, label=words) for colour, words in kinds], loc="outside upper left", ncols=3
+        handles=[Patch(color=colour, label=description) for colour, description in kinds],
+        loc="outside upper left",
+        ncols=3,
     )
     return figure
 
 
 def _draw_contact_map(
-    axes: Axes, picture: xarray.Dataset, is_opposing: NDArray[np.bool_], cut: NDArray[np.bool_]
+    axes: Axes, picture: xarray.Dataset, is_opposing: NDArray[np.bool_], is_cut: NDArray[np.bool_]
 ) -> None:
-    heights, patch = (picture[name].transpose("height_y", "height_x").values for name in ("lower_height", "patch"))
-    place: dict[str, Any] = {"extent": map_extent(picture, "height"), "origin": "lower"}
-    axes.imshow(heights, cmap=HEIGHT_MAP, **place)
-    kind = np.append(np.nan, is_opposing)[patch]
-    axes.imshow(kind, cmap=ListedColormap([LEANING, OPPOSING]), vmin=0, vmax=1, interpolation="nearest", **place)
-    if (outlined := np.append(False, cut)[patch]).any():
-        axes.contour(outlined, levels=[0.5], colors=EDGE_COLOUR, linewidths=1.2, **place)
-    axes.set(xlabel=label("x"), ylabel=label("y"))
+    heights, contact_indices = (
+        picture[name].transpose("height_y", "height_x").values for name in ("lower_height", "patch")
+    )
+    image_options: dict[str, Any] = {"extent": map_extent(picture, "height"), "origin": "lower"}
+    axes.imshow(heights, cmap=HEIGHT_MAP, **image_options)
+    contact_kinds = np.append(np.nan, is_opposing)[contact_indices]
+    axes.imshow(
+        contact_kinds,
+        cmap=ListedColormap([NOT_OPPOSING_COLOUR, OPPOSING_COLOUR]),
+        vmin=0,
+        vmax=1,
+        interpolation="nearest",
+        **image_options,
+    )
+    if (outlined := np.append(False, is_cut)[contact_indices]).any():
+        axes.contour(outlined, levels=[0.5], colors=EDGE_COLOUR, linewidths=1.2, **image_options)
+    axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
 
 
-def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], cut: NDArray[np.bool_]) -> None:
-    """Draw both lines, complete and magnified around the strongest contact."""
+def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_cut: NDArray[np.bool_]) -> None:
+    """Draw both profiles at full length, and magnified around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
     finite = np.isfinite(gap)  # missing data is interpolated
     bodies = np.array([lower + np.interp(x, x[finite], gap[finite]).clip(0), lower]) * 1000
-    middle, width = picture["contact_x"].values, picture["contact_patch_area"].values  # profiles are 1 µm wide
-    close = slice(*np.searchsorted(x, _zoom_range(x, middle, width, picture["contact_force"].values, cut)))
-    for axes, part in zip(panels, (slice(None), close), strict=True):
-        draw_bodies(axes, x[part], *bodies[:, part])
-        axes.set(xlim=x[part][[0, -1]], ylabel=label("height_nm"))
-    panels[0].scatter(middle, np.interp(middle, x, bodies[1]), s=4, c=np.where(cut, EDGE_COLOUR, colours), zorder=3)
-    panels[0].axvspan(*x[close][[0, -1]], color="0.5", alpha=0.25, linewidth=0)
-    low, high = bodies[1, close].min(), bodies[1, close].max()
-    room = (high - low) or 1.0
-    top = min(high + 0.6 * room, panels[1].get_ylim()[1])
-    panels[1].set(ylim=(low - 0.1 * room, top), xlabel=f"{label('x')}, magnified")
-    for at, half, colour, is_cut in zip(middle, width / 2, colours, cut, strict=True):
-        positions = np.linspace(at - half, at + half, 20)
-        for edge, line in [(EDGE_COLOUR, 4.5)] * bool(is_cut) + [(colour, 2.5)]:
-            panels[1].plot(
-                positions, np.interp(positions, x, bodies[1]), color=edge, linewidth=line, solid_capstyle="round"
-            )
+    centres, width = picture["contact_x"].values, picture["contact_patch_area"].values  # profiles are 1 µm wide
+    zoom = slice(*np.searchsorted(x, _zoom_range(x, centres, width, picture["contact_force"].values, is_cut)))
+    for axes, selection in zip(panels, (slice(None), zoom), strict=True):
+        draw_bodies(axes, x[selection], *bodies[:, selection])
+        axes.set(xlim=x[selection][[0, -1]], ylabel=axis_label("height_nm"))
+    panels[0].scatter(
+        centres, np.interp(centres, x, bodies[1]), s=4, c=np.where(is_cut, EDGE_COLOUR, colours), zorder=3
+    )
+    panels[0].axvspan(*x[zoom][[0, -1]], color="0.5", alpha=0.25, linewidth=0)
+    lowest, highest = bodies[1, zoom].min(), bodies[1, zoom].max()
+    height_range = (highest - lowest) or 1.0
+    top = min(highest + 0.6 * height_range, panels[1].get_ylim()[1])
+    panels[1].set(ylim=(lowest - 0.1 * height_range, top), xlabel=f"{axis_label('x')}, magnified")
+    for centre, half_width, colour, has_edge in zip(centres, width / 2, colours, is_cut, strict=True):
+        positions = np.linspace(centre - half_width, centre + half_width, 20)
+        heights = np.interp(positions, x, bodies[1])
+        for line_colour, line_width in [(EDGE_COLOUR, 4.5)] * bool(has_edge) + [(colour, 2.5)]:
+            panels[1].plot(positions, heights, color=line_colour, linewidth=line_width, solid_capstyle="round")
 
 
-def _zoom_range(x: Floats, middle: Floats, width: Floats, force: Floats, cut: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return the ends of the magnified range: the strongest contact that is not cut, and its neighbours."""
-    strongest = middle[np.argmax(np.where(cut, -1.0, force))]
-    apart = np.sort(np.abs(middle - strongest))
-    least = max(MIN_ZOOM_POINTS * (x[1] - x[0]), 4 * float(width.max()))
-    half = float(np.clip(1.3 * apart[min(NUM_NEIGHBOURS, apart.size - 1)], least, x[-1] / 7))
-    start = float(np.clip(strongest - half, 0, max(x[-1] - 2 * half, 0)))
-    return start, start + 2 * half
+def _zoom_range(
+    x: Floats, centres: Floats, width: Floats, force: Floats, is_cut: NDArray[np.bool_]
+) -> tuple[float, float]:
+    """Return the ends of the magnified range: the contact with the largest load that is not cut, and its neighbours."""
+    zoom_centre = centres[np.argmax(np.where(is_cut, -1.0, force))]
+    distances = np.sort(np.abs(centres - zoom_centre))
+    min_half_width = max(MIN_ZOOM_POINTS * (x[1] - x[0]), 4 * float(width.max()))
+    half_width = float(np.clip(1.3 * distances[min(NUM_NEIGHBOURS, distances.size - 1)], min_half_width, x[-1] / 7))
+    start = float(np.clip(zoom_centre - half_width, 0, max(x[-1] - 2 * half_width, 0)))
+    return start, start + 2 * half_width

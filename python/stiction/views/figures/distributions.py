@@ -11,14 +11,14 @@ from matplotlib.figure import Figure
 
 from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
-from stiction._number_format import with_unit
+from stiction._number_format import format_with_unit
 from stiction.studies.point import MEAN_AND_ENDS, by_rule
 from stiction.views.style import (
     RULE_COLOURS,
     RULE_LABELS,
+    axis_label,
     dimension_colours,
     friction_parameters_text,
-    label,
     new_figure,
 )
 
@@ -31,66 +31,70 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
     `points` is a result of `at_load` at one load, cell, mu0 and tau0. A smooth curve connects the directions.
     """
-    at = points.sortby("direction")
-    degrees = np.asarray(at["direction"].values, dtype=np.float64)
+    dataset = points.sortby("direction")
+    degrees = np.asarray(dataset["direction"].values, dtype=np.float64)
     figure = new_figure(96)
     axes: Any = figure.add_subplot(projection="polar")
-    fine = np.linspace(0, 360, 361)
+    fine_degrees = np.linspace(0, 360, 361)
     highest = 0.0
-    rules = [rule for rule in RULE_COLOURS if rule in np.atleast_1d(at["sliding"].values)]
+    rules = [rule for rule in RULE_COLOURS if rule in np.atleast_1d(dataset["sliding"].values)]
     for rule in rules:
-        colour, selected = RULE_COLOURS[rule], by_rule(at, rule)
+        colour, selected = RULE_COLOURS[rule], by_rule(dataset, rule)
         values = selected["friction_coefficient"].transpose("statistic", "direction")
         mean, low, high = (values.sel(statistic=name).values for name in MEAN_AND_ENDS)
         axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=RULE_LABELS[rule])
         highest = max(highest, float(np.nanmax(mean, initial=0.0)))
         if np.isfinite(mean).all():
-            axes.plot(np.radians(fine), _interpolate_periodic(degrees, mean, fine), color=colour, linewidth=1)
+            axes.plot(
+                np.radians(fine_degrees), _interpolate_periodic(degrees, mean, fine_degrees), color=colour, linewidth=1
+            )
         if np.isfinite(low).all() and np.isfinite(high).all():
-            ends = (_interpolate_periodic(degrees, item, fine) for item in (low, high))
-            axes.fill_between(np.radians(fine), *ends, color=colour, alpha=0.2, linewidth=0)
+            ends = (_interpolate_periodic(degrees, interval_end, fine_degrees) for interval_end in (low, high))
+            axes.fill_between(np.radians(fine_degrees), *ends, color=colour, alpha=0.2, linewidth=0)
             highest = max(highest, min(float(high.max()), 2 * highest))
         if "gentle_friction" in selected:
             estimate = selected["gentle_friction"]
             estimate = estimate.sel(statistic="mean") if "statistic" in estimate.dims else estimate
             if np.isfinite(estimate.values).all():
-                words = "small-slope estimate" if rule == rules[0] else None
+                estimate_label = "small-slope estimate" if rule == rules[0] else None
                 axes.plot(
-                    np.radians(fine),
-                    _interpolate_periodic(degrees, estimate.values, fine),
+                    np.radians(fine_degrees),
+                    _interpolate_periodic(degrees, estimate.values, fine_degrees),
                     ":",
                     color="0.2",
                     linewidth=0.8,
-                    label=words,
+                    label=estimate_label,
                 )
     _draw_rings(axes, highest)
     direction_labels = ("$+x$", "45°", "$+y$", "135°", "$-x$", "225°", "$-y$", "315°")
     axes.set_xticks(np.radians(np.arange(0, 360, 45)), direction_labels)
-    modulus = float(at["effective_modulus"]) if "effective_modulus" in at.coords else None
-    load = f"{label('friction_coefficient')} at {with_unit(float(at['load']), 'mN')}"
-    parameters = friction_parameters_text(float(at["mu0"]), float(at["tau0"]), modulus)
+    modulus = float(dataset["effective_modulus"]) if "effective_modulus" in dataset.coords else None
+    load = f"{axis_label('friction_coefficient')} at {format_with_unit(float(dataset['load']), 'mN')}"
+    parameters = friction_parameters_text(float(dataset["mu0"]), float(dataset["tau0"]), modulus)
     figure.suptitle("\n".join(filter(None, (title, load, parameters))), fontsize=6)
     figure.legend(
-        *axes.get_legend_handles_labels(), loc="outside lower center", ncols=1,
+        *axes.get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=1,
         title="angle: motion of the upper body\nbands: 95 %, sampling of positions",
-    )  # fmt: skip
+    )
     return figure
 
 
-def _interpolate_periodic(degrees: Floats, values: Floats, fine: Floats) -> Floats:
+def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) -> Floats:
     """Interpolate values over directions by a periodic cubic spline, limited to values of at least 0."""
     from scipy.interpolate import CubicSpline
 
-    around = np.append(degrees, degrees[0] + 360)
-    spline = CubicSpline(around, np.append(values, values[0]), bc_type="periodic")
-    return np.asarray(np.maximum(spline((fine - degrees[0]) % 360 + degrees[0]), 0))
+    closed_degrees = np.append(degrees, degrees[0] + 360)
+    spline = CubicSpline(closed_degrees, np.append(values, values[0]), bc_type="periodic")
+    return np.asarray(np.maximum(spline((new_degrees - degrees[0]) % 360 + degrees[0]), 0))
 
 
 def _draw_rings(axes: Any, highest: float) -> None:
     """Draw circles at round numbers, labelled between two spokes."""
-    least = (highest or 1.0) / MAX_RINGS
-    power = 10.0 ** np.floor(np.log10(least))
-    step = float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least * (1 - 1e-9)))
+    min_step = (highest or 1.0) / MAX_RINGS
+    power = 10.0 ** np.floor(np.log10(min_step))
+    step = float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= min_step * (1 - 1e-9)))
     ticks = step * np.arange(1, int(np.ceil((highest or 1.0) / step - 1e-9)) + 1)
     axes.set_ylim(0, ticks[-1])
     axes.grid(linewidth=0.3, color="0.8")
@@ -122,23 +126,23 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
             x, y, "o", color=RULE_COLOURS[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_LABELS[rule]
         )
         mean = by_rule(points["friction_all_round"], rule)
-        middle, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_ENDS)
+        mean_value, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_ENDS)
         axes.axhspan(low, high, color=RULE_COLOURS[rule], alpha=0.15, linewidth=0)
-        axes.axhline(middle, color=RULE_COLOURS[rule], linewidth=0.6)
-    axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=label("friction_coefficient"))
+        axes.axhline(mean_value, color=RULE_COLOURS[rule], linewidth=0.6)
+    axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=axis_label("friction_coefficient"))
     axes.set_xlabel("offset of the upper body (µm)" if by_offset else "members and directions, in order")
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]))
-    draw_heading = f"at {with_unit(float(points['load']), 'mN')}, {parameters}, single directions"
-    figure.suptitle(f"{title}\n{draw_heading}".strip(), fontsize=6)
-    missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
-    note = f"; {missing} members have no result" if missing else ""
-    words = f"lines: means; bands: 95 %, sampling of positions{note}"
-    figure.legend(*axes.get_legend_handles_labels(), title=words, loc="outside lower center", ncols=2)
+    caption = f"at {format_with_unit(float(points['load']), 'mN')}, {parameters}, single directions"
+    figure.suptitle(f"{title}\n{caption}".strip(), fontsize=6)
+    num_missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
+    note = f"; {num_missing} members have no result" if num_missing else ""
+    legend_title = f"lines: means; bands: 95 %, sampling of positions{note}"
+    figure.legend(*axes.get_legend_handles_labels(), title=legend_title, loc="outside lower center", ncols=2)
     return figure
 
 
 def _is_single_traverse(values: xarray.DataArray) -> bool:
-    """Return whether the members are one pair of lines at several offsets."""
+    """Return whether the members are a single pair of profiles at several offsets."""
     if "x" not in values.coords or "line" not in values.coords:
         return False
     lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)
@@ -159,14 +163,14 @@ def sizes_figure(
     loads = np.atleast_1d(points["load"].values)
     for load, colour in zip(loads, dimension_colours(loads), strict=True):
         for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
-            for selected in (
+            for member_values in (
                 members[name].sel(load=load, method="nearest").transpose("repetition", "fraction_below").values
             ):
-                ax.plot(selected, percent, color=colour, linewidth=0.3, alpha=0.4)
+                ax.plot(member_values, percent, color=colour, linewidth=0.3, alpha=0.4)
             mean = points[name].sel(load=load, statistic="mean").values
-            ax.plot(mean, percent, color=colour, linewidth=1.2, label=with_unit(float(load), "mN"))
+            ax.plot(mean, percent, color=colour, linewidth=1.2, label=format_with_unit(float(load), "mN"))
     for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
-        ax.set(ylim=(0, 100), xlabel=label(name), xscale="log")
+        ax.set(ylim=(0, 100), xlabel=axis_label(name), xscale="log")
         set_log_ticks(ax)
     axes[0].set_ylabel("fraction of smaller contacts (%)")
     axes[1].set_ylabel("true contact area\nat lower pressure (%)")

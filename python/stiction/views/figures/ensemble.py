@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP, set_log_ticks
-from stiction._number_format import with_unit
+from stiction._number_format import format_with_unit
 from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
@@ -31,20 +31,20 @@ from stiction.studies.study import Study, study_of
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.views.style import (
     FRICTION_MAP,
-    FULL_WIDTH,
-    LOCKED,
     MILLIMETRE,
-    STRENGTHS,
+    PAGE_WIDTH,
+    SELF_LOCKED_COLOUR,
+    STRENGTH_COLOURS,
+    axis_label,
     dimension_colours,
     direction_text,
     evenly_spaced_indices,
     friction_parameters_text,
-    label,
     new_figure,
     spread_labels,
 )
 
-LENGTH_SCALES = (0.5, 1.0, 2.0)  # factors of the study's length scale in the figure of length scales
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # factors of the study's length scale in the figure of length scales
 AREAL_POINTS = 400  # rows and columns of a surface in a figure
 MAX_PROFILES = 5
 MAX_CURVES = 8
@@ -52,9 +52,9 @@ MAX_CURVES = 8
 COLOUR_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients that limit the colour scale, because a few values are very high."""
 
-MAX_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest
+MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest
 
-FADING = (0.3, 1.2, 0.85)
+FADING_LIMITS = (0.3, 1.2, 0.85)
 """Relative interval widths at which a cell starts and stops fading, and the maximum fading."""
 
 LINE_HEIGHT = 2.4  # mm between labels of curves
@@ -103,7 +103,7 @@ def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Datas
 
 
 def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
-    """Return the heading lines of a figure: model and motion unless as in the paper, and missing repetitions."""
+    """Return the heading of a figure: model and motion if they differ from the paper, and missing repetitions."""
     contact = study.contact
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
@@ -133,7 +133,7 @@ def create_axes_rows(
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
     """Return a figure 170 mm wide, its height (mm), and a function that adds axes by left end, row and width (mm)."""
     total = above + below + rows * (height + between) - between
-    figure = new_figure(total, width=FULL_WIDTH, layout=None)
+    figure = new_figure(total, width=PAGE_WIDTH, layout=None)
 
     def axes_at(left: float, row: int, width: float) -> Axes:
         bottom = below + (rows - 1 - row) * (height + between)
@@ -146,7 +146,7 @@ def create_axes_rows(
 
 
 def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
-    """Draw maps of friction over fractal dimension and load, and curves over fractal dimension at one load.
+    """Draw friction in maps against fractal dimension and load, and in curves against fractal dimension.
 
     There is a map for the lowest and the highest tau0, and a row for each amplitude. Cells are hatched where the model
     is not valid, and grey where the 95 % interval is wide. The load of the curves is the highest power of ten that nine
@@ -154,7 +154,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     """
     study = study_of(dataset)
     strengths = list(study.friction.tau0)
-    strengths = strengths if len(strengths) <= MAX_STRENGTHS else [strengths[0], strengths[-1]]
+    strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
     load = _common_load(dataset)
     loads = [*reached_loads(dataset), load]
     maps = friction_map(dataset, loads, mu0=[mu0], tau0=[float(strength) for strength in strengths]).isel(mu0=0)
@@ -173,7 +173,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
             ax = axes_at(13 + column * (width + 4), row, width)
             _friction_panel(ax, maps.isel(amplitude=row, tau0=column), norm, load)
             if column == 0:
-                ax.set_ylabel(label("load"))
+                ax.set_ylabel(axis_label("load"))
             else:
                 ax.yaxis.set_visible(False)
             if row == 0:
@@ -188,9 +188,9 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
         ax = axes_at(127, row, 40)
         _friction_curves(ax, curves.isel(amplitude=row), [strength.text for strength in strengths], mu0)
         if row == amplitudes.size // 2:
-            ax.set_ylabel(label("friction_coefficient"))
+            ax.set_ylabel(axis_label("friction_coefficient"))
         if row == 0:
-            ax.set_title(f"at $F_N$ = {with_unit(load, 'mN')}", pad=2)
+            ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
         format_dimension_axis(ax, dataset, last=last)
     _colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total, 99 / 170, 2.2 / total), norm, mu0)
@@ -215,7 +215,7 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
     axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
         classical = dataset["fractal_dimension"].attrs.get("convention") == "classical"
-        axes.set_xlabel(label("fractal_dimension") + (" (classical)" if classical else ""))
+        axes.set_xlabel(axis_label("fractal_dimension") + (" (classical)" if classical else ""))
     else:
         axes.tick_params(labelbottom=False)
 
@@ -223,56 +223,68 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
     """Draw curves with intervals for the lowest and the highest strength; dotted where the model is not valid."""
     dimension = curves["fractal_dimension"].values
-    trusted = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # (dimension, strength)
+    is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # (dimension, strength)
     value, lower, upper = (curves[name].values for name in ("friction_coefficient", "lower", "upper"))
-    for index, colour in zip(range(len(strengths)), STRENGTHS, strict=False):
+    for index, colour in zip(range(len(strengths)), STRENGTH_COLOURS, strict=False):
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
         marker = "o" if dimension.size == 1 else None
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "markersize": 2, "marker": marker}
         axes.plot(dimension, value[:, index], ":", **style)
-        axes.plot(dimension, np.where(trusted[:, index], value[:, index], np.nan), **style)
+        axes.plot(dimension, np.where(is_valid[:, index], value[:, index], np.nan), **style)
     finite = value[np.isfinite(value)]
     # The axis includes all valid values, and others as far as there is space.
-    inside = upper[np.isfinite(upper) & trusted]
-    top = 1.1 * max(2 * mu0, float(inside.max(initial=0.0)), 2.5 * float(np.min(finite, initial=1.0))) or 1.0
-    axes.set_ylim(0, top)
+    valid_upper_ends = upper[np.isfinite(upper) & is_valid]
+    upper_limit = (
+        1.1 * max(2 * mu0, float(valid_upper_ends.max(initial=0.0)), 2.5 * float(np.min(finite, initial=1.0))) or 1.0
+    )
+    axes.set_ylim(0, upper_limit)
     axes.locator_params("y", nbins=6, steps=[1, 2, 5, 10])
-    span = float(np.ptp(dimension)) or 1.0
-    axes.set_xlim(dimension[0] - 0.02 * span, dimension[-1] + 0.02 * span)
+    dimension_range = float(np.ptp(dimension)) or 1.0
+    axes.set_xlim(dimension[0] - 0.02 * dimension_range, dimension[-1] + 0.02 * dimension_range)
     axes.axhline(mu0, color="0.6", linewidth=0.5, linestyle="--", zorder=0)
-    axes.text(axes.get_xlim()[1] - 0.01 * span, mu0, r"$\mu_0$", color="0.4", fontsize=6, va="bottom", ha="right")
-    for index, colour in zip(range(len(strengths)), STRENGTHS, strict=False):
-        starts = np.flatnonzero(np.isfinite(value[:, index]))
-        if starts.size:
-            at = starts[0]
-            height = min(np.nan_to_num(upper[at, index], nan=value[at, index]), 0.93 * top)
+    axes.text(
+        axes.get_xlim()[1] - 0.01 * dimension_range, mu0, r"$\mu_0$", color="0.4", fontsize=6, va="bottom", ha="right"
+    )
+    for index, colour in zip(range(len(strengths)), STRENGTH_COLOURS, strict=False):
+        indices = np.flatnonzero(np.isfinite(value[:, index]))
+        if indices.size:
+            start_index = indices[0]
+            height = min(np.nan_to_num(upper[start_index, index], nan=value[start_index, index]), 0.93 * upper_limit)
             name = rf"$\tau_0$ = {strengths[index]}"
             box = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 0.5}
-            axes.text(dimension[at] + 0.03 * span, height, name, color=colour, fontsize=6, va="bottom", bbox=box)
+            axes.text(
+                dimension[start_index] + 0.03 * dimension_range,
+                height,
+                name,
+                color=colour,
+                fontsize=6,
+                va="bottom",
+                bbox=box,
+            )
 
 
-def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
-    axes = figure.add_axes(place, label="<colorbar>")
-    bar = figure.colorbar(ScalarMappable(norm, FRICTION_MAP), cax=axes, orientation="horizontal", extend="both")
+def _colour_bar(figure: Figure, position: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
+    axes = figure.add_axes(position, label="<colorbar>")
+    colour_bar = figure.colorbar(ScalarMappable(norm, FRICTION_MAP), cax=axes, orientation="horizontal", extend="both")
     ticks = [tick for tick in COLOUR_BAR_TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
     if len(ticks) < MIN_COLOUR_BAR_TICKS:
-        inside = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
-        ticks = [float(tick) for tick in inside if norm.vmin <= tick <= norm.vmax]
+        round_values = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
+        ticks = [float(tick) for tick in round_values if norm.vmin <= tick <= norm.vmax]
     ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # leave space for the labels
-    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
-    bar.ax.minorticks_off()
+    colour_bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+    colour_bar.ax.minorticks_off()
     axes.xaxis.tick_top()
     axes.xaxis.set_label_position("top")
     axes.tick_params(length=2, pad=1)
-    bar.set_label(rf"{label('friction_coefficient')}, at $\mu_0$ = {mu0:g}", labelpad=2)
+    colour_bar.set_label(rf"{axis_label('friction_coefficient')}, at $\mu_0$ = {mu0:g}", labelpad=2)
 
 
 def _colour_norm(maps: xarray.Dataset) -> Any:
     """Return a logarithmic colour scale for the valid values, or for all values if few are valid."""
     values = maps["friction_coefficient"].values
     finite = np.isfinite(values) & (values > 0)
-    trusted = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
-    positive = values[trusted if trusted.sum() > 0.1 * finite.sum() else finite]
+    is_valid = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
+    positive = values[is_valid if is_valid.sum() > 0.1 * finite.sum() else finite]
     low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
     step = 10.0 ** np.floor(np.log10(low)) / 2  # round the limits
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
@@ -291,7 +303,7 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     colours = colormaps[FRICTION_MAP](norm(np.where(finite, np.maximum(values, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade(colours[..., :3], _compute_fading(panel))
     colours[..., 3] = finite
-    colours[status == STATUS_SELF_LOCKED] = (*to_rgb(LOCKED), 1)
+    colours[status == STATUS_SELF_LOCKED] = (*to_rgb(SELF_LOCKED_COLOUR), 1)
     axes.pcolormesh(*edges, colours)
     fraction = panel["share_beyond_hertz"].values
     _hatch_cells(axes, *edges, finite & (fraction > MAX_AFFECTED_FRACTION))
@@ -299,9 +311,13 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
         masked = np.ma.masked_invalid(fraction)
         if masked.count() and masked.min() < MAX_AFFECTED_FRACTION < masked.max():
             axes.contour(
-                panel["fractal_dimension"].values, panel["load"].values, masked,
-                levels=[MAX_AFFECTED_FRACTION], colors="0.1", linewidths=0.7,
-            )  # fmt: skip
+                panel["fractal_dimension"].values,
+                panel["load"].values,
+                masked,
+                levels=[MAX_AFFECTED_FRACTION],
+                colors="0.1",
+                linewidths=0.7,
+            )
     axes.axhline(load, color="black", linewidth=0.5)
 
 
@@ -328,16 +344,16 @@ def _compute_fading(maps: xarray.Dataset) -> Floats:
     values = maps["friction_coefficient"].values
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (maps["upper"].values - maps["lower"].values) / values
-    first, last, most = FADING
-    width = np.where(np.isfinite(values), np.nan_to_num(width, nan=last, posinf=last), first)
-    return np.asarray(most * np.clip((width - first) / (last - first), 0, 1))
+    min_width, max_width, max_fading = FADING_LIMITS
+    width = np.where(np.isfinite(values), np.nan_to_num(width, nan=max_width, posinf=max_width), min_width)
+    return np.asarray(max_fading * np.clip((width - min_width) / (max_width - min_width), 0, 1))
 
 
 def _fade(colours: Floats, fading: Floats) -> Floats:
     """Blend colours (..., 3) with grey of equal luminance, so that no cell looks like another coefficient."""
     grey = (colours @ _LUMINANCE)[..., np.newaxis]
-    part = np.asarray(fading)[..., np.newaxis]
-    return np.asarray((1 - part) * colours + part * grey)
+    fraction = np.asarray(fading)[..., np.newaxis]
+    return np.asarray((1 - fraction) * colours + fraction * grey)
 
 
 def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
@@ -345,17 +361,19 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
 
 
 def _legend_handles(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
-    middle = np.array(colormaps[FRICTION_MAP](0.4)[:3])
+    example_colour = np.array(colormaps[FRICTION_MAP](0.4)[:3])
     handles: list[Any] = []
     if asperities and (maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION).any():
-        words = "model not valid (dotted): most load on overlaps $> R/10$"
-        handles.append(Patch(**_HATCH | {"facecolor": tuple(middle)}, label=words))
+        invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
+        handles.append(Patch(**_HATCH | {"facecolor": tuple(example_colour)}, label=invalid_label))
     if (_compute_fading(maps)[~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)] > 0.1).any():
-        handles.append(Patch(facecolor=tuple(_fade(middle, np.array(FADING[2]))), label="grey: wide 95 % interval"))
+        handles.append(
+            Patch(facecolor=tuple(_fade(example_colour, np.array(FADING_LIMITS[2]))), label="grey: wide 95 % interval")
+        )
     if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
         handles.append(_not_reached_patch((0, 0), 1, 1, label="load not reached"))
     if (maps["status"].values == STATUS_SELF_LOCKED).any():
-        handles.append(Patch(facecolor=to_rgb(LOCKED), label=r"self-locked: $F_N \leq 0$"))
+        handles.append(Patch(facecolor=to_rgb(SELF_LOCKED_COLOUR), label=r"self-locked: $F_N \leq 0$"))
     handles.append(Line2D([], [], color="black", linewidth=0.7, label="load of the curves; bands: 95 %"))
     return handles
 
@@ -374,45 +392,56 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     """Draw true contact area and its ratio to the load against load, with 95 % intervals; a row for each amplitude."""
     study = study_of(dataset)
     mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
-    shown = evenly_spaced_indices(dataset.sizes["fractal_dimension"], MAX_CURVES)
-    areas = area_map(dataset.isel(fractal_dimension=shown), reached_loads(dataset), mu0=mu0, tau0=tau0)
+    indices = evenly_spaced_indices(dataset.sizes["fractal_dimension"], MAX_CURVES)
+    areas = area_map(dataset.isel(fractal_dimension=indices), reached_loads(dataset), mu0=mu0, tau0=tau0)
     areas = areas.isel(mu0=0, tau0=0)
     amplitudes = areas["amplitude"].values
     lines = heading_lines(dataset, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
-    exact = study.uses_half_space
-    figure, total, axes_at = create_axes_rows(
+    has_no_validity_limit = study.uses_half_space
+    figure, figure_height, axes_at = create_axes_rows(
         amplitudes.size, height, 4.0 + HEADING_HEIGHT * len(lines), 15.0, between=4.0
     )
     for row, amplitude in enumerate(amplitudes):
-        pair = [axes_at(left, row, 70) for left in (13, 98)]
-        _area_curves(pair, areas.isel(amplitude=row), exact=exact, apart=LINE_HEIGHT / height)
-        for number, ax in enumerate(pair):
+        row_axes = [axes_at(left, row, 70) for left in (13, 98)]
+        _area_curves(
+            row_axes,
+            areas.isel(amplitude=row),
+            has_no_validity_limit=has_no_validity_limit,
+            label_distance=LINE_HEIGHT / height,
+        )
+        for number, ax in enumerate(row_axes):
             if row == 0:
                 draw_panel_letter(ax, number)
             if row < amplitudes.size - 1:
                 ax.tick_params(labelbottom=False)
             else:
-                ax.set_xlabel(label("load"))
-        pair[0].set_ylabel(label("contact_area"))
-        pair[1].set_ylabel(label("area_over_load"))
+                ax.set_xlabel(axis_label("load"))
+        row_axes[0].set_ylabel(axis_label("contact_area"))
+        row_axes[1].set_ylabel(axis_label("area_over_load"))
         if amplitudes.size > 1:
-            pair[0].text(0.03, 0.95, f"$a$ = {1000 * amplitude:g} nm", transform=pair[0].transAxes, va="top")
+            row_axes[0].text(0.03, 0.95, f"$a$ = {1000 * amplitude:g} nm", transform=row_axes[0].transAxes, va="top")
     draw_heading(figure, lines)
-    beyond = "" if exact else "; dotted: model not valid, most load on overlaps $> R/10$"
+    validity_note = "" if has_no_validity_limit else "; dotted: model not valid, most load on overlaps $> R/10$"
     figure.text(
-        0.5, 1.5 / total, f"at {friction_parameters_text(mu0, tau0)}; bands: 95 %{beyond}", ha="center", va="bottom",
+        0.5,
+        1.5 / figure_height,
+        f"at {friction_parameters_text(mu0, tau0)}; bands: 95 %{validity_note}",
+        ha="center",
+        va="bottom",
         fontsize=6,
-    )  # fmt: skip
+    )
     return figure
 
 
-def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart: float) -> None:
-    """Draw area and area over load for each fractal dimension, with labels at the start of the curves."""
+def _area_curves(
+    axes: list[Axes], areas: xarray.Dataset, *, has_no_validity_limit: bool, label_distance: float
+) -> None:
+    """Draw the area and its ratio to the load for each fractal dimension, with labels where the curves start."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load")
     area, lower, upper = (areas[name].values for name in ("contact_area", "lower", "upper"))
-    trusted = exact | (areas["share_beyond_hertz"].values <= MAX_AFFECTED_FRACTION)
+    is_valid = has_no_validity_limit | (areas["share_beyond_hertz"].values <= MAX_AFFECTED_FRACTION)
     positive = area[area > 0]
     for ax, scale in zip(axes, (np.ones(load.size), 1 / load), strict=True):
         ax.set(xscale="log", xlim=(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2))
@@ -424,19 +453,19 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart:
         values = (scale * area)[area > 0]
         ax.set_ylim(values.min() / MAX_BAND_RATIO, values.max() * MAX_BAND_RATIO)
         set_log_ticks(ax)
-        names, places = [], []
+        labels, label_heights = [], []
         for curve, colour in enumerate(dimension_colours(dimensions)):
             ax.fill_between(load, scale * lower[curve], scale * upper[curve], color=colour, alpha=0.25, linewidth=0)
             ax.plot(load, scale * area[curve], ":", color=colour, linewidth=0.8)
-            ax.plot(load, np.where(trusted[curve], scale * area[curve], np.nan), color=colour, linewidth=0.8)
-            starts = np.flatnonzero(area[curve] > 0)
-            if starts.size:
-                names.append((load[starts[0]], dimensions[curve], colour))
-                places.append(np.log(scale[starts[0]] * area[curve, starts[0]]))
+            ax.plot(load, np.where(is_valid[curve], scale * area[curve], np.nan), color=colour, linewidth=0.8)
+            indices = np.flatnonzero(area[curve] > 0)
+            if indices.size:
+                labels.append((load[indices[0]], dimensions[curve], colour))
+                label_heights.append(np.log(scale[indices[0]] * area[curve, indices[0]]))
         low, high = np.log(ax.get_ylim())
-        spread = spread_labels(places, apart * (high - low))
-        spread += max(0, low + apart * (high - low) - spread.min(initial=high))
-        for (start, dimension, colour), place in zip(names, spread, strict=True):
+        spread_heights = spread_labels(label_heights, label_distance * (high - low))
+        spread_heights += max(0, low + label_distance * (high - low) - spread_heights.min(initial=high))
+        for (start, dimension, colour), place in zip(labels, spread_heights, strict=True):
             text = f"{dimension:.2f}" if dimension != dimensions[0] else f"$D$ = {dimension:.2f}"
             ax.text(start / 1.12, np.exp(place), text, color=colour, fontsize=6, ha="right", va="center")
 
@@ -446,43 +475,51 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart:
 
 def profiles_figure(study: Study) -> Figure:
     """Draw profiles of several fractal dimensions with equal phases: the full length, and one length scale."""
-    bodies: Any = study.surfaces
-    dimensions = bodies.fractal_dimensions()
+    surfaces: Any = study.surfaces
+    dimensions = surfaces.fractal_dimensions()
     dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_PROFILES)]
-    amplitude = float(bodies.amplitudes()[0])
-    window = min(float(bodies.length_scale), float(bodies.extent))
+    amplitude = float(surfaces.amplitudes()[0])
+    window = min(float(surfaces.length_scale), float(surfaces.extent))
     figure = new_figure(12 + 13 * dimensions.size)
     axes = figure.subplots(dimensions.size, 2, squeeze=False, sharex="col", sharey=True)
     for row, dimension in enumerate(dimensions):
         _, profile = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
         for ax, end in zip(axes[row], (profile.extent, window), strict=True):
-            shown = profile.x <= end
-            ax.fill_between(profile.x[shown], profile.heights[shown], profile.heights.min(), color="0.85", linewidth=0)
-            ax.plot(profile.x[shown], profile.heights[shown], color="0.2", linewidth=0.4)
+            is_shown = profile.x <= end
+            ax.fill_between(
+                profile.x[is_shown], profile.heights[is_shown], profile.heights.min(), color="0.85", linewidth=0
+            )
+            ax.plot(profile.x[is_shown], profile.heights[is_shown], color="0.2", linewidth=0.4)
             ax.set_xlim(0, end)
         axes[row, 0].set_title(f"$D$ = {dimension:.3g}", loc="left", pad=2)
     for ax in axes[-1]:
-        ax.set_xlabel(label("x"))
-    axes[dimensions.size // 2, 0].set_ylabel(label("height"))
+        ax.set_xlabel(axis_label("x"))
+    axes[dimensions.size // 2, 0].set_ylabel(axis_label("height"))
     return figure
 
 
 def length_scales_figure(study: Study) -> Figure:
-    """Draw Eq. 1, unscaled, for three length scales and equal phases: profiles, and surfaces without aliasing."""
-    bodies: Any = study.surfaces
-    dimension = bodies.fractal_dimensions()[0]
-    extent = float(bodies.extent)
-    pixels = int(min(AREAL_POINTS, bodies.points))
-    scales = [factor * float(bodies.length_scale) for factor in LENGTH_SCALES]
+    """Draw unscaled profiles and surfaces (Eq. 1) for three length scales with equal phases."""
+    surfaces: Any = study.surfaces
+    dimension = surfaces.fractal_dimensions()[0]
+    extent = float(surfaces.extent)
+    pixels = int(min(AREAL_POINTS, surfaces.points))
+    scales = [factor * float(surfaces.length_scale) for factor in LENGTH_SCALE_FACTORS]
     figure = new_figure(66)
     axes = figure.subplots(2, len(scales), height_ratios=[1, 1.2], sharex=True)
     for column, scale in enumerate(scales):
-        scaled = study.with_changes({"surfaces.length_scale": exact_quantity(scale, "um")})
-        profile = unscaled_profile(scaled, 0, "lower", dimension)
+        study_of_scale = study.with_changes({"surfaces.length_scale": exact_quantity(scale, "um")})
+        profile = unscaled_profile(study_of_scale, 0, "lower", dimension)
         surface = weierstrass_mandelbrot_surface(
-            generate_phases(study, 0, "lower"), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
-            gamma=bodies.gamma, convention=bodies.convention, band_limit="nyquist",
-        )  # fmt: skip
+            generate_phases(study, 0, "lower"),
+            dimension,
+            shape=(pixels, pixels),
+            extent=extent,
+            length_scale=scale,
+            gamma=surfaces.gamma,
+            convention=surfaces.convention,
+            band_limit="nyquist",
+        )
         top, bottom = axes[:, column]
         top.plot(profile.x, profile.heights - profile.heights.mean(), color="0.2", linewidth=0.4)
         top.set(title=f"$L$ = {scale:.3g} µm", xlim=(0, extent))
@@ -490,11 +527,11 @@ def length_scales_figure(study: Study) -> Figure:
         image = bottom.imshow(heights, extent=(0, extent, 0, extent), origin="lower", cmap=HEIGHT_MAP)
         bar = figure.colorbar(image, ax=bottom, location="bottom", pad=0.02)
         bar.locator = MaxNLocator(3)
-        bar.set_label(label("height"))
-        bottom.set_xlabel(label("x"))
+        bar.set_label(axis_label("height"))
+        bottom.set_xlabel(axis_label("x"))
         bottom.tick_params(axis="x", labelbottom=True)
         if column > 0:
             bottom.tick_params(labelleft=False)
-    axes[0, 0].set_ylabel(label("height"))
-    axes[1, 0].set_ylabel(label("y"))
+    axes[0, 0].set_ylabel(axis_label("height"))
+    axes[1, 0].set_ylabel(axis_label("y"))
     return figure

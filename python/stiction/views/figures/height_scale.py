@@ -7,10 +7,17 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._drawing import set_log_ticks
-from stiction._number_format import with_unit
+from stiction._number_format import format_with_unit
 from stiction.studies.point import MEAN_AND_ENDS, by_rule, is_unloaded
 from stiction.views.figures.loads import plain_log
-from stiction.views.style import AREA, RULE_COLOURS, RULE_LABELS, friction_parameters_text, label, new_figure
+from stiction.views.style import (
+    AREA_COLOUR,
+    RULE_COLOURS,
+    RULE_LABELS,
+    axis_label,
+    friction_parameters_text,
+    new_figure,
+)
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
@@ -19,45 +26,54 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     Parameters
     ----------
     points : xarray.Dataset
-        Result of `at_height_scale` at one load, mu0 and tau0.
+        Result of `evaluate_height_scale` at one load, mu0 and tau0.
     title : str
     """
     scales = np.asarray(points["height_scale"].values, dtype=np.float64)
     gradient = points["rms_gradient"].sel(statistic="mean").values
-    measured = np.interp(1.0, scales, gradient)
-    loaded = np.array([not is_unloaded(points.isel(height_scale=place)) for place in range(scales.size)])
+    measured_gradient = np.interp(1.0, scales, gradient)
+    has_load = np.array([not is_unloaded(points.isel(height_scale=index)) for index in range(scales.size)])
     figure = new_figure(114)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+    friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     for rule in (rule for rule in RULE_COLOURS if rule in np.atleast_1d(points["sliding"].values)):
         combined = by_rule(points["friction_combined"], rule)
-        mean, low, high = (combined.sel(statistic=statistic).where(loaded).values for statistic in MEAN_AND_ENDS)
-        upper.fill_between(gradient, low, high, color=RULE_COLOURS[rule], alpha=0.2, linewidth=0)
-        upper.plot(gradient, mean, "o-", color=RULE_COLOURS[rule], linewidth=1, markersize=2, label=RULE_LABELS[rule])
+        mean, low, high = (combined.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_ENDS)
+        friction_axes.fill_between(gradient, low, high, color=RULE_COLOURS[rule], alpha=0.2, linewidth=0)
+        friction_axes.plot(
+            gradient, mean, "o-", color=RULE_COLOURS[rule], linewidth=1, markersize=2, label=RULE_LABELS[rule]
+        )
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
     mean, low, high = (area.sel(statistic=statistic).values for statistic in MEAN_AND_ENDS)
-    lower.fill_between(gradient, low, high, color=AREA, alpha=0.2, linewidth=0)
-    lower.plot(gradient, mean, "o-", color=AREA, linewidth=1, markersize=2)
-    lower.set_xscale("log")
+    area_axes.fill_between(gradient, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+    area_axes.plot(gradient, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
+    area_axes.set_xscale("log")
     if (mean > 0).any():
-        lower.set_yscale("log")
-    for axes in (upper, lower):
-        axes.axvline(measured, color="0.5", linewidth=0.5, linestyle="--")
+        area_axes.set_yscale("log")
+    for axes in (friction_axes, area_axes):
+        axes.axvline(measured_gradient, color="0.5", linewidth=0.5, linestyle="--")
         set_log_ticks(axes)
-    upper.set(ylim=(0, None), ylabel=label("friction_coefficient"))
-    lower.set(xlabel=label("rms_gradient"), ylabel=label("contact_area_fraction" if has_fraction else "contact_area"))
-    plain_log(lower.xaxis)
-    low, high = lower.get_ylim()
-    if lower.get_yscale() == "log" and high < 30 * low:
-        plain_log(lower.yaxis)
+    friction_axes.set(ylim=(0, None), ylabel=axis_label("friction_coefficient"))
+    area_axes.set(
+        xlabel=axis_label("rms_gradient"),
+        ylabel=axis_label("contact_area_fraction" if has_fraction else "contact_area"),
+    )
+    plain_log(area_axes.xaxis)
+    low, high = area_axes.get_ylim()
+    if area_axes.get_yscale() == "log" and high < 30 * low:
+        plain_log(area_axes.yaxis)
     if points.attrs["scaled"] == "both":  # the gradient is proportional to the factor
-        top = upper.secondary_xaxis("top", functions=(lambda x: x / measured, lambda x: x * measured))
-        top.set_xlabel(label("height_scale"))
-        plain_log(top.xaxis)
+        factor_axis = friction_axes.secondary_xaxis(
+            "top", functions=(lambda x: x / measured_gradient, lambda x: x * measured_gradient)
+        )
+        factor_axis.set_xlabel(axis_label("height_scale"))
+        plain_log(factor_axis.xaxis)
     parameters = friction_parameters_text(
         float(points["mu0"]), float(points["tau0"]), float(points["effective_modulus"])
     )
-    figure.suptitle(f"{title}\n{parameters}, $F_N$ = {with_unit(float(points['load']), 'mN')}".strip(), fontsize=6)
-    handles = upper.get_legend_handles_labels()
+    figure.suptitle(
+        f"{title}\n{parameters}, $F_N$ = {format_with_unit(float(points['load']), 'mN')}".strip(), fontsize=6
+    )
+    handles = friction_axes.get_legend_handles_labels()
     figure.legend(*handles, title="bands: 95 %, combined; dashed: as measured", loc="outside lower center", ncols=2)
     return figure

@@ -14,18 +14,18 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 
 from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
-from stiction._number_format import prefix
+from stiction._number_format import choose_prefix
 from stiction.studies.contact_picture import LOADS_PER_PULL_OFF
 from stiction.studies.point import MEAN_AND_ENDS, by_rule
 from stiction.views.style import (
-    ALL,
-    AREA,
-    OPPOSING,
+    ALL_CONTACTS_COLOUR,
+    AREA_COLOUR,
+    OPPOSING_COLOUR,
     RULE_COLOURS,
     RULE_LABELS,
+    axis_label,
     direction_text,
     friction_parameters_text,
-    label,
     new_figure,
 )
 
@@ -35,14 +35,14 @@ MAX_AXIS_RATIO = 4.0
 MAX_SINGLE_DIRECTIONS = 2  # maximum number of directions drawn individually with their mean
 
 
-BANDS = {
+BAND_LEGENDS = {
     True: "light bands: 95 %, combined uncertainty\ndark bands and area: 95 %, sampling of positions",
     False: "bands: 95 %, sampling of positions",
 }
 """Legend of the intervals, with and without a combined interval."""
 
 
-def load_figure(points: xarray.Dataset, loads_of_study: Sequence[float] = (), *, title: str = "") -> Figure:
+def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
     """Draw friction coefficient and true contact area against load; 80 mm wide.
 
     `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked.
@@ -50,16 +50,16 @@ def load_figure(points: xarray.Dataset, loads_of_study: Sequence[float] = (), *,
     """
     loads = np.asarray(points["load"].values, dtype=np.float64)
     figure = _draw_against(points, "load", loads, title)
-    upper, lower = figure.axes[:2]
-    for ax, load in itertools.product((upper, lower), loads_of_study):
+    friction_axes, area_axes = figure.axes[:2]
+    for ax, load in itertools.product((friction_axes, area_axes), study_loads):
         ax.axvline(load, color="0.5", linewidth=0.5, linestyle="--")
-    lower.set_xlabel(label("load"))
+    area_axes.set_xlabel(axis_label("load"))
     if "nominal_area" in points.coords:
         area = float(points["nominal_area"])
-        both: Any = (lambda load: 1000 * load / area, lambda pressure: pressure * area / 1000)
-        top = upper.secondary_xaxis("top", functions=both)
-        top.set_xlabel(label("nominal_pressure"))
-        plain_log(top.xaxis)
+        pressure_conversions: Any = (lambda load: 1000 * load / area, lambda pressure: pressure * area / 1000)
+        pressure_axis = friction_axes.secondary_xaxis("top", functions=pressure_conversions)
+        pressure_axis.set_xlabel(axis_label("nominal_pressure"))
+        plain_log(pressure_axis.xaxis)
     return figure
 
 
@@ -70,11 +70,11 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = stress * np.asarray(points["load"].values, dtype=np.float64)
         mean, low, high = (points[name].sel(statistic=statistic).values for statistic in MEAN_AND_ENDS)
-        ax.fill_between(x, low, high, color=AREA, alpha=0.2, linewidth=0)
-        ax.plot(x, mean, "o-", color=AREA, linewidth=1, markersize=2)
-        ax.set(ylabel=label(name), ylim=(0, None))
-    figure.axes[1].set(xlabel=label("nominal_pressure"), xlim=(0, None))
-    bands = BANDS[False] if np.isfinite(low).any() else ""
+        ax.fill_between(x, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+        ax.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
+        ax.set(ylabel=axis_label(name), ylim=(0, None))
+    figure.axes[1].set(xlabel=axis_label("nominal_pressure"), xlim=(0, None))
+    bands = BAND_LEGENDS[False] if np.isfinite(low).any() else ""
     figure.suptitle("\n".join(filter(None, (title, bands))), fontsize=6)
     return figure
 
@@ -86,133 +86,154 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     """
     unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    visible = load <= LOADS_PER_PULL_OFF[-1] * -load.min() * 1.001  # loads within the figure
-    core, unit = prefix(float(abs(load[visible]).max()), "mN")
+    is_visible = load <= LOADS_PER_PULL_OFF[-1] * -load.min() * 1.001  # loads within the figure
+    factor, unit = choose_prefix(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
-    across = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []
-    panels: Any = figure.subplots(1, len(across) + 1, sharey=True, squeeze=False)[0]
+    abscissas = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []
+    panels: Any = figure.subplots(1, len(abscissas) + 1, sharey=True, squeeze=False)[0]
     nominal = float(branches.attrs["nominal_area"])
-    across.append((100 * area / nominal, label("contact_area_fraction")))
-    for axes, (x, words) in zip(panels, across, strict=True):
+    abscissas.append((100 * area / nominal, axis_label("contact_area_fraction")))
+    for axes, (x, x_label) in zip(panels, abscissas, strict=True):
         axes.axhline(0, color="0.6", linewidth=0.5)
-        axes.plot(x[~unloading], load[~unloading] / core, "o-", color=ALL, markersize=3, linewidth=1, label="loading")
-        axes.plot(x[unloading], load[unloading] / core, "--", color=OPPOSING, linewidth=1.2, label="unloading")
-        last = int(load.argmin())
-        axes.plot(x[last], load[last] / core, "v", color=AREA, markersize=5, label="pull-off force")
-        axes.set(xlim=_pad_range(x[visible]), xlabel=words)
-    panels[0].set(ylim=_pad_range(load[visible] / core), ylabel=f"load ({unit})")
+        axes.plot(
+            x[~unloading],
+            load[~unloading] / factor,
+            "o-",
+            color=ALL_CONTACTS_COLOUR,
+            markersize=3,
+            linewidth=1,
+            label="loading",
+        )
+        axes.plot(x[unloading], load[unloading] / factor, "--", color=OPPOSING_COLOUR, linewidth=1.2, label="unloading")
+        pull_off_index = int(load.argmin())
+        axes.plot(
+            x[pull_off_index],
+            load[pull_off_index] / factor,
+            "v",
+            color=AREA_COLOUR,
+            markersize=5,
+            label="pull-off force",
+        )
+        axes.set(xlim=_pad_range(x[is_visible]), xlabel=x_label)
+    panels[0].set(ylim=_pad_range(load[is_visible] / factor), ylabel=f"load ({unit})")
     figure.suptitle(title, fontsize=6)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
 def _pad_range(values: Floats) -> tuple[float, float]:
-    low, high = float(values.min()), float(values.max())
-    room = 0.06 * (high - low) or 1.0
-    return low - room, high + room
+    lowest, highest = float(values.min()), float(values.max())
+    margin = 0.06 * (highest - lowest) or 1.0
+    return lowest - margin, highest + margin
 
 
 def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[str, Any] | None = None) -> Figure:
     """Draw friction coefficient and true contact area against the cutoff wavelength at one load; 80 mm wide.
 
-    `points` is a result of `resolution_at` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at their
-    shortest wavelength if it is known, otherwise left of the first cutoff. `limits` adds the plastic limit as a line,
-    extrapolated values dashed, and unresolved wavelengths in grey.
+    `points` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at
+    their shortest wavelength if it is known, otherwise left of the first cutoff. `limits` adds the plastic limit as
+    a line, extrapolated values dashed, and unresolved wavelengths in grey.
     """
     limits = limits or {}
     cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)
-    positive = cut_off[cut_off > 0].min(initial=2.0)
-    shown = np.where(cut_off > 0, cut_off, limits.get("shortest") or positive / UNFILTERED_RATIO)
-    figure = _draw_against(points, "cut_off", shown, title, limits)
-    figure.axes[1].set_xlabel(label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
+    shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
+    positions = np.where(cut_off > 0, cut_off, limits.get("shortest") or shortest_cutoff / UNFILTERED_RATIO)
+    figure = _draw_against(points, "cut_off", positions, title, limits)
+    figure.axes[1].set_xlabel(axis_label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
     return figure
 
 
 UNFILTERED_RATIO = 1.5
-"""Ratio of the first cutoff to the position of the unfiltered scan, if its shortest wavelength is unknown."""
+"""Ratio of the shortest cutoff to the position of the unfiltered scan, if its shortest wavelength is unknown."""
 
 MAX_SPECTRAL_CUTOFF_RATIO = 8.0  # maximum wavelength of the closed-form estimate, relative to the longest cutoff
 MIN_WAVELENGTH_RATIO = 1 / 16  # minimum wavelength of extrapolated values, relative to the first cutoff
 
 
-def _draw_limits(upper: Axes, lower: Axes, limits: Mapping[str, Any], x: Floats) -> None:
+def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any], x: Floats) -> None:
     """Draw the limits and extrapolated values behind the computed curves."""
     if limits.get("friction") is not None:
-        upper.axhline(
+        friction_axes.axhline(
             limits["friction"], color=RULE_COLOURS["all"], linewidth=0.8, linestyle=":", label="plastic limit"
         )
-        lower.axhline(100 * limits["area_fraction"], color=AREA, linewidth=0.8, linestyle=":")
-    waves = np.asarray(limits.get("wavelength", ()))
-    rules = waves >= MIN_WAVELENGTH_RATIO * x[x > 0].min()
+        area_axes.axhline(100 * limits["area_fraction"], color=AREA_COLOUR, linewidth=0.8, linestyle=":")
+    wavelengths = np.asarray(limits.get("wavelength", ()))
+    is_shown = wavelengths >= MIN_WAVELENGTH_RATIO * x[x > 0].min()
     for axes, name, factor, colour in (
-        (upper, "finer_friction", 1.0, RULE_COLOURS["all"]),
-        (lower, "finer_area_fraction", 100.0, AREA),
+        (friction_axes, "finer_friction", 1.0, RULE_COLOURS["all"]),
+        (area_axes, "finer_area_fraction", 100.0, AREA_COLOUR),
     ):
-        if not rules.any() or not np.isfinite(limits[name][rules, 0]).any():
+        if not is_shown.any() or not np.isfinite(limits[name][is_shown, 0]).any():
             continue
-        mean, low, high = factor * limits[name][rules].T
-        words = "extrapolated with H" if axes is upper else None
-        axes.fill_between(waves[rules], low, high, color=colour, alpha=0.1, linewidth=0)
-        axes.plot(waves[rules], mean, "--", color=colour, linewidth=0.8, label=words)
-        if axes is upper:
+        mean, low, high = factor * limits[name][is_shown].T
+        curve_label = "extrapolated with H" if axes is friction_axes else None
+        axes.fill_between(wavelengths[is_shown], low, high, color=colour, alpha=0.1, linewidth=0)
+        axes.plot(wavelengths[is_shown], mean, "--", color=colour, linewidth=0.8, label=curve_label)
+        if axes is friction_axes:
             axes.set_ylim(0, max(axes.get_ylim()[1], 1.05 * float(np.nanmax(mean))))
     spectral = limits.get("spectral")
     if spectral is not None:
         spectral = spectral.isel(wavelength=spectral.wavelength <= MAX_SPECTRAL_CUTOFF_RATIO * x.max())
         for rule in spectral.sliding.values:
-            label = "estimate from spectra" if rule == "all" else None
+            curve_label = "estimate from spectra" if rule == "all" else None
             values = spectral.friction_coefficient.sel(sliding=rule)
-            upper.plot(spectral.wavelength, values, "-.", color=RULE_COLOURS[str(rule)], linewidth=0.8, label=label)
-        lower.plot(spectral.wavelength, 100 * spectral.contact_area_fraction, "-.", color=AREA, linewidth=0.8)
+            friction_axes.plot(
+                spectral.wavelength, values, "-.", color=RULE_COLOURS[str(rule)], linewidth=0.8, label=curve_label
+            )
+        area_axes.plot(
+            spectral.wavelength, 100 * spectral.contact_area_fraction, "-.", color=AREA_COLOUR, linewidth=0.8
+        )
     if limits.get("shortest"):
-        for axes in (upper, lower):
+        for axes in (friction_axes, area_axes):
             axes.axvspan(1e-9, 0.97 * limits["shortest"], color="0.9", linewidth=0, zorder=-2, label="not resolved")
 
 
 def _draw_against(
-    points: xarray.Dataset, along: str, x: Floats, title: str, limits: Mapping[str, Any] | None = None
+    points: xarray.Dataset, dimension: str, x: Floats, title: str, limits: Mapping[str, Any] | None = None
 ) -> Figure:
     figure = new_figure(114)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-    has_combined = along == "load" and "friction_combined" in points
+    friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+    has_combined = dimension == "load" and "friction_combined" in points
     for rule in _sliding_rules(points):
-        at, colour = by_rule(points, rule), RULE_COLOURS[rule]
-        mean, low, high = (at["friction_all_round"].sel(statistic=name).values for name in MEAN_AND_ENDS)
-        upper.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
+        dataset, colour = by_rule(points, rule), RULE_COLOURS[rule]
+        mean, low, high = (dataset["friction_all_round"].sel(statistic=name).values for name in MEAN_AND_ENDS)
+        friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         if has_combined:
-            low, high = (at["friction_combined"].sel(statistic=name).values for name in MEAN_AND_ENDS[1:])
-            upper.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
-        upper.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=RULE_LABELS[rule])
-        _draw_single_directions(upper, at, x, colour)
-    _mark_incomplete(upper, points, along, x)
+            low, high = (dataset["friction_combined"].sel(statistic=name).values for name in MEAN_AND_ENDS[1:])
+            friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
+        friction_axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=RULE_LABELS[rule])
+        _draw_single_directions(friction_axes, dataset, x, colour)
+    _mark_incomplete(friction_axes, points, dimension, x)
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
     mean, low, high = (area.sel(statistic=name).values for name in MEAN_AND_ENDS)
-    lower.fill_between(x, low, high, color=AREA, alpha=0.2, linewidth=0)
-    lower.plot(x, mean, "o-", color=AREA, linewidth=1, markersize=2)
-    for ax in (upper, lower):
+    area_axes.fill_between(x, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+    area_axes.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
+    for ax in (friction_axes, area_axes):
         ax.set_xscale("log")
     if (mean > 0).any():
-        lower.set_yscale("log")
-    highest = max(line.get_ydata().max(initial=0.0, where=np.isfinite(line.get_ydata())) for line in upper.lines)
-    upper.set_ylim(0, min(upper.get_ylim()[1], MAX_AXIS_RATIO * highest) if highest > 0 else None)
+        area_axes.set_yscale("log")
+    highest = max(
+        line.get_ydata().max(initial=0.0, where=np.isfinite(line.get_ydata())) for line in friction_axes.lines
+    )
+    friction_axes.set_ylim(0, min(friction_axes.get_ylim()[1], MAX_AXIS_RATIO * highest) if highest > 0 else None)
     if limits:
         left = min([*x, *(value for value in limits["wavelength"] if value >= MIN_WAVELENGTH_RATIO * x.min())])
-        _draw_limits(upper, lower, limits, x)
-        lower.set_xlim(left / 1.2, (1.2 if limits.get("spectral") is None else MAX_SPECTRAL_CUTOFF_RATIO) * x.max())
-    upper.set_ylabel(label("friction_coefficient"))
-    lower.set_ylabel(label("contact_area_fraction" if has_fraction else "contact_area"))
-    for ax in (upper, lower):
+        _draw_limits(friction_axes, area_axes, limits, x)
+        area_axes.set_xlim(left / 1.2, (1.2 if limits.get("spectral") is None else MAX_SPECTRAL_CUTOFF_RATIO) * x.max())
+    friction_axes.set_ylabel(axis_label("friction_coefficient"))
+    area_axes.set_ylabel(axis_label("contact_area_fraction" if has_fraction else "contact_area"))
+    for ax in (friction_axes, area_axes):
         set_log_ticks(ax)
-    plain_log(lower.xaxis)
-    low, high = lower.get_ylim()
-    if lower.get_yscale() == "log" and high < 30 * low:
-        plain_log(lower.yaxis)
+    plain_log(area_axes.xaxis)
+    low, high = area_axes.get_ylim()
+    if area_axes.get_yscale() == "log" and high < 30 * low:
+        plain_log(area_axes.yaxis)
     modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
     figure.suptitle(f"{title}\n{parameters}".strip(), fontsize=6)
-    handles = upper.get_legend_handles_labels()
-    figure.legend(*handles, title=BANDS[has_combined], loc="outside lower center", ncols=2)
+    handles = friction_axes.get_legend_handles_labels()
+    figure.legend(*handles, title=BAND_LEGENDS[has_combined], loc="outside lower center", ncols=2)
     return figure
 
 
@@ -221,21 +242,21 @@ def _sliding_rules(points: xarray.Dataset) -> list[str]:
     return [rule for rule in RULE_COLOURS if rule in rules]
 
 
-def _draw_single_directions(axes: Axes, at: xarray.Dataset, x: Floats, colour: str) -> None:
-    if not 1 < at.sizes.get("direction", 1) <= MAX_SINGLE_DIRECTIONS or colour == RULE_COLOURS["all"]:
+def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
+    if not 1 < dataset.sizes.get("direction", 1) <= MAX_SINGLE_DIRECTIONS or colour == RULE_COLOURS["all"]:
         return  # with friction at all contacts both directions coincide
-    for direction, dashes in zip(at["direction"].values, ("--", ":"), strict=False):
-        mean = at["friction_coefficient"].sel(direction=direction, statistic="mean").values
+    for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
+        mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
         name = f"  upper body to {direction_text(float(direction))} alone"
-        axes.plot(x, mean, dashes, color=colour, linewidth=0.6, label=name)
+        axes.plot(x, mean, line_style, color=colour, linewidth=0.6, label=name)
 
 
-def _mark_incomplete(axes: Axes, points: xarray.Dataset, along: str, x: Floats) -> None:
+def _mark_incomplete(axes: Axes, points: xarray.Dataset, dimension: str, x: Floats) -> None:
     """Mark points at which some members have no result."""
     if not {"ok", "members"} <= set(points.variables):
         return
-    ok = points["ok"].min([dim for dim in points["ok"].dims if dim != along])
-    is_incomplete = (ok > 0).values & (ok < points["members"].max()).values
+    num_solved = points["ok"].min([dim for dim in points["ok"].dims if dim != dimension])
+    is_incomplete = (num_solved > 0).values & (num_solved < points["members"].max()).values
     if not is_incomplete.any():
         return
     mean = by_rule(points["friction_all_round"], _sliding_rules(points)[0]).sel(statistic="mean").values

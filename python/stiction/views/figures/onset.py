@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from stiction._checks import Floats
 from stiction._drawing import add_scale_bar
-from stiction._number_format import with_unit
+from stiction._number_format import format_with_unit
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.contact_picture import MIN_ZOOM_SIZE, ZOOM_DIVISOR
 from stiction.studies.contact_tables import AsperityContactTable
@@ -30,16 +30,24 @@ from stiction.views.figures.ensemble import (
     format_dimension_axis,
     heading_lines,
 )
-from stiction.views.onset import AMPLITUDES
-from stiction.views.style import AREA, FORCE, FRICTION, SLIP_MAP, friction_parameters_text, label, new_figure
+from stiction.views.onset import CYCLE_AMPLITUDES
+from stiction.views.style import (
+    AREA_COLOUR,
+    FORCE_COLOUR,
+    FRICTION_COLOUR,
+    SLIP_MAP,
+    axis_label,
+    friction_parameters_text,
+    new_figure,
+)
 
-CYCLE_COLOURS = ("0.55", FRICTION)  # colours of the load cycles
+CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)  # colours of the load cycles
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw tangential load against displacement with cycles, and slipping fractions against load; 80 mm wide.
 
-    `onset` is a result of `onset_of_result`. For a half-plane, which has no defined displacement, only the slipping
+    `onset` is a result of `compute_onset`. For a half-plane, which has no defined displacement, only the slipping
     fractions are drawn.
     """
     curve = onset.sel(statistic="mean")
@@ -53,30 +61,30 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         axes = panels[0]
         low, high = (_with_origin(onset["displacement"].sel(statistic=item).values) for item in ("lower", "upper"))
         if np.isfinite(low).all():
-            axes.fill_betweenx(load, 1e3 * low, 1e3 * high, color=FORCE, alpha=0.15, linewidth=0)
-        for amplitude, colour in zip(AMPLITUDES, CYCLE_COLOURS, strict=True):
+            axes.fill_betweenx(load, 1e3 * low, 1e3 * high, color=FORCE_COLOUR, alpha=0.15, linewidth=0)
+        for amplitude, colour in zip(CYCLE_AMPLITUDES, CYCLE_COLOURS, strict=True):
             cycle = _masing_cycle(displacement, load, float(curve["tangential_load"].sel(fraction=amplitude)))
-            lost = 1e3 * float(curve["energy_lost"].sel(fraction=amplitude))
-            text = f"cycle of {amplitude:g}: {with_unit(lost, 'pJ')}"
+            energy_loss = 1e3 * float(curve["energy_lost"].sel(fraction=amplitude))
+            text = f"cycle of {amplitude:g}: {format_with_unit(energy_loss, 'pJ')}"
             axes.plot(1e3 * cycle[0], cycle[1], color=colour, linewidth=0.8, label=text)
-        first = _interpolate_loading(displacement, load, float(load[-1]))
-        axes.plot(1e3 * first[0], first[1], color=FORCE, linewidth=1.2, label="first loading")
+        loading_curve = _interpolate_loading(displacement, load, float(load[-1]))
+        axes.plot(1e3 * loading_curve[0], loading_curve[1], color=FORCE_COLOUR, linewidth=1.2, label="first loading")
         axes.axhline(0, color="0.7", linewidth=0.4)
         axes.axvline(0, color="0.7", linewidth=0.4)
         axes.set(xlabel="displacement of the upper body (nm)", ylabel="tangential load $F_T$ (mN)")
         axes.legend(loc="lower right", title="of the sliding load")
     axes = panels[-1]
     fraction = np.concatenate([[0.0], onset["fraction"].values])
-    for name, text, dashes, colour in (
-        ("slipped_area", "of the true contact area", "-", AREA),
-        ("slipped_load", "of the normal load", "--", FORCE),
+    for name, text, line_style, colour in (
+        ("slipped_area", "of the true contact area", "-", AREA_COLOUR),
+        ("slipped_load", "of the normal load", "--", FORCE_COLOUR),
     ):
         mean, low, high = (
             100 * _with_origin(onset[name].sel(statistic=statistic).values) for statistic in MEAN_AND_ENDS
         )
         if np.isfinite(low).all():
             axes.fill_between(fraction, low, high, color=colour, alpha=0.15, linewidth=0)
-        axes.plot(fraction, mean, dashes, color=colour, linewidth=1, label=text)
+        axes.plot(fraction, mean, line_style, color=colour, linewidth=1, label=text)
     axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="tangential load over sliding load", ylabel="slipping fraction (%)")
     axes.legend(loc="upper left")
     figure.suptitle(f"{_heading(onset, title)}; bands: 95 %, sampling of positions", fontsize=6)
@@ -86,7 +94,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
 def _heading(onset: xarray.Dataset, title: str) -> str:
     a = onset.attrs
     parameters = friction_parameters_text(float(a["mu0"]), float(a["tau0_GPa"]))
-    return f"{title}\n{parameters}, $F_N$ = {with_unit(float(a['load_mN']), 'mN')}".strip()
+    return f"{title}\n{parameters}, $F_N$ = {format_with_unit(float(a['load_mN']), 'mN')}".strip()
 
 
 def _with_origin(values: Floats) -> Floats:
@@ -96,22 +104,22 @@ def _with_origin(values: Floats) -> Floats:
 NUM_CURVE_POINTS = 200  # points of an interpolated curve
 
 
-def _interpolate_loading(displacement: Floats, load: Floats, top: float) -> tuple[Floats, Floats]:
+def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
     """Return the first loading curve up to a load, interpolated by a monotone cubic."""
     from scipy.interpolate import PchipInterpolator
 
-    fine = np.linspace(0.0, top, NUM_CURVE_POINTS)
-    return np.asarray(PchipInterpolator(load, displacement)(fine)), fine
+    fine_loads = np.linspace(0.0, max_load, NUM_CURVE_POINTS)
+    return np.asarray(PchipInterpolator(load, displacement)(fine_loads)), fine_loads
 
 
-def _masing_cycle(displacement: Floats, load: Floats, top: float) -> tuple[Floats, Floats]:
+def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
     """Return a cycle between plus and minus a load by Masing's rule: branches are the loading curve scaled by two."""
-    up = _interpolate_loading(displacement, load, top)
-    down = up[0][-1] - 2 * up[0], up[1][-1] - 2 * up[1]
-    return np.concatenate([down[0], -down[0]]), np.concatenate([down[1], -down[1]])
+    loading = _interpolate_loading(displacement, load, amplitude)
+    unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
+    return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
 
 
-# ---- What slips first -----------------------------------------------------------------------------------------------
+# ---- Slip map --------------------------------------------------------------------------------------------------------
 
 
 _MAX_MARKER_AREA = 60.0  # area of the largest marker (square points)
@@ -123,58 +131,71 @@ def has_slip_map(onset: xarray.Dataset) -> bool:
 
 
 def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the tangential load at which each contact point starts to slip, over the heights; 80 mm wide.
+    """Draw the tangential load at which each contact point starts to slip, on a map of the heights; 80 mm wide.
 
-    `onset` is a result of `onset_of_result` for areal contact. With the asperity model each contact is one marker,
+    `onset` is a result of `compute_onset` for areal contact. With the asperity model each contact is one marker,
     coloured by the load at which it slides.
     """
-    of_points = "slip" in onset
-    figure = new_figure(144 if of_points else 86)
-    panels = figure.subplots(2 if of_points else 1, 1, squeeze=False)[:, 0]
+    has_point_map = "slip" in onset
+    figure = new_figure(144 if has_point_map else 86)
+    panels = figure.subplots(2 if has_point_map else 1, 1, squeeze=False)[:, 0]
     colours = mpl.colormaps[SLIP_MAP]
-    levels = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
-    whole = map_extent(onset, "slip")
-    draw_heights(figure, panels[0], onset["lower_height"].values, whole)
-    add_scale_bar(panels[0], whole, fontsize=6)
-    if of_points:
-        _draw_slip(panels[0], onset["slip"].values, whole, levels)
+    colour_norm = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
+    full_extent = map_extent(onset, "slip")
+    draw_heights(figure, panels[0], onset["lower_height"].values, full_extent)
+    add_scale_bar(panels[0], full_extent, fontsize=6)
+    if has_point_map:
+        _draw_slip(panels[0], onset["slip"].values, full_extent, colour_norm)
         fraction, box = _busiest_window(onset)
         draw_frame(panels[0], box)
         panels[1].imshow(onset["lower_height"].values[fraction], extent=box, origin="lower", cmap="gray", alpha=0.6)
-        _draw_slip(panels[1], onset["slip"].values[fraction], box, levels)
+        _draw_slip(panels[1], onset["slip"].values[fraction], box, colour_norm)
         panels[1].set_title("region with the most contact (frame above)", loc="left", fontsize=6, pad=3)
-        panels[1].set(xlabel=label("x"), ylabel=label("y"))
+        panels[1].set(xlabel=axis_label("x"), ylabel=axis_label("y"))
     else:
         area = onset["contact_area"].values
         panels[0].scatter(
             onset["contact_x"], onset["contact_y"],
             s=np.maximum(_MAX_MARKER_AREA * area / area.max(initial=1e-300), 4.0),
-            c=onset["contact_slip"], cmap=SLIP_MAP, norm=levels, edgecolors="white", linewidths=0.4,
+            c=onset["contact_slip"], cmap=SLIP_MAP, norm=colour_norm, edgecolors="white", linewidths=0.4,
         )  # fmt: skip
-    bar = figure.colorbar(
-        ScalarMappable(levels, colours), ax=panels[-1], location="bottom", shrink=0.8, ticks=[0, 0.2, 0.4, 0.6, 0.8, 1]
+    colour_bar = figure.colorbar(
+        ScalarMappable(colour_norm, colours),
+        ax=panels[-1],
+        location="bottom",
+        shrink=0.8,
+        ticks=[0, 0.2, 0.4, 0.6, 0.8, 1],
     )
-    bar.set_label(f"tangential over sliding load at which a {'point slips' if of_points else 'contact slides'}")
+    colour_bar.set_label(
+        f"tangential over sliding load at which a {'point slips' if has_point_map else 'contact slides'}"
+    )
     panels[0].set_title(_heading(onset, title), loc="left", fontsize=6, pad=3)
     return figure
 
 
-def _draw_slip(axes: Axes, slip: Floats, box: tuple[float, ...], levels: BoundaryNorm) -> None:
-    kind: dict[str, Any] = {"origin": "lower", "interpolation": "nearest", "cmap": SLIP_MAP, "norm": levels}
-    axes.imshow(slip, extent=(box[0], box[1], box[2], box[3]), **kind)
+def _draw_slip(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm: BoundaryNorm) -> None:
+    image_options: dict[str, Any] = {
+        "origin": "lower",
+        "interpolation": "nearest",
+        "cmap": SLIP_MAP,
+        "norm": colour_norm,
+    }
+    axes.imshow(slip, extent=(box[0], box[1], box[2], box[3]), **image_options)
 
 
 def _busiest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
     """Return the window of the map with the most contact: its rows and columns, and its extent (µm)."""
     from scipy.ndimage import gaussian_filter
 
-    touching = np.isfinite(onset["slip"].values)
-    size = [min(max(n // ZOOM_DIVISOR, MIN_ZOOM_SIZE), n) for n in touching.shape]
-    density = gaussian_filter(touching.astype(np.float64), [item / 4 for item in size], mode="constant")
-    middle = np.unravel_index(int(density.argmax()), density.shape)
+    is_contact = np.isfinite(onset["slip"].values)
+    window_shape = [min(max(length // ZOOM_DIVISOR, MIN_ZOOM_SIZE), length) for length in is_contact.shape]
+    contact_density = gaussian_filter(
+        is_contact.astype(np.float64), [width / 4 for width in window_shape], mode="constant"
+    )
+    peak = np.unravel_index(int(contact_density.argmax()), contact_density.shape)
     rows, columns = (
-        slice(begin := int(np.clip(at - wide // 2, 0, n - wide)), begin + wide)
-        for at, wide, n in zip(middle, size, touching.shape, strict=True)
+        slice(start := int(np.clip(centre - width // 2, 0, length - width)), start + width)
+        for centre, width, length in zip(peak, window_shape, is_contact.shape, strict=True)
     )
     return (rows, columns), map_extent(onset.isel(slip_y=rows, slip_x=columns), "slip")
 
@@ -187,7 +208,7 @@ _PANELS = {
     "fraction_slipped": (100.0, "slip at half the sliding load (%)", False),
     "tangential_stiffness": (1.0, "tangential stiffness (mN/µm)", True),
 }
-"""Factor, axis label and whether the axis is logarithmic, by panel."""
+"""Factor, axis label and use of a logarithmic axis for each panel."""
 
 LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 """Loads of the curves, as fractions of the logarithmic load range."""
@@ -206,16 +227,16 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     assert settings is not None
     ends = np.log(reached_loads(dataset, 2))
     loads = np.unique([float(f"{np.exp(ends[0] + fraction * (ends[1] - ends[0])):.0e}") for fraction in LOAD_FRACTIONS])
-    at = at_load(dataset, loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
+    dataset_at_loads = at_load(dataset, loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
     amplitudes = dataset["amplitude"].values
     lines = heading_lines(dataset, study)
-    figure, total, axes_at = create_axes_rows(
+    figure, height, axes_at = create_axes_rows(
         amplitudes.size, 42.0, 6.0 + HEADING_HEIGHT * len(lines), 15.0, between=5.0
     )
     for row, amplitude in enumerate(amplitudes):
         for number, name in enumerate(_PANELS):
             axes = axes_at(13 + 57 * number, row, 40)
-            _draw_curves(axes, at.isel(amplitude=row), name)
+            _draw_curves(axes, dataset_at_loads.isel(amplitude=row), name)
             format_dimension_axis(axes, dataset, last=row == amplitudes.size - 1)
             if row == 0:
                 draw_panel_letter(axes, number)
@@ -225,30 +246,34 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     handles, text = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, text, loc="lower left", ncols=len(handles), borderaxespad=0.3)
     figure.text(
-        0.99, 1.5 / total, f"at {friction_parameters_text(settings.mu0, float(settings.tau0))}; bands: 95 %; dotted: "
-        "model not valid", ha="right", va="bottom", fontsize=6,
-    )  # fmt: skip
+        0.99,
+        1.5 / height,
+        f"at {friction_parameters_text(settings.mu0, float(settings.tau0))}; bands: 95 %; dotted: model not valid",
+        ha="right",
+        va="bottom",
+        fontsize=6,
+    )
     return figure
 
 
-def _draw_curves(axes: Axes, at: xarray.Dataset, name: str) -> None:
-    factor, text, in_ratios = _PANELS[name]
-    dimension = at["fractal_dimension"].values
-    for load, colour in zip(at["load"].values, LOAD_COLOURS, strict=False):
-        dataset_at_load = at.sel(load=load)
+def _draw_curves(axes: Axes, dataset: xarray.Dataset, name: str) -> None:
+    factor, text, is_logarithmic = _PANELS[name]
+    dimension = dataset["fractal_dimension"].values
+    for load, colour in zip(dataset["load"].values, LOAD_COLOURS, strict=False):
+        dataset_at_load = dataset.sel(load=load)
         mean, lower, upper = (
             factor * dataset_at_load[name].sel(statistic=statistic).values for statistic in MEAN_AND_ENDS
         )
-        trusted = ~(dataset_at_load["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
+        is_valid = ~(dataset_at_load["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
         axes.fill_between(dimension, lower, upper, color=colour, alpha=0.2, linewidth=0)
         marker = "o" if dimension.size == 1 else None
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "marker": marker, "markersize": 2}
         axes.plot(dimension, mean, ":", **style)
-        axes.plot(dimension, np.where(trusted, mean, np.nan), label=f"$F_N$ = {with_unit(load, 'mN')}", **style)
-    positive = at[name].sel(statistic="mean").values
+        axes.plot(dimension, np.where(is_valid, mean, np.nan), label=f"$F_N$ = {format_with_unit(load, 'mN')}", **style)
+    positive = dataset[name].sel(statistic="mean").values
     positive = factor * positive[np.isfinite(positive) & (positive > 0)]
-    if in_ratios and positive.size:
+    if is_logarithmic and positive.size:
         axes.set(yscale="log", ylim=(positive.min() / 2, positive.max() * 2))
-    elif not in_ratios:
+    elif not is_logarithmic:
         axes.set_ylim(0, 50)
     axes.set_ylabel(text)

@@ -17,11 +17,11 @@ from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import Characterisation, length_text, to_characterisation
-from stiction.views.style import AXES, FULL_WIDTH, STYLE, new_figure
+from stiction.views.style import AXIS_COLOURS, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
-MAX_POINTS = 1500  # maximum number of points drawn of a profile; longer profiles are averaged
+MAX_PROFILE_POINTS = 1500  # maximum number of points drawn of a profile; longer profiles are averaged
 NUM_HEIGHT_BINS = 40  # number of bins of the height distribution
-MEASURED, FITTED = "#0072b2", "#d55e00"  # colours of measured and fitted curves
+MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"  # colours of measured and fitted curves
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # tick spacings, times a power of ten
 MIN_MILLIMETRE_LENGTH = 1000.0  # lengths (µm) above which an axis is in mm
 
@@ -32,7 +32,7 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
     Options are those of `characterisation_text`.
     """
     result = to_characterisation(body, **options)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_STYLE):
         if isinstance(result.body, Profile):
             figure = new_figure(88)
             first, second = figure.subfigures(2, 1, squeeze=False, height_ratios=[1, 1.7])[:, 0]
@@ -40,12 +40,12 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
             axes |= second.subplot_mosaic([["spectrum"]])
             _draw_heights(axes["heights"], result.body)
         else:
-            figure = new_figure(112, width=FULL_WIDTH)
+            figure = new_figure(112, width=PAGE_WIDTH)
             first, second = figure.subfigures(1, 2, squeeze=False, width_ratios=[1, 1.1])[0]
             axes = first.subplot_mosaic([["heights"], ["distribution"]], height_ratios=[2, 1])
             axes |= second.subplot_mosaic([["spectrum"], ["lines"]])
             _draw_map(first, axes["heights"], result.body)
-            for line, colour in zip(result.lines, AXES.items(), strict=True):
+            for line, colour in zip(result.lines, AXIS_COLOURS.items(), strict=True):
                 _draw_line(axes["lines"], line, *colour)
             _finish_spectrum(axes["lines"], "µm³")
         _draw_spectrum(axes["spectrum"], result)
@@ -55,15 +55,15 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
 
 def _draw_heights(axes: Axes, profile: Profile) -> None:
     """Draw heights along a profile; long profiles as means of neighbouring points with their range."""
-    group_size = -(-len(profile) // MAX_POINTS)
+    group_size = -(-len(profile) // MAX_PROFILE_POINTS)
     heights = profile.heights - profile.heights.min()
     groups = np.pad(1000 * heights, (0, -len(profile) % group_size), mode="edge").reshape(-1, group_size)
     x = profile.spacing * (group_size * np.arange(len(groups)) + (group_size - 1) / 2)
     unit, size = ("mm", 1000) if x[-1] >= MIN_MILLIMETRE_LENGTH else ("µm", 1)
-    axes.plot(x / size, groups.mean(axis=1), color=MEASURED, linewidth=0.7)
+    axes.plot(x / size, groups.mean(axis=1), color=MEASURED_COLOUR, linewidth=0.7)
     if group_size > 1:
         ends = groups.min(axis=1), groups.max(axis=1)
-        axes.fill_between(x / size, *ends, color=MEASURED, alpha=0.4, linewidth=0)
+        axes.fill_between(x / size, *ends, color=MEASURED_COLOUR, alpha=0.4, linewidth=0)
     axes.set(xlabel=f"position $x$ ({unit})", ylabel="height (nm)")
     axes.locator_params(nbins=4, steps=TICK_STEPS)
 
@@ -73,9 +73,9 @@ def _draw_distribution(axes: Axes, heights: Floats) -> None:
     rms = float(deviations.std())
     density, edges = np.histogram(deviations, NUM_HEIGHT_BINS, density=True)
     x = (edges[1:] + edges[:-1]) / 2
-    axes.plot(x, density, color=MEASURED, linewidth=0.7)
+    axes.plot(x, density, color=MEASURED_COLOUR, linewidth=0.7)
     normal = np.exp(-((x / rms) ** 2) / 2) / (rms * math.sqrt(2 * math.pi))
-    axes.plot(x, normal, "--", color=FITTED, linewidth=1.2)
+    axes.plot(x, normal, "--", color=FITTED_COLOUR, linewidth=1.2)
     axes.set(xlabel="height (nm)", ylabel="density (1/nm)")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
@@ -90,17 +90,22 @@ def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
         )  # fmt: skip
     shown = result.binned.density > 0
     axes.plot(
-        result.binned.wave_number[shown], result.binned.density[shown], color=MEASURED, linewidth=0.6, marker="o",
-        markersize=2, label="measured",
-    )  # fmt: skip
+        result.binned.wave_number[shown],
+        result.binned.density[shown],
+        color=MEASURED_COLOUR,
+        linewidth=0.6,
+        marker="o",
+        markersize=2,
+        label="measured",
+    )
     law, is_profile = result.law, result.spectrum is not None
     if law is None:
         note = "no self-affine band found" if result.fit is None else "no power law"
     else:
         q = np.geomspace(2 * math.pi / law.longest_wavelength, 2 * math.pi / law.shortest_wavelength, 40)
         name = f"$q^{{-{2 - is_profile}-2H}}$, $H$ = {law.value:.2f} [{law.lower:.2f}, {law.upper:.2f}]"
-        axes.plot(q, law.density(q), "--", color=FITTED, linewidth=1.2, label=name)
-        axes.axvspan(q[0], q[-1], color=FITTED, alpha=0.12, linewidth=0, label="fitted band")
+        axes.plot(q, law.density(q), "--", color=FITTED_COLOUR, linewidth=1.2, label=name)
+        axes.axvspan(q[0], q[-1], color=FITTED_COLOUR, alpha=0.12, linewidth=0, label="fitted band")
         classical = f"{law.fractal_dimension_classical:.2f} (classical), " if law.value <= 1 else ""
         note = f"$D$ = {classical}{law.fractal_dimension_paper:.2f} (paper)"
     axes.plot([], [], " ", label=note)

@@ -34,7 +34,7 @@ from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_of
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.height_scale import stored_scale_factors
 from stiction.views.resolution import resolution_limits
-from stiction.views.style import STYLE, parse_formats, save_figure
+from stiction.views.style import MATPLOTLIB_STYLE, parse_formats, save_figure
 
 
 def draw_figures(
@@ -68,26 +68,26 @@ def draw_figures(
     """
     endings = parse_formats(formats)
     paths: list[Path] = []
-    for name, draw in figures_of(result, picture):
+    for name, draw_figure in select_figures(result, picture):
         if first and paths and not any((Path(directory) / f"{name}.{ending}").exists() for ending in endings):
             continue
-        with mpl.rc_context(STYLE):
-            figure = draw()
+        with mpl.rc_context(MATPLOTLIB_STYLE):
+            figure = draw_figure()
             for ending in endings:
                 paths.append(Path(directory) / f"{name}.{ending}")
                 save_figure(figure, paths[-1])
     return paths
 
 
-def figures_of(
+def select_figures(
     result: Result | xarray.Dataset, picture: xarray.Dataset | None = None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """Yield the file name without ending and the drawing function of each figure of a result."""
     result = Result.of(result)
     if not result.study.is_measured:
-        yield from _of_generated(result.dataset, result.study)
+        yield from _generated_figures(result.dataset, result.study)
         return
-    yield from _of_measured(result, result.study, result.contact_picture if picture is None else picture)
+    yield from _measured_figures(result, result.study, result.contact_picture if picture is None else picture)
 
 
 def pair_title(study: Study) -> str:
@@ -96,7 +96,7 @@ def pair_title(study: Study) -> str:
     return f"gap {upper}" if study.is_gap else f"{upper} on {lower}"
 
 
-def print_title(study: Study) -> str:
+def format_print_title(study: Study) -> str:
     """Return the title of a pair for print, without file endings and underscores."""
     return re.sub(r"\.\w+(?= on |$)", "", pair_title(study)).replace("_", " ")
 
@@ -104,7 +104,7 @@ def print_title(study: Study) -> str:
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
 
-def _of_generated(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
+def _generated_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
     for name in study.figures.draw:
         match name:
             case "profiles":
@@ -125,33 +125,33 @@ def _of_generated(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, 
 # ---- Measured --------------------------------------------------------------------------------------------------------
 
 
-def _of_measured(
+def _measured_figures(
     result: Result, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    loads_of_study = [float(load) for load in study.friction.load]
-    loads = np.unique([*study.contact.steps(), *loads_of_study])
+    study_loads = [float(load) for load in study.friction.load]
+    loads = np.unique([*study.contact.steps(), *study_loads])
     points = result.at(loads)
-    uncut, title, hardness = points.isel(cut_off=0), print_title(study), study.contact.hardness
-    first = loads_of_study[0]
-    over, onset = points if points.sizes["cut_off"] > 1 else result.over_cut_offs, result.onset
+    unfiltered, title, hardness = points.isel(cut_off=0), format_print_title(study), study.contact.hardness
+    first_load = study_loads[0]
+    cutoff_dataset, onset = points if points.sizes["cut_off"] > 1 else result.over_cut_offs, result.onset
     for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         suffix = "" if number == 1 else f"-{number}"
-        selection = uncut.isel(mu0=m, tau0=t)
-        at = selection.sel(load=first, method="nearest")
-        yield f"friction{suffix}", partial(load_figure, selection, loads_of_study, title=title)
+        selection = unfiltered.isel(mu0=m, tau0=t)
+        dataset = selection.sel(load=first_load, method="nearest")
+        yield f"friction{suffix}", partial(load_figure, selection, study_loads, title=title)
         if points.sizes.get("direction", 1) >= MIN_DIRECTIONS:
-            yield f"compass{suffix}", partial(compass_figure, at, title=title)
-        yield f"positions{suffix}", partial(draw_positions, result, at, title=title)
-        if over is not None:
-            at = over.isel(mu0=m, tau0=t).sel(load=first, method="nearest")
-            yield f"cut_off{suffix}", partial(_cut_off, at, study, title=title)
-    for scaled in stored_scale_factors(result):
-        of_scaled = "height_scale" if scaled == "both" else f"height_scale_{scaled}"
-        for number, place in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
+            yield f"compass{suffix}", partial(compass_figure, dataset, title=title)
+        yield f"positions{suffix}", partial(draw_positions, result, dataset, title=title)
+        if cutoff_dataset is not None:
+            dataset = cutoff_dataset.isel(mu0=m, tau0=t).sel(load=first_load, method="nearest")
+            yield f"cut_off{suffix}", partial(_cut_off, dataset, study, title=title)
+    for surfaces in stored_scale_factors(result):
+        name = "height_scale" if surfaces == "both" else f"height_scale_{surfaces}"
+        for number, indices in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
             suffix = "" if number == 1 else f"-{number}"
-            yield of_scaled + suffix, partial(draw_height_scale, result, scaled, place, title=title)
+            yield name + suffix, partial(draw_height_scale, result, surfaces, indices, title=title)
     if study.is_areal:
-        yield "closure", partial(closure_figure, uncut.sel(load=slice(max(loads_of_study))), title=title)
+        yield "closure", partial(closure_figure, unfiltered.sel(load=slice(max(study_loads))), title=title)
     yield "budget", lambda: budget_figure(result.summary().first, title=title)
     if study.friction.wait:
         yield "waiting", lambda: dwell_time_figure(result.summary().first, title=title)
@@ -162,56 +162,70 @@ def _of_measured(
     if study.contact.adheres and (branches := result.coming_and_going) is not None:
         yield "adhesion", partial(adhesion_figure, branches, title=title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
-        at = uncut.isel(mu0=0, tau0=0).sel(load=loads_of_study, method="nearest")
-        yield "sizes", partial(_sizes, result, at, hardness=hardness, title=title)
+        dataset = unfiltered.isel(mu0=0, tau0=0).sel(load=study_loads, method="nearest")
+        yield "sizes", partial(_sizes, result, dataset, hardness=hardness, title=title)
     if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
         yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=title)
     elif not (study.is_areal or study.uses_half_space):
-        yield from _of_profiles(result, study, uncut.isel(mu0=0, tau0=0).sel(load=first, method="nearest"), first)
+        yield from _profile_figures(
+            result, study, unfiltered.isel(mu0=0, tau0=0).sel(load=first_load, method="nearest"), first_load
+        )
 
 
-def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
-    return cut_off_figure(at, title=title, limits=resolution_limits(at, study))
+def _cut_off(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
+    return cut_off_figure(dataset, title=title, limits=resolution_limits(dataset, study))
 
 
-def draw_height_scale(result: Result, scaled: ScaledSides, place: tuple[int, ...] = (0, 0), *, title: str) -> Figure:
+def draw_height_scale(
+    result: Result, surfaces: ScaledSides, indices: tuple[int, ...] = (0, 0), *, title: str
+) -> Figure:
     """Draw a result against the stored factors of the heights, at its first load and one pair of mu0 and tau0."""
     friction = result.study.friction
-    mu0, tau0 = [friction.mu0[place[0]]], [float(friction.tau0[place[1]])]
-    factors, load = stored_scale_factors(result)[scaled], [float(friction.load[0])]
+    mu0, tau0 = [friction.mu0[indices[0]]], [float(friction.tau0[indices[1]])]
+    factors, load = stored_scale_factors(result)[surfaces], [float(friction.load[0])]
     assert result.stored is not None, "factors are stored alongside"
-    at = evaluate_height_scale(result.stored, factors, load, mu0=mu0, tau0=tau0, scaled=scaled)
-    return height_scale_figure(at.isel(load=0, mu0=0, tau0=0), title=title)
+    dataset = evaluate_height_scale(result.stored, factors, load, mu0=mu0, tau0=tau0, scaled=surfaces)
+    return height_scale_figure(dataset.isel(load=0, mu0=0, tau0=0), title=title)
 
 
-def draw_positions(result: Result, at: xarray.Dataset, *, title: str) -> Figure:
+def draw_positions(result: Result, dataset: xarray.Dataset, *, title: str) -> Figure:
     """Draw the friction of each member of a result at one point of `at_load`."""
-    material: dict[str, Any] = {name: [float(at[name])] for name in ("mu0", "tau0")}
-    members = member_values(result, [float(at["load"])], **material)
+    material: dict[str, Any] = {name: [float(dataset[name])] for name in ("mu0", "tau0")}
+    members = member_values(result, [float(dataset["load"])], **material)
     values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
-    return positions_figure(values.transpose("repetition", "direction", ...), at, title=title)
+    return positions_figure(values.transpose("repetition", "direction", ...), dataset, title=title)
 
 
-def _sizes(result: Result, at: xarray.Dataset, **options: Any) -> Figure:
-    return sizes_figure(result.dataset[["patch_area", "pressure"]].isel(cut_off=0), at, **options)
+def _sizes(result: Result, dataset: xarray.Dataset, **options: Any) -> Figure:
+    return sizes_figure(result.dataset[["patch_area", "pressure"]].isel(cut_off=0), dataset, **options)
 
 
-def _of_profiles(
-    result: Result, study: Study, at: xarray.Dataset, load: float
+def _profile_figures(
+    result: Result, study: Study, point: xarray.Dataset, load: float
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Yield a figure of the first pair of lines that carries a load."""
+    """Yield the figure of the first pair of profiles that carries a load."""
     contact: Any = study.contact
     wavelength = float(study.surfaces.cells()["cut_off"][0])
-    dataset = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
-    carrying = np.flatnonzero(np.isfinite(dataset["approach"].values) & (dataset["contact_count"].values > 0))
-    if not carrying.size:
+    members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
+    indices_with_load = np.flatnonzero(np.isfinite(members["approach"].values) & (members["contact_count"].values > 0))
+    if not indices_with_load.size:
         return
-    member = load_bodies(study).member(int(dataset["repetition"][carrying[0]]), wavelength)
+    member = load_bodies(study).member(int(members["repetition"][indices_with_load[0]]), wavelength)
     upper, lower = member.pair
     assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
-    yield "contact", partial(
-        contact_figure, upper, lower, float(dataset["approach"].values[carrying[0]]), mu0=float(at["mu0"]),
-        tau0=float(at["tau0"]), load=load, offset=member.x, title=print_title(study),
-        model=contact.model(contact.rules()[0]),
-    )  # fmt: skip
+    yield (
+        "contact",
+        partial(
+            contact_figure,
+            upper,
+            lower,
+            float(members["approach"].values[indices_with_load[0]]),
+            mu0=float(point["mu0"]),
+            tau0=float(point["tau0"]),
+            load=load,
+            offset=member.x,
+            title=format_print_title(study),
+            model=contact.model(contact.rules()[0]),
+        ),
+    )

@@ -12,7 +12,7 @@ import xarray
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._number_format import prefix, with_unit
+from stiction._number_format import choose_prefix, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import AREAL_VALIDITY, AT_HARDNESS, ONSET, QUANTITIES, VALIDITY
 from stiction.studies.assessment import (
@@ -29,13 +29,15 @@ from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
 from stiction.views.figures.ensemble import COLOUR_QUANTILES
 from stiction.views.point import motion_text
-from stiction.views.report.page import AXES, PageResult, ReportError, axes_facts, counted, motions_of
+from stiction.views.report.page import REPORT_AXES, PageResult, ReportError, axes_facts, counted, motions_of
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.tables import Tables
 
-MAX_POINTS = 1_000_000  # maximum number of coefficients in a page: nodes times loads, cells, rules and directions
+MAX_GENERATED_COEFFICIENTS = (
+    1_000_000  # maximum number of coefficients in a page: nodes times loads, cells, rules and directions
+)
 MAX_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; the limit of fractions is `HALF`
-CELLS = ("fractal_dimension", "amplitude")
+SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
 def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
@@ -49,7 +51,7 @@ def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
     )
     if not members:
         raise ReportError("no member of the result has a solution at every load")
-    counts = means(result, ["contact_count"])["contact_count"].transpose(*CELLS, study.step).values
+    counts = means(result, ["contact_count"])["contact_count"].transpose(*SHAPE_DIMENSIONS, study.step).values
     tables, loads = Tables(), result.nodes.loads
     facts = _study_facts(head, study, loads) | {"name": name or _study_name(study), "repetitions": members}
     facts |= {
@@ -62,51 +64,68 @@ def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
     if loads.size:
         facts |= _at_nodes(result.nodes, study, head, members, tables)
     return PageResult(
-        study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, tables=tables,
-        num_members=num_members, pictures=_pictures(result, study, head, counts),
-    )  # fmt: skip
+        study=study,
+        name=facts["name"],
+        head=_head(study),
+        pairs=_pairs(study, facts),
+        facts=facts,
+        tables=tables,
+        num_members=num_members,
+        pictures=_pictures(result, study, head, counts),
+    )
 
 
 def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str, Any]:
     surfaces: Any = study.surfaces
     rules, angles = motions_of(study)
     convention = " (classical)" if surfaces.convention == "classical" else ""
-    dimensions, amplitudes = (head[name].values for name in CELLS)
+    dimensions, amplitudes = (head[name].values for name in SHAPE_DIMENSIONS)
     return {
-        "isMeasured": False, "rules": rules, "directions": angles,
-        "cell": AXES["fractal_dimension"] | {
-            "title": f"{AXES['fractal_dimension']['title']}{convention}", "label": f"Fractal dimension D{convention}",
+        "isMeasured": False,
+        "rules": rules,
+        "directions": angles,
+        "cell": REPORT_AXES["fractal_dimension"]
+        | {
+            "title": f"{REPORT_AXES['fractal_dimension']['title']}{convention}",
+            "label": f"Fractal dimension D{convention}",
         },
         "cells": {"values": dimensions.tolist(), "texts": [f"D = {dimension:.3f}" for dimension in dimensions]},
-        "amplitudes": [with_unit(amplitude, "um") for amplitude in amplitudes],
+        "amplitudes": [format_with_unit(amplitude, "um") for amplitude in amplitudes],
         "measure": "total height" if surfaces.amplitude_measure == "height" else surfaces.amplitude_measure,
-        "loads": {"values": loads.tolist(), "texts": [with_unit(load, "mN") for load in loads], "unit": ""},
+        "loads": {"values": loads.tolist(), "texts": [format_with_unit(load, "mN") for load in loads], "unit": ""},
         "ways": [
             {"words": motion_text(angle), "directions": [d], "isWhole": True, "angle": angle}
             for d, angle in enumerate(angles)
         ],
-        "quotedRule": rules_of(study)[0], "start": {"cell": dimensions.size // 2, "load": loads.size // 2},
-        "validity": [], "statuses": [], "quantities": [], "ranged": False, "curves": {}, "hasStiffness": False,
-        "area": None, "steps": int(head.sizes[study.step]),
-    }  # fmt: skip
+        "quotedRule": rules_of(study)[0],
+        "start": {"cell": dimensions.size // 2, "load": loads.size // 2},
+        "validity": [],
+        "statuses": [],
+        "quantities": [],
+        "ranged": False,
+        "curves": {},
+        "hasStiffness": False,
+        "area": None,
+        "steps": int(head.sizes[study.step]),
+    }
 
 
 def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, tables: Tables) -> dict[str, Any]:
-    """Add all quantities at nodes to tables, over cell, amplitude, rule, motion, load, mu0 and tau0."""
+    """Add all quantities at nodes to tables, with the axes cell, amplitude, rule, motion, load, mu0 and tau0."""
     rules, angles = motions_of(study)
     axes, loads = nodes.axes, nodes.loads
-    count = math.prod(head.sizes[name] for name in CELLS) * loads.size * len(rules) * len(angles)
-    if (size := count * axes[0].values.size * axes[1].values.size) > MAX_POINTS:
+    count = math.prod(head.sizes[name] for name in SHAPE_DIMENSIONS) * loads.size * len(rules) * len(angles)
+    if (size := count * axes[0].values.size * axes[1].values.size) > MAX_GENERATED_COEFFICIENTS:
         raise ReportError(
-            f"the result has {size} coefficients at nodes, more than the {MAX_POINTS} that a page can hold; choose "
-            "fewer fractal dimensions, amplitudes or directions"
+            f"the result has {size} coefficients at nodes, more than the {MAX_GENERATED_COEFFICIENTS} of a report; "
+            "choose fewer fractal dimensions, amplitudes or directions"
         )
     (node_values,) = nodes.values
-    points, area = to_leading_order(node_values["friction_coefficient"]), to_leading_order(node_values["contact_area"])
+    points, areas = to_leading_order(node_values["friction_coefficient"]), to_leading_order(node_values["contact_area"])
     shape: tuple[int, ...] = points.shape[:-1]
-    area = np.broadcast_to(area, points.shape)
+    areas = np.broadcast_to(areas, points.shape)
     contacts = np.broadcast_to(to_leading_order(node_values["contact_count"])[..., 0], shape)
-    quantities: dict[str, Floats] = {"friction": points, "area": area}
+    quantities: dict[str, Floats] = {"friction": points, "area": areas}
     if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
         quantities["stiffness"] = np.broadcast_to(to_leading_order(node_values["normal_stiffness"]), points.shape)
     for name, values in quantities.items():
@@ -121,24 +140,28 @@ def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, ta
         quantity = QUANTITIES[name]
         validity[name] = values
         tables.add(f"validity_{len(figures)}", values)
-        figures.append({
-            "words": quantity.short[0].upper() + quantity.short[1:],
-            "limit": MAX_AFFECTED_FRACTION if quantity.percent else MAX_OVERLAP, "isDrawn": "hatch" in quantity.shown,
-            "factor": 100 if quantity.percent else 1, "decimals": 0 if quantity.percent else 2,
-            "unit": " %" if quantity.percent else "",
-        })  # fmt: skip
+        figures.append(
+            {
+                "words": quantity.short[0].upper() + quantity.short[1:],
+                "limit": MAX_AFFECTED_FRACTION if quantity.percent else MAX_OVERLAP,
+                "isDrawn": "hatch" in quantity.shown,
+                "factor": 100 if quantity.percent else 1,
+                "decimals": 0 if quantity.percent else 2,
+                "unit": " %" if quantity.percent else "",
+            }
+        )
     status = np.broadcast_to(to_leading_order(node_values["status"]), shape)
     statuses, codes = _statuses(status, validity, figures)
     tables.add("status", codes.astype(np.int8))
     is_resolved = nodes.is_resolved.reshape(*shape[:4], 1, *shape[-2:])
     tables.add(
         "fine",
-        (is_resolved & nodes.is_interpolated(points[..., 0]) & nodes.is_interpolated(area[..., 0])).astype(np.int8),
+        (is_resolved & nodes.is_interpolated(points[..., 0]) & nodes.is_interpolated(areas[..., 0])).astype(np.int8),
     )
     rule = rules.index(rules_of(study)[0])
     numbers = {name: values[:, :, rule] for name, values in validity.items()}
     numbers |= check_numbers(
-        points[:, :, rule], area[:, :, rule, ..., 0], contacts[:, :, rule], study, loads, axes, members
+        points[:, :, rule], areas[:, :, rule, ..., 0], contacts[:, :, rule], study, loads, axes, members
     )
     judgements, indices = assess_points(study, status[:, :, rule], numbers)
     tables.add("judgement", indices.astype(float))
@@ -146,22 +169,29 @@ def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, ta
         {caveat["number"]["table"] for item in judgements for caveat in item["caveats"] if caveat["number"]}
     ):
         tables.add(f"number_{name}", numbers[name])
-    sound = codes == 0
+    is_valid = codes == 0
     for figure, values in zip(figures, validity.values(), strict=True):
-        sound = sound & ~(values > figure["limit"])
-    drawn = {name: values[..., 0] for name, values in quantities.items()} | {"width": _relative_width(points)}
+        is_valid = is_valid & ~(values > figure["limit"])
+    mapped_quantities = {name: values[..., 0] for name, values in quantities.items()} | {
+        "width": _relative_width(points)
+    }
     return {
-        "axes": axes_facts(axes, study), "statuses": statuses, "validity": figures, "judgements": judgements,
-        "hasStiffness": "stiffness" in quantities, "start": _start(sound, points, axes, study),
-        "maps": _add_colour_ranges(drawn, tables), "error": nodes.error,
-    }  # fmt: skip
+        "axes": axes_facts(axes, study),
+        "statuses": statuses,
+        "validity": figures,
+        "judgements": judgements,
+        "hasStiffness": "stiffness" in quantities,
+        "start": _start(is_valid, points, axes, study),
+        "maps": _add_colour_ranges(mapped_quantities, tables),
+        "error": nodes.error,
+    }
 
 
-LEADING_DIMENSIONS = (*CELLS, "sliding", "direction", "load", "mu0", "tau0")
+LEADING_DIMENSIONS = (*SHAPE_DIMENSIONS, "sliding", "direction", "load", "mu0", "tau0")
 
 
 def to_leading_order(table: xarray.DataArray) -> Floats:
-    """Return values over `LEADING_DIMENSIONS`, then further dimensions; a missing dimension gets length 1."""
+    """Transpose values to `LEADING_DIMENSIONS` and further dimensions; a missing dimension gets length 1."""
     table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
 
@@ -171,11 +201,11 @@ def _statuses(
 ) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
     """Return statuses by code, and the codes of points: 0 for a trusted value, 1 for a value beyond the model."""
     statuses = [{"name": friction.STATUS_OK, "isOk": True, "isTrusted": is_trusted} for is_trusted in (True, False)]
-    beyond = np.zeros(names.shape, bool)
+    is_invalid = np.zeros(names.shape, bool)
     for figure, values in zip(figures, validity.values(), strict=True):
         if figure["isDrawn"]:
-            beyond |= values > figure["limit"]
-    codes = np.where(beyond, 1, 0)
+            is_invalid |= values > figure["limit"]
+    codes = np.where(is_invalid, 1, 0)
     for name in (status for status in friction.STATUSES if status != friction.STATUS_OK):
         codes[names == name] = len(statuses)
         statuses.append({"name": name, "isOk": False, "isTrusted": False})
@@ -189,7 +219,7 @@ def _relative_width(points: Floats) -> Floats:
 
 
 def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[str]:
-    """Add colour ranges to tables, over amplitude, rule, motion, mu0 and tau0; return the names of the quantities."""
+    """Add colour ranges to tables, with the axes amplitude, rule, motion, mu0 and tau0; return the quantity names."""
     names = []
     for name, values in quantities.items():
         positive = np.where(values > 0, values, np.nan)
@@ -205,7 +235,7 @@ def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[st
 
 
 def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], study: Study) -> dict[str, int]:
-    """Return cell and load of the narrowest interval of a sound value at the mu0 and tau0 of the study."""
+    """Return cell and load of the valid value with the narrowest interval, at the mu0 and tau0 of the study."""
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
     index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *nodes)
@@ -290,12 +320,12 @@ def _number_format(check: dict[str, Any]) -> dict[str, Any] | None:
     """Return table, factor, decimals and unit of the number in the text of a check; None without a number."""
     if "{}" not in check["text"]:
         return None
-    name, shown = check["about"] or check["name"], check["shown"]
-    if shown == "percent":
+    name, format_name = check["about"] or check["name"], check["shown"]
+    if format_name == "percent":
         return {"table": name, "factor": 100, "decimals": 0, "unit": " %"}
-    if shown in ("digits", "digit"):
-        return {"table": name, "factor": 1, "decimals": 1 if shown == "digits" else 3, "unit": ""}
-    factor, unit = prefix(check["limit"], shown)
+    if format_name in ("digits", "digit"):
+        return {"table": name, "factor": 1, "decimals": 1 if format_name == "digits" else 3, "unit": ""}
+    factor, unit = choose_prefix(check["limit"], format_name)
     decimals = max(0, 1 - math.floor(math.log10(check["limit"] / factor)))
     return {"table": name, "factor": 1 / factor, "decimals": decimals, "unit": f" {unit}"}
 
@@ -317,7 +347,7 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
 
 
 def _study_name(study: Study) -> str:
-    """Return the name of the built-in study that equals it except for the repetitions, else a description."""
+    """Return the name of the built-in study that equals a study apart from its repetitions; otherwise a description."""
     changes = {"ensemble.repetitions": study.ensemble.repetitions}
     return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
 
@@ -331,8 +361,8 @@ def _head(study: Study) -> list[str]:
     law = "" if study.uses_half_space else f", law {contact.model(rules[0]).law}"
     return [
         f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
-        f"pressed by {model}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts with friction: "
-        f"{' and '.join(rules)}; motion {', '.join(map(motion_text, angles))}."
+        f"pressed by {model}{law}; E* = {format_with_unit(float(contact.effective_modulus), 'GPa')}; contacts with "
+        f"friction: {' and '.join(rules)}; motion {', '.join(map(motion_text, angles))}."
     ]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray
 
 from stiction._checks import Floats
-from stiction._number_format import with_unit
+from stiction._number_format import format_with_unit
 from stiction._text import printable
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, shown_in
@@ -22,13 +22,13 @@ from stiction.studies.resolution import find_resolved_roughness
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.studies.summary import PointSummary
-from stiction.views.figures.standard import pair_title, print_title
+from stiction.views.figures.standard import format_print_title, pair_title
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import averaged_directions_text, materials_text, motion_text
 from stiction.views.pull_off import pull_off_text
 from stiction.views.report.page import (
-    AXES,
     MAX_TEXT_LENGTH,
+    REPORT_AXES,
     PageResult,
     ReportError,
     axes_facts,
@@ -50,9 +50,11 @@ from stiction.views.resolution import wavelengths_text
 from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.text import budget_text, dwell_time_text
 
-MAX_POINTS = 400_000  # maximum number of coefficients in a page: nodes times loads, cutoffs, rules and directions
+MAX_MEASURED_COEFFICIENTS = (
+    400_000  # maximum number of coefficients in a page: nodes times loads, cutoffs, rules and directions
+)
 
-_UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without prefixes
+_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without prefixes
 
 
 def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
@@ -76,15 +78,20 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     text = "".join(f"<p>{escaped(line)}</p>" for line in (*lines, *_pull_off_lines(result, study)))
     details = text + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
     return PageResult(
-        study=study, name=name, head=_head(study, facts),
+        study=study,
+        name=name,
+        head=_head(study, facts),
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
-        facts=facts, tables=tables, num_members=members, details=details,
+        facts=facts,
+        tables=tables,
+        num_members=members,
+        details=details,
         touching="" if picture is None else touching_panel(picture, facts["directions"][0]),
-        pictures=(positions_panel(result, facts["asked"][0], print_title(study)) if members > 1 else "")
-        + ("" if onset is None else onset_panels(onset, print_title(study)))
-        + height_scale_panels(result, print_title(study))
-        + adhesion_panel(result.coming_and_going, print_title(study)),
-    )  # fmt: skip
+        pictures=(positions_panel(result, facts["asked"][0], format_print_title(study)) if members > 1 else "")
+        + ("" if onset is None else onset_panels(onset, format_print_title(study)))
+        + height_scale_panels(result, format_print_title(study))
+        + adhesion_panel(result.coming_and_going, format_print_title(study)),
+    )
 
 
 _KIND_WORDS = {None: "pairs", "shifts": "positions of the two surfaces", "surrogates": "pairs of surrogates"}
@@ -98,85 +105,95 @@ def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict
     quoted_cell = next(quoted, cut_offs[0])
     study_loads = [float(load) for load in study.friction.load]
     return {
-        "isMeasured": True, "cell": AXES["cut_off"],
+        "isMeasured": True, "cell": REPORT_AXES["cut_off"],
         "cells": {
             "values": cut_offs,
-            "texts": [f"cut-off {with_unit(value, 'um')}" if value > 0 else "no cut-off" for value in cut_offs],
+            "texts": [f"cut-off {format_with_unit(value, 'um')}" if value > 0 else "no cut-off" for value in cut_offs],
         },
         "amplitudes": [], "repetitions": int(dataset.sizes["repetition"]), "asked": study_loads,
         "kinds": [_KIND_WORDS[kind] for kind in result.nodes.kinds],
         "loads": {
             "values": loads,
-            "texts": [f"{with_unit(load, 'mN')} ({with_unit(load / area, 'GPa')})" for load in loads],
+            "texts": [f"{format_with_unit(load, 'mN')} ({format_with_unit(load / area, 'GPa')})" for load in loads],
             "unit": f"; 1 mN is {1000 / area:.4g} MPa",
         },
         "start": {
             "cell": cut_offs.index(quoted_cell), "load": int(np.argmin(np.abs(np.array(loads) - study_loads[0]))),
         },
-        "answers": answers, "validity": [], "curves": _CURVES,
+        "answers": answers, "validity": [], "curves": _CURVE_PANELS,
         "modulus": float(dataset["effective_modulus"]), "area": area,
     }  # fmt: skip
 
 
-_CURVES = {
+_CURVE_PANELS = {
     "area": {"of": "contact_area_fraction", "title": "true contact area _A_/_A_~0~ (%)", "factor": 100},
     "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
     "unloading": {"of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
 }
-"""Quantity, axis title and factor to the axis unit of each further plot over load."""
+"""Quantity, axis title and factor to the axis unit of each further plot against load."""
 
 
 def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, Any]:
-    """Add friction at nodes of mu0 and tau0 to tables, over kind, cutoff, rule, motion, load, mu0 and tau0."""
+    """Add friction at nodes to tables, with the axes kind, cutoff, rule, motion, load, mu0 and tau0."""
     (rules, angles), axes, kinds = motions_of(study), nodes.axes, nodes.kinds
-    ways: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
+    motions: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
-        ways.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
-    size = len(kinds) * len(study.surfaces.cells()["cut_off"]) * nodes.loads.size * len(rules) * len(ways)
+        motions.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
+    size = len(kinds) * len(study.surfaces.cells()["cut_off"]) * nodes.loads.size * len(rules) * len(motions)
     size *= axes[0].values.size * axes[1].values.size
-    if size > MAX_POINTS:
-        raise ReportError(f"the result has {size} coefficients, more than the {MAX_POINTS} that a page can hold")
+    if size > MAX_MEASURED_COEFFICIENTS:
+        raise ReportError(
+            f"the result has {size} coefficients, more than the {MAX_MEASURED_COEFFICIENTS} that a page can hold"
+        )
     members: list[int] = []
     arrays: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
     for node_values in nodes.values:
         members.append(int(node_values["members"]))
-        lead = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
-        single = node_values["friction_coefficient"].transpose(*lead, "statistic").values
-        whole = (
+        dimensions = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
+        friction_by_direction = node_values["friction_coefficient"].transpose(*dimensions, "statistic").values
+        mean_friction = (
             node_values["friction_all_round"]
-            .transpose(*(dim for dim in lead if dim != "direction"), "statistic")
+            .transpose(*(dim for dim in dimensions if dim != "direction"), "statistic")
             .values
         )
-        combined = whole.copy()
+        combined = mean_friction.copy()
         if "friction_combined" in node_values:
             combined = (
-                node_values["friction_combined"].transpose(*(d for d in lead if d != "direction"), "statistic").values
+                node_values["friction_combined"]
+                .transpose(*(d for d in dimensions if d != "direction"), "statistic")
+                .values
             )
-        status, answered = (node_values[name].transpose(*lead).values for name in ("status", "ok"))
+        status, num_solved = (node_values[name].transpose(*dimensions).values for name in ("status", "ok"))
         slopes = node_values["gentle_friction"].transpose("cut_off", "sliding", "direction", "mu0", "tau0").values
         motion_arrays = []
-        for way in ways:
-            is_whole = len(way["directions"]) == len(angles)
-            sampling = whole if is_whole else single[:, :, way["directions"][0]]
-            chosen = sorted(way["directions"])
-            motion_arrays.append((
-                combined if is_whole else sampling, sampling,
-                _status_codes(status[:, :, chosen], sampling[..., 0]), answered[:, :, chosen].min(axis=2),
-                slopes[:, :, chosen].mean(axis=2),
-            ))  # fmt: skip
+        for motion in motions:
+            is_whole = len(motion["directions"]) == len(angles)
+            sampling = mean_friction if is_whole else friction_by_direction[:, :, motion["directions"][0]]
+            directions = sorted(motion["directions"])
+            motion_arrays.append(
+                (
+                    combined if is_whole else sampling,
+                    sampling,
+                    _status_codes(status[:, :, directions], sampling[..., 0]),
+                    num_solved[:, :, directions].min(axis=2),
+                    slopes[:, :, directions].mean(axis=2),
+                )
+            )
         for name, values in zip(arrays, zip(*motion_arrays, strict=True), strict=True):
             arrays[name].append(np.stack(values, axis=2))
     stacked = {name: np.stack(values) for name, values in arrays.items()}
-    shown, is_combined = stacked["shown"], np.zeros((len(kinds), len(ways)), bool)
-    for index, way in enumerate(ways):
-        way["isWhole"] = len(way["directions"]) == len(angles)
-        way["angle"] = None if len(way["directions"]) > 1 else angles[way["directions"][0]]
-        is_combined[0, index] = way["isWhole"]
+    displayed, is_combined = stacked["shown"], np.zeros((len(kinds), len(motions)), bool)
+    for index, motion in enumerate(motions):
+        motion["isWhole"] = len(motion["directions"]) == len(angles)
+        motion["angle"] = None if len(motion["directions"]) > 1 else angles[motion["directions"][0]]
+        is_combined[0, index] = motion["isWhole"]
     # A value without a combined interval has the decimals of the mean over all directions.
-    whole = shown[0, :, :, [is_combined[0].argmax()]]
-    mean_decimals = np.moveaxis(decimals_of(*np.moveaxis(whole, -1, 0))[0], 0, 2)
-    shown[np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], shown.shape[:-1]), 1:] = np.nan
-    tables.add_points("friction", shown, decimals=np.broadcast_to(mean_decimals, shown.shape[:-1]))
+    mean_friction = displayed[0, :, :, [is_combined[0].argmax()]]
+    mean_decimals = np.moveaxis(decimals_of(*np.moveaxis(mean_friction, -1, 0))[0], 0, 2)
+    displayed[
+        np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], displayed.shape[:-1]), 1:
+    ] = np.nan
+    tables.add_points("friction", displayed, decimals=np.broadcast_to(mean_decimals, displayed.shape[:-1]))
     tables.add_points("sampling", stacked["sampling"])
     tables.add("status", stacked["status"].astype(np.int8))
     fine = nodes.is_interpolated(stacked["shown"][..., 0]) & nodes.is_resolved[:, :, np.newaxis, np.newaxis]
@@ -185,43 +202,50 @@ def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, 
     slopes = stacked["slopes"]
     tables.add_points("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
     return {
-        "ways": ways, "rules": rules, "directions": angles, "axes": axes_facts(axes, study), "error": nodes.error,
-        "statuses": [{"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in STATUS_NAMES],
-        "combined": [kind != "surrogates" for kind in kinds], "memberCounts": members,
+        "ways": motions,
+        "rules": rules,
+        "directions": angles,
+        "axes": axes_facts(axes, study),
+        "error": nodes.error,
+        "statuses": [
+            {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in ORDERED_STATUSES
+        ],
+        "combined": [kind != "surrogates" for kind in kinds],
+        "memberCounts": members,
         "ranged": bool(axes[0].ranged.size or axes[1].ranged.size),
-    }  # fmt: skip
+    }
 
 
-STATUS_NAMES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
+ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
 """Statuses in the order of their codes. If several directions have no value, the first status is reported."""
 
 
 def _status_codes(statuses: Any, values: Floats) -> Any:
     """Return the codes of the statuses of means (cut_off, sliding, load, mu0, tau0) over directions (axis 2)."""
-    codes = np.select([statuses == name for name in STATUS_NAMES], range(len(STATUS_NAMES)))
-    bad = np.where(codes == 0, len(STATUS_NAMES), codes).min(axis=2)
-    not_solved = STATUS_NAMES.index(friction.STATUS_NOT_SOLVED)
-    return np.where(np.isfinite(values), 0, np.where(bad == len(STATUS_NAMES), not_solved, bad))
+    codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
+    bad = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
+    not_solved = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
+    return np.where(np.isfinite(values), 0, np.where(bad == len(ORDERED_STATUSES), not_solved, bad))
 
 
 def _pull_off_lines(result: Result, study: Study) -> list[str]:
     """Return lines on the pull-off force at the first mu0 and tau0 by the rule to quote."""
     if not study.contact.adheres:
         return []
-    sticking = result.summary().points[0].sticking
-    return [] if sticking is None else [pull_off_text(sticking)]
+    pull_off_estimate = result.summary().points[0].sticking
+    return [] if pull_off_estimate is None else [pull_off_text(pull_off_estimate)]
 
 
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
     hardness = study.contact.hardness
     model = "the elastic half-space" if study.uses_half_space else "asperities"
-    plasticity = "" if hardness is None else f", hardness {with_unit(hardness, 'GPa')}"
+    plasticity = "" if hardness is None else f", hardness {format_with_unit(hardness, 'GPa')}"
     if study.contact.junction_growth:
         plasticity += (
             f", junction growth α = {study.known.junction_growth or format(study.contact.junction_growth, 'g')}"
         )
-    modulus = with_unit(facts["modulus"], "GPa")
+    modulus = format_with_unit(facts["modulus"], "GPa")
     materials = f"{materials_text(study).capitalize()}. " if materials_text(study) else ""
     size = f"{facts['area']:.4g} µm²" if study.is_areal else f"{facts['area']:.4g} µm, 1 µm wide"
     return [f"{materials}{surfaces.pressed} of {size}, pressed by {model}; E* = {modulus}{plasticity}."]
@@ -229,14 +253,14 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
 
 def _history(side: str, history: str, study: Study) -> str:
     lines = "".join(f"<li>{escaped(line)}</li>" for line in history.splitlines()[:20])
-    part = getattr(study.surfaces, side)
-    readings = "".join(_reading_table(scan) for scan in part.scans[:MAX_READINGS])
-    num_omitted = len(part.scans) - MAX_READINGS
+    body_files = getattr(study.surfaces, side)
+    readings = "".join(_reading_table(scan) for scan in body_files.scans[:MAX_READINGS])
+    num_omitted = len(body_files.scans) - MAX_READINGS
     readings += (
         f"<p>{num_omitted} more scans are in the JSON of <code>stiction pair</code>.</p>" if num_omitted > 0 else ""
     )
-    body = f"<p>The {side} body: <code>{escaped(part.name)}</code></p>"
-    return body + (f"<ul>{lines}</ul>" if lines else "") + readings
+    file_text = f"<p>The {side} body: <code>{escaped(body_files.name)}</code></p>"
+    return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
 MAX_READINGS = 4  # maximum number of listed readings of a part
@@ -251,15 +275,15 @@ def _reading_table(scan: MeasuredFile) -> str:
 
 
 def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
-    """Return quantities other than friction over kind, cutoff and load: values, ends, decimals and texts."""
+    """Return other quantities than friction for each kind, cutoff and load: values, ends, decimals and texts."""
     records = []
     for name in (name for name in shown_in("report") if name in evaluations[0]):
         means = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
         if not np.isfinite(means[0]).any() or (name == "load_share_at_hardness" and not np.nan_to_num(means[0]).any()):
             continue
         quantity = QUANTITIES[name]
-        unit = "%" if quantity.percent else _UNITS.get(quantity.unit, quantity.unit)
-        factor = next((curve["factor"] for curve in _CURVES.values() if curve["of"] == name), 1)
+        unit = "%" if quantity.percent else _UNIT_LABELS.get(quantity.unit, quantity.unit)
+        factor = next((curve["factor"] for curve in _CURVE_PANELS.values() if curve["of"] == name), 1)
         texts = [[[text_with_unit(point, unit) for point in row] for row in table] for table in means.tolist()]
         limit = find_smallest_limit(name)
         points = factor * means
@@ -275,7 +299,7 @@ def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
 def _assessments(result: Result) -> list[dict[str, Any]]:
     return [
         {
-            "at": answer.at, "loadText": with_unit(answer.at["load"], "mN"), "verdict": answer.verdict,
+            "at": answer.at, "loadText": format_with_unit(answer.at["load"], "mN"), "verdict": answer.verdict,
             "covered": answer.covered,
             "sentence": printable(sentence_text(answer), MAX_TEXT_LENGTH * 4),
             "caveats": [
@@ -290,7 +314,7 @@ def _assessments(result: Result) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-_PARTS = ("μ0", "τ0 on the true area", "slopes")
+_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contributions(answer: PointSummary) -> dict[str, Any] | None:
@@ -299,9 +323,9 @@ def _contributions(answer: PointSummary) -> dict[str, Any] | None:
     if answer.parts is None or estimate is None or not math.isfinite(estimate.value):
         return None
     texts = []
-    for index, (part, words) in enumerate(zip(answer.parts, _PARTS, strict=True)):
-        sign = (" \N{MINUS SIGN} " if part <= -0.0005 else " + ") if index else ""
-        texts.append(f"{sign}{abs(part):.3f} ({words})")
+    for index, (contribution, label) in enumerate(zip(answer.parts, _CONTRIBUTION_LABELS, strict=True)):
+        sign = (" \N{MINUS SIGN} " if contribution <= -0.0005 else " + ") if index else ""
+        texts.append(f"{sign}{abs(contribution):.3f} ({label})")
     return {
         "parts": listed(answer.parts),
         "ends": listed([estimate.lower, estimate.upper]),

@@ -28,7 +28,9 @@ from stiction.studies.nodes import Axis
 from stiction.studies.study import Study, find_differences
 from stiction.views.report.tables import Tables
 
-MARK = "<!doctype html>\n<!-- A report of stiction -->\n"  # start of every report; other files are not overwritten
+REPORT_MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
+"""Start of every report, by which the program recognizes the reports that it may replace."""
+
 _LICENCE = "https://www.gnu.org/licenses/gpl-3.0.txt"
 SCRIPTS = ("nodes.js", "plots.js", "common.js", "result.js")
 
@@ -49,7 +51,7 @@ class Page:
 
     def html(self) -> str:
         """Return the complete page."""
-        return MARK + Template(part("page.html")).substitute(
+        return REPORT_MARK + Template(part("page.html")).substitute(
             name=escaped(self.name),
             head="".join(f"<p>{escaped(line)}</p>" for line in self.head),
             body=self.body,
@@ -61,7 +63,7 @@ class Page:
 
     def save(self, path: Path) -> None:
         """Write the page, which may replace an older report; raise `ReportError` for any other file."""
-        with replaced_file(path, MARK.encode(), ReportError) as partial:
+        with replaced_file(path, REPORT_MARK.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
 
@@ -113,7 +115,7 @@ def panel(name: str, title: str, description: str, *, more: str, kind: str = "pl
 # ---- Result of a page -----------------------------------------------------------------------------------------------
 
 
-AXES = {
+REPORT_AXES = {
     "fractal_dimension": {"title": "fractal dimension _D_", "name": "D"},
     "cut_off": {"title": "cut-off wavelength (µm)", "name": "cut-off"},
 }
@@ -162,10 +164,10 @@ def _without_folders(study: Study) -> Study:
     """Return a study whose files have no folders, because readers of a page have other folders."""
     if not study.is_measured:
         return study
-    bodies: Any = study.surfaces
-    sides = {side: getattr(bodies, side) for side in ("upper", "lower")}
-    renamed = {side: part.model_copy(update={"file": Path(part.file).name}) for side, part in sides.items()}
-    return study.model_copy(update={"surfaces": bodies.model_copy(update=renamed)})
+    surfaces: Any = study.surfaces
+    files = {side: getattr(surfaces, side) for side in ("upper", "lower")}
+    renamed_files = {side: file.model_copy(update={"file": Path(file.file).name}) for side, file in files.items()}
+    return study.model_copy(update={"surfaces": surfaces.model_copy(update=renamed_files)})
 
 
 def motions_of(study: Study) -> tuple[list[str], list[float]]:

@@ -13,7 +13,7 @@ import matplotlib as mpl
 import xarray
 from matplotlib.figure import Figure
 
-from stiction._number_format import percent, with_unit
+from stiction._number_format import format_percent, format_with_unit
 from stiction.studies.contact_tables import AsperityContactTable
 from stiction.studies.members import generate_pairs
 from stiction.studies.result import Result
@@ -22,25 +22,28 @@ from stiction.views.figures.contact import contact_figure, contact_map_figure, f
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.figures.standard import draw_height_scale, draw_positions
-from stiction.views.height_scale import CAVEAT, SCALED, stored_scale_factors
+from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS, stored_scale_factors
 from stiction.views.point import motion_text
 from stiction.views.report.page import counted
-from stiction.views.style import STYLE
+from stiction.views.style import MATPLOTLIB_STYLE
 
 
 def profiles_panel(study: Study, approach: float) -> str:
     """Return the panel of a pair of generated profiles at an approach (µm), as markup."""
     cells, contact = study.surfaces.cells(), study.contact
     dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
-    middle = dimensions[dimensions.size // 2 :][:1]
-    upper, lower = next(iter(generate_pairs(study, 0, middle, amplitude)))
+    middle_dimension = dimensions[dimensions.size // 2 :][:1]
+    upper, lower = next(iter(generate_pairs(study, 0, middle_dimension, amplitude)))
     assert isinstance(contact, AsperityContactTable)
     options: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
-    options |= {"title": f"$D$ = {middle[0]:.3g}, amplitude {with_unit(amplitude, 'um')}", "model": contact.model()}
+    options |= {
+        "title": f"$D$ = {middle_dimension[0]:.3g}, amplitude {format_with_unit(amplitude, 'um')}",
+        "model": contact.model(),
+    }
     return _panel(
         "Two of the profiles in contact",
-        "Two profiles, and the contact that carries most with the forces on the upper body.",
-        "The first pair, at a fractal dimension and an approach in the middle of those of the study.",
+        "Two profiles, and the contact with the largest load with the forces on the upper body.",
+        "The first pair of profiles, at the middle fractal dimension and approach of the study.",
         lambda: contact_figure(upper, lower, approach, **options),
     )
 
@@ -58,34 +61,34 @@ def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
 
 
 def height_scale_panels(result: Result, title: str) -> str:
-    """Return the panels over the height factors stored with a result, as markup; empty without factors.
+    """Return panels with results against the stored height factors, as markup; empty without factors.
 
     The panels show the first load, mu0 and tau0.
     """
     panels = []
     for scaled, factors in stored_scale_factors(result).items():
         caption = (
-            f"Heights of {SCALED[scaled]} times {factors[0]:g} to {factors[-1]:g}, each solved anew; dashed: as "
-            f"measured. {CAVEAT} The load, μ0 and τ0 are the first ones of the study; moving the sliders does not "
-            "change it."
+            f"Heights of {SCALED_SURFACE_TEXTS[scaled]} times {factors[0]:g} to {factors[-1]:g}, each solved again; "
+            f"dashed: as measured. {HEIGHT_SCALE_NOTE} The load, μ0 and τ0 are the first ones of the study; "
+            "moving the sliders does not change it."
         )
         description = "Friction coefficient and true contact area over the rms gradient of the gap."
         draw = partial(draw_height_scale, result, scaled, title=title)
-        panels.append(_panel(f"Another finish of {SCALED[scaled]}", description, caption, draw))
+        panels.append(_panel(f"Another finish of {SCALED_SURFACE_TEXTS[scaled]}", description, caption, draw))
     return "".join(panels)
 
 
 def touching_panel(picture: xarray.Dataset, direction: float) -> str:
     """Return the panel of contacts for a direction of motion (degrees), as markup."""
-    force, cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
+    force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     num_opposing = int(find_opposing_contacts(picture, direction).sum())
     text = (
         f"The position whose true area is nearest to the mean: {counted(force.size, 'contact')} at "
-        f"{with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_text(direction)}, {num_opposing} of them "
-        f"{'opposes' if num_opposing == 1 else 'oppose'} the motion."
+        f"{format_with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_text(direction)}, "
+        f"{num_opposing} of them {'opposes' if num_opposing == 1 else 'oppose'} the motion."
     )
-    if cut.any():
-        text += f" The edge cuts contacts with {percent(float(force[cut].sum() / force.sum()))} of the load."
+    if is_cut.any():
+        text += f" The edge cuts contacts with {format_percent(float(force[is_cut].sum() / force.sum()))} of the load."
     offset = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
     position = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {offset} µm"
     description, caption = "The two bodies with their true contacts.", f"{text} The upper {position}."
@@ -96,30 +99,34 @@ def positions_panel(result: Result, load: float, title: str) -> str:
     """Return the panel of friction at single positions at a load (mN), as markup."""
     values = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
     return _panel(
-        "Single positions", "Friction coefficient of each pair in each direction.",
+        "Single positions",
+        "Friction coefficient of each pair in each direction.",
         "At the first load, μ0 and τ0 that were asked for, whatever the sliders say.",
         lambda: draw_positions(result, values, title=title),
-    )  # fmt: skip
+    )
 
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:
-    """Return panels of the onset curve and, for areas, of the onset map, as markup."""
+    """Return the panel of the onset curve, for maps also the panel of the onset map, as markup."""
     curve = _panel(
-        "How the bodies begin to slide",
-        "Tangential load over the displacement of the upper body, with cycles, and what slips before all does.",
-        "Below the load at which they slide, weak contacts slip already: the bodies creep, and each cycle takes "
-        "energy. The load, μ0 and τ0 are those above the figure; moving the sliders does not change it.",
+        "Onset of sliding",
+        "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",
+        "Weak contacts slip below the sliding load, so that the upper body moves before it slides, and each load "
+        "cycle dissipates energy. The load, μ0 and τ0 are given above the figure; the sliders do not change it.",
         lambda: onset_figure(onset, title=title),
     )
     if not has_slip_map(onset):
         return curve
-    points = "light points slip first, dark ones last. Contacts slip from their edges inwards."
-    marks = "light contacts slide first, dark ones last. All slip at their edges before."
+    points_text = "light points slip first and dark points last. Contacts slip from their edges inwards."
+    contacts_text = (
+        "light contacts slide first and dark contacts last. Each contact slips at its edge before it slides."
+    )
     return curve + _panel(
-        "What slips first",
-        "Contacts over the heights of the lower body, coloured by the tangential load at which they slip.",
-        f"Of one of the pairs: {points if 'slip' in onset else marks}", lambda: slip_figure(onset, title=title),
-    )  # fmt: skip
+        "Order of slip",
+        "Contacts on a map of the lower body, coloured by the tangential load at which they slip.",
+        f"For one of the pairs: {points_text if 'slip' in onset else contacts_text}",
+        lambda: slip_figure(onset, title=title),
+    )
 
 
 def dimension_panel(dataset: xarray.Dataset) -> str:
@@ -130,14 +137,17 @@ def dimension_panel(dataset: xarray.Dataset) -> str:
         "dimension.",
         "At three loads and the strengths of the study, whatever the sliders say: means that weigh pairs by the load "
         "they carry, but of the stiffness, with 95 % intervals. Dotted: more than half of the load is beyond Hertz.",
-        lambda: dimension_onset_figure(dataset), wide=True,
-    )  # fmt: skip
+        lambda: dimension_onset_figure(dataset),
+        is_wide=True,
+    )
 
 
-def _panel(name: str, description: str, caption: str, draw: Callable[[], Figure], *, wide: bool = False) -> str:
-    with mpl.rc_context(STYLE):
-        picture = inline(draw(), description)
-    kind = "panel wide" if wide else "panel"
+def _panel(
+    name: str, description: str, caption: str, draw_figure: Callable[[], Figure], *, is_wide: bool = False
+) -> str:
+    with mpl.rc_context(MATPLOTLIB_STYLE):
+        picture = inline(draw_figure(), description)
+    kind = "panel wide" if is_wide else "panel"
     caption_html = f'<p class="caption">{caption}</p>'
     return f'<section class="{kind}" aria-label="{name}"><h2>{name}</h2>{picture}{caption_html}</section>'
 
@@ -145,11 +155,13 @@ def _panel(name: str, description: str, caption: str, draw: Callable[[], Figure]
 MAX_VERTICES = 1000  # maximum number of vertices of vector graphics; larger artists are rasterized
 RASTER_DPI = 200  # resolution of rasterized artists
 
-_COLOURS = {
-    **dict.fromkeys(("#000000", "#262626", "#404040", "#444444"), "var(--ink)"), "#ffffff": "var(--paper)",
-    "#c6d9e7": "var(--upper)", "#e3d5bb": "var(--lower)",
+_CSS_COLOURS = {
+    **dict.fromkeys(("#000000", "#262626", "#404040", "#444444"), "var(--ink)"),
+    "#ffffff": "var(--paper)",
+    "#c6d9e7": "var(--upper)",
+    "#e3d5bb": "var(--lower)",
     **{dark: f"var(--light, {dark})" for dark in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")},
-}  # fmt: skip
+}
 """Colours that a page replaces by variables of its style, for light and dark screens."""
 
 
@@ -167,7 +179,7 @@ def inline(figure: Figure, description: str) -> str:
     figure.savefig(text, format="svg", dpi=RASTER_DPI, transparent=True, metadata={"Date": None, "Creator": None})
     drawing = text.getvalue()
     drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
-    drawing = re.sub("|".join(_COLOURS), lambda match: _COLOURS[match[0]], drawing)
+    drawing = re.sub("|".join(_CSS_COLOURS), lambda match: _CSS_COLOURS[match[0]], drawing)
     drawing = re.sub(r'\bd="[^"]*"', lambda match: re.sub(r"(\.\d)\d+", r"\1", match[0]), drawing)
     opening_tag = f'<svg role="img" aria-label="{html.escape(description)}" fill="var(--ink)" '
     return f'<div class="figure">{drawing.replace("<svg ", opening_tag, 1)}</div>'

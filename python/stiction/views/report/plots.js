@@ -62,7 +62,7 @@ function superscript(exponent) {
 function ticksOf(low, high, isLog, most) {
   if (!(high > low)) return [{value: low, text: tickText(low)}];
   if (isLog && high / low > 4) {
-    const first = Math.ceil(Math.log10(low) - 1e-9); // and the digits of the decade before it
+    const first = Math.ceil(Math.log10(low) - 1e-9); // the ticks include the decade before the first power of ten
     const decades = Array.from({length: Math.ceil(Math.log10(high)) - first + 2}, (_, i) => first - 1 + i);
     const named = high / low > 200 ? [1] : high / low > 20 ? [1, 3] : [1, 2, 3, 5];
     const every = Math.max(1, Math.ceil((Math.log10(high / low) * named.length) / most));
@@ -303,7 +303,7 @@ function tipOfNearest(place, here) {
 
 // ---- Colours --------------------------------------------------------------------------------------------------------
 
-// Sixteenths of plasma, which is in the public domain.
+// Colours of the map plasma (public domain) at multiples of one sixteenth.
 const PLASMA = ["0d0887", "310597", "4c02a1", "6600a7", "7e03a8", "9511a1", "aa2395", "bc3587", "cc4778", "da5a6a",
   "e66c5c", "f0804e", "f89540", "fdac33", "fdc527", "f8df25", "f0f921"];
 

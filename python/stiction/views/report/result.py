@@ -11,7 +11,7 @@ from string import Template
 
 import xarray
 
-from stiction._number_format import percent, with_unit
+from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics import friction
 from stiction.studies.assessment import STATUS_EXPLANATIONS
 from stiction.studies.intervals import CONFIDENCE
@@ -27,7 +27,7 @@ from stiction.views.style import RULE_LABELS
 NOT_INTERPOLATED = "between-nodes"
 """Status of a coefficient that is not interpolated."""
 
-STATUSES = {
+STATUS_LABELS = {
     friction.STATUS_OK: "", friction.STATUS_NOT_REACHED: "load not reached",
     friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
     friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is carried",
@@ -41,7 +41,7 @@ NOT_INTERPOLATED_REASON = (
 )
 
 _KEYS_TEXT = "arrow keys move {}, plus and minus look closer"
-PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
+PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
     "compass": (
         "Friction around the compass", "Friction coefficient in every direction",
         {"kind": "plot square crosshair", "more": "arrow keys turn the direction"},
@@ -104,26 +104,32 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
         "percent": f"{100 * CONFIDENCE:g} %", "ticks": COLOUR_BAR_TICKS,
         "ruleDescriptions": RULE_DESCRIPTIONS, "ruleNames": RULE_LABELS,
         "why": {
-            name: {"short": short, "why": _status_reason(name)} for name, short in STATUSES.items()
+            name: {"short": short, "why": _status_reason(name)} for name, short in STATUS_LABELS.items()
         },
         "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus),
-        "saneText": with_unit(friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus), "GPa"),
+        "saneText": format_with_unit(friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus), "GPa"),
         "tables": content.tables.offsets, "leading": FLOAT_BYTES, "errorText": _error_text(content.facts.get("error")),
     }  # fmt: skip
     main_plots = MAIN_PLOTS[study.is_measured]
-    plots = {name: panel(name, title, description, **options) for name, (title, description, options) in PANELS.items()}
+    plots = {
+        name: panel(name, title, description, **options) for name, (title, description, options) in PLOT_PANELS.items()
+    }
     return Page(
         name=content.name,
         head=content.head,
         body=Template(part("result.html")).substitute(
-            percent=f"{100 * CONFIDENCE:g} %", pairs=escaped(content.pairs), unfinished=content.unfinished(),
-            touching=content.touching, pictures=content.pictures, study=content.described(),
+            percent=f"{100 * CONFIDENCE:g} %",
+            pairs=escaped(content.pairs),
+            unfinished=content.unfinished(),
+            touching=content.touching,
+            pictures=content.pictures,
+            study=content.described(),
             panels="".join(plots[name] for name in main_plots),
             others="".join(text for name, text in plots.items() if name not in main_plots),
         ),
         versions=f"Computed by stiction {result.version}",
         scripts=scripts(facts | content.facts, content.tables.packed()),
-    )  # fmt: skip
+    )
 
 
 def _status_reason(status: str) -> str:
@@ -134,7 +140,7 @@ def _error_text(error: tuple[float, float] | None) -> str:
     """Return the measured interpolation error as text."""
     if error is None:
         return ""
-    values, ends = (percent(item) for item in error)
+    values, ends = (format_percent(item) for item in error)
     return (
         f"at other values that were evaluated, values differ by up to {values}, ends by up to {ends} of the interval."
     )

@@ -6,7 +6,7 @@ from string import Template
 from typing import Any
 
 from stiction._core import __version__
-from stiction._number_format import percent, with_unit
+from stiction._number_format import format_percent, format_with_unit
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import (
@@ -50,28 +50,30 @@ def _meaning(characterisation: Characterisation) -> str:
     values = [f"{value:.2f}" for value in characterisation.friction]
     axes = " along x and y" if len(values) == 2 else ""
     shortest = characterisation.limit.pixels
-    part = float(characterisation.roughness.fraction_below(2 * shortest))
+    fraction = float(characterisation.roughness.fraction_below(2 * shortest))
     change = (
         "finds steeper slopes, more friction and less true area"
-        if part > MAX_OCTAVE_FRACTION
+        if fraction > MAX_OCTAVE_FRACTION
         else "would change little"
     )
     finer = (
-        f"Waves below {with_unit(2 * shortest, 'um')}, which is four points, have {percent(part)} of the mean square "
-        f"slope: a finer scan {change}."
+        f"Wavelengths below {format_with_unit(2 * shortest, 'um')} (four points) contribute "
+        f"{format_percent(fraction)} of the mean square slope: a finer scan {change}."
     )
     if characterisation.limit.slope_fraction >= NEGLIGIBLE_SLOPE_FRACTION:
         finer = (
-            f"Waves below {with_unit(characterisation.limit.wavelength, 'um')} are not to be trusted and have "
-            f"{percent(characterisation.limit.slope_fraction)} of the mean square slope: take them off "
-            "before a number is quoted."
+            f"Wavelengths below {format_with_unit(characterisation.limit.wavelength, 'um')} may be noise and "
+            f"contribute {format_percent(characterisation.limit.slope_fraction)} of the mean square slope: filter the "
+            "scan before you quote a number."
         )
     paragraphs = [
-        f"Two bodies like this one begin to slide at μₛ = {' and '.join(values)}{axes}, by their slopes alone: "
-        f"elastic, without adhesion, and where μ0 is {PAPER_MU0:g}." if values else "It has no slopes.",
+        f"Small-slope estimate for two such surfaces: μₛ = {' and '.join(values)}{axes}, for elastic contact without "
+        f"adhesion and μ0 = {PAPER_MU0:g}."
+        if values
+        else "The surface is flat, so that it has no small-slope estimate.",
         finer,
-        "For friction at a load, press two surfaces on each other: stiction pair --help has examples.",
-    ]  # fmt: skip
+        "For friction at a given load, compute a pair of surfaces: stiction pair --help shows examples.",
+    ]
     return (f'<ul class="caveats">{caveats}</ul>' if caveats else "") + "".join(
         f"<p>{escaped(line)}</p>" for line in paragraphs
     )
@@ -89,6 +91,6 @@ def _table(rows: list[Row]) -> str:
             lines[-1][1][0] += f"<br>{cells[0]}"
     attributes = {1: " colspan=2", 2: ""}
     return "".join(
-        f"<tr>{head}{''.join(f'<td{attributes[len(cells)]}>{cell}</td>' for cell in cells)}</tr>"
-        for head, cells in lines
+        f"<tr>{heading}{''.join(f'<td{attributes[len(cells)]}>{cell}</td>' for cell in cells)}</tr>"
+        for heading, cells in lines
     )

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._number_format import MAX_DIGITS, MAX_END_RATIO, prefix, quoted
+from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefix, format_estimate
 
 FLOAT_BYTES = 4  # number of leading bytes of a double in a page, for a relative precision of 5e-7
-NO_INTERVAL = -128  # code instead of the decimals of the upper end: the interval is not printed
-MAX_DECIMALS = 100  # maximum number of decimals, in either direction
+NO_INTERVAL = -128  # stored as decimals of the upper end if the interval is not printed
+MAX_DECIMALS = 100  # maximum number of decimals, and of rounded digits before the decimal point
 
 
 _COMPRESSION = 7  # a sixth of the time of level 9, for 0.5 % more bytes
@@ -60,8 +60,8 @@ class Tables:
 
         `decimals` applies to values without an interval.
         """
-        for index, part in enumerate(("value", "lower", "upper")):
-            self.add(f"{name}_{part}", points[..., index])
+        for index, end in enumerate(("value", "lower", "upper")):
+            self.add(f"{name}_{end}", points[..., index])
         value_decimals, upper_decimals = decimals_of(*np.moveaxis(points, -1, 0))
         if decimals is not None:
             value_decimals = np.where(np.isnan(points[..., 1]), decimals, value_decimals)
@@ -76,30 +76,36 @@ class Tables:
 
 
 def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return the decimals with which `quoted` prints means and lower ends, and upper ends, of points (...).
+    """Return the decimals with which `format_estimate` prints mean and lower end, and the upper end.
 
-    Decimals are negative for numbers rounded to tens. The decimals of the upper end are `NO_INTERVAL` if `quoted`
-    prints no interval.
+    Decimals are negative for numbers rounded to tens. The decimals of the upper end are `NO_INTERVAL` if
+    `format_estimate` prints no interval.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        size = np.where(mean != 0, -np.floor(np.log10(np.abs(mean))), 0.0)
-        end = np.where(np.isinf(upper), 2 * mean - lower, upper)
-        width = -np.floor(np.log10((end - lower) / 2))
-        decimals = np.where(mean == 0, width, np.clip(width, size + 1, size + MAX_DIGITS - 1))
-        decimals = np.where(end > lower, decimals, size + MAX_DIGITS - 1)
-        missing = np.isnan(lower) | np.isnan(upper)
-        decimals = np.where(missing, size + 1, decimals)
-        is_huge = np.isfinite(upper) & (upper > MAX_END_RATIO * np.abs(mean)) & (mean != 0)
+        value_decimals = np.where(mean != 0, -np.floor(np.log10(np.abs(mean))), 0.0)
+        upper_end = np.where(np.isinf(upper), 2 * mean - lower, upper)
+        interval_decimals = -np.floor(np.log10((upper_end - lower) / 2))
+        decimals = np.where(
+            mean == 0,
+            interval_decimals,
+            np.clip(interval_decimals, value_decimals + 1, value_decimals + MAX_DIGITS - 1),
+        )
+        decimals = np.where(upper_end > lower, decimals, value_decimals + MAX_DIGITS - 1)
+        has_no_interval = np.isnan(lower) | np.isnan(upper)
+        decimals = np.where(has_no_interval, value_decimals + 1, decimals)
+        is_huge = np.isfinite(upper) & (upper > MAX_PRECISE_END_RATIO * np.abs(mean)) & (mean != 0)
         upper_decimals = np.where(is_huge, -_rounded_exponent(upper), decimals)
         scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
-        near = ~missing & np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
+        is_equal = (
+            ~has_no_interval & np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
+        )
     decimals, upper_decimals = (
         np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_decimals)
     )
-    upper_decimals = np.where(missing, NO_INTERVAL, upper_decimals)
+    upper_decimals = np.where(has_no_interval, NO_INTERVAL, upper_decimals)
     # Ends that are equal as printed are replaced by a value without trailing zeros.
-    for index in zip(*np.nonzero(near), strict=True):
-        text = quoted(float(mean[index]), float(lower[index]), float(upper[index]))
+    for index in zip(*np.nonzero(is_equal), strict=True):
+        text = format_estimate(float(mean[index]), float(lower[index]), float(upper[index]))
         if "[" not in text:
             decimals[index], upper_decimals[index] = len(text.partition(".")[2]), NO_INTERVAL
     return decimals.astype(np.int8), upper_decimals.astype(np.int8)
@@ -116,7 +122,9 @@ def text_with_unit(point: Sequence[float], unit: str) -> str:
     value, lower, upper = point
     if np.isnan(value):
         return "none"
-    factor, name = (0.01, "%") if unit == "%" else (prefix(value, unit) if unit in ("mN", "GPa", "um") else (1.0, unit))
+    factor, name = (
+        (0.01, "%") if unit == "%" else (choose_prefix(value, unit) if unit in ("mN", "GPa", "um") else (1.0, unit))
+    )
     if value == 0 and not upper > 0:
         return f"0 {name}".strip()
-    return f"{quoted(value / factor, lower / factor, upper / factor)}\u00a0{name}".strip()
+    return f"{format_estimate(value / factor, lower / factor, upper / factor)}\u00a0{name}".strip()

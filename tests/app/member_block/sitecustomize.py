@@ -1,0 +1,30 @@
+"""Block the commands of a tested server while a file exists; it contains the number of the first blocked member.
+
+Python imports this module at its start in every process whose PYTHONPATH contains this folder.
+"""
+
+import os
+import time
+from pathlib import Path
+
+BLOCKING_FILE = Path(os.environ.get("STICTION_TEST_HOLD", "/nowhere"))
+if BLOCKING_FILE.exists():
+    from stiction.studies import runner
+
+    compute_sums, compute_preview = runner.member_sums, runner.preview_result
+
+    def member_sums(study, member):
+        """Return the sums of a member once the file does not block it."""
+        while BLOCKING_FILE.exists() and member >= int(BLOCKING_FILE.read_text(encoding="utf-8") or 0):
+            time.sleep(0.02)
+        return compute_sums(study, member)
+
+    def preview_result(study):
+        """Return the preview, which is never blocked."""
+        runner.member_sums = compute_sums
+        try:
+            return compute_preview(study)
+        finally:
+            runner.member_sums = member_sums
+
+    runner.member_sums, runner.preview_result = member_sums, preview_result

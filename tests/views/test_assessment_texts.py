@@ -1,0 +1,455 @@
+"""Tests of assessments and their sentences; each caveat has a case with it and a case without it."""
+
+import math
+
+import numpy as np
+import pytest
+from stiction.studies.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
+from stiction.studies.point import points
+from stiction.studies.summary import ORIGIN, summarize, summarize_point
+from stiction.views.point import averaged_directions_text
+from stiction.views.sentence import (
+    MIN_STATED_READING_DIFFERENCE,
+    SLOPE_ESTIMATE_KAPPA,
+    finer_text,
+    inputs_text,
+    sentence_text,
+    slopes_text,
+)
+from stiction.views.text import coefficients_text
+from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
+
+
+def only_point(dataset, study):
+    result = summarize(dataset, study).points
+    assert len(result) == 1
+    return result[0]
+
+
+def caveat_texts(point):
+    return "; ".join(caveat.text for caveat in point.caveats)
+
+
+def test_result_of_measured_surfaces_quotes_friction_at_all_contacts_first():
+    point = only_point(measured_result(), measured_study(hardness=3.0))
+    assert [rule.rule for rule in point.rules] == ["all", "opposing"]
+    assert (point.value, point.lower, point.upper) == pytest.approx((0.21, 0.1995, 0.2205))
+    assert (point.verdict, point.caveats) == ("Quote it", ())
+    for words in (
+        "μ_s = 0.21 [0.20, 0.22] with friction at all contacts",
+        "0.110 [0.104, 0.116] with friction at opposing contacts only",
+        "10 mN (1 MPa)",
+        "μ0 = 0.2",
+        "τ0 = 50 MPa",
+        "E* = 100 GPa",
+        "hardness 3 GPa",
+        "points 100 nm apart",
+        "the mean over 4 directions and 16 positions",
+        "roughness contributes",
+    ):
+        assert words in sentence_text(point)
+    assert sentence_text(point).endswith(".")
+    assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)  # the range over members
+    assert only_point(measured_result(all_rub=0.1, half=1.2), measured_study()).lower == 0
+    dataset = measured_result()
+    dataset["friction_coefficient"] *= 9  # values in single directions do not change the mean over directions
+    assert only_point(dataset, measured_study()).value == 0.21
+
+
+def test_result_of_generated_surfaces_quotes_opposing_contacts_only():
+    points = summarize(generated_result(), generated_study()).points
+    assert [point.at["fractal_dimension"] for point in points] == [1.1] * 4 + [1.4] * 4
+    assert [rule.rule for rule in points[0].rules] == ["opposing"]
+    assert "D = 1.1" in sentence_text(points[0])
+    assert "elastic" not in inputs_text(points[0])
+
+
+def test_summary_has_a_point_for_every_condition():
+    points = summarize(measured_result(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study()).points
+    assert [(point.at["load"], point.at["mu0"], point.at["tau0"]) for point in points] == [
+        (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
+    ]
+    points = summarize(measured_result(cut_offs=(0.0, 0.5)), measured_study()).points
+    assert ["low-pass filtered at 500 nm" in sentence_text(point) for point in points] == [False, True]
+
+
+FAULT_CASES = {
+    "steep": ({"rms_gradient": 1.1}, {"rms_gradient": 0.9}, "gradient"),
+    "pressure": (
+        {"mean_pressure": 1.1 * YIELD_PRESSURE_RATIO * 100},
+        {"mean_pressure": 0.9 * METAL_YIELD_PRESSURE_RATIO * 100},
+        "pressure",
+    ),
+    "edge": ({"share_at_edge": 0.55}, {"share_at_edge": 0.45}, "edge"),
+    "points": ({"contact_count": 1e4, "contact_area": 90.0}, {"contact_count": 1e4, "contact_area": 110.0}, "points"),
+    "contacts": ({"contact_count": 0.6, "members": 16}, {"contact_count": 12.0}, "contacts"),
+    "few contacts": ({"contact_count": 4.9}, {"contact_count": 12.0}, "4.9 contacts on average are too few"),
+    "one contact": ({"share_on_largest": 0.51}, {"share_on_largest": 0.39}, "one contact carries 51 %"),
+    "below 0": ({"all_rub": -0.01}, {"all_rub": 0.01}, "below 0"),
+    "beyond Hertz": ({"share_beyond_hertz": 0.6}, {"share_beyond_hertz": 0.4}, "Hertz"),
+    "below the grid": ({"share_below_grid": 0.6}, {"share_below_grid": 0.4}, "spacing"),
+    "wide": ({"half": 0.55}, {"half": 0.45}, "interval"),
+    "no interval": ({"half": np.nan}, {}, "no interval"),
+    "few answers": ({"ok": 7}, {"ok": 8}, "of 16 members"),
+    "area": ({"contact_area_fraction": 1.01}, {"contact_area_fraction": 0.99}, "true area"),
+    "merged": ({"share_overlapping": 0.6}, {"share_overlapping": 0.05}, "overlap"),
+}
+
+
+def test_sentence_contains_assessment_caveats_version_and_adhesion():
+    caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
+    dataset = measured_result().assign_attrs(stiction_version="1.2.3")
+    (point,) = summarize(dataset, measured_study(), input_caveats=[caveat]).points
+    sentence = sentence_text(point)
+    assert f"assessment: {point.verdict} ({caveat.text}" in sentence
+    assert "stiction 1.2.3" in sentence
+    assert "no adhesion" in sentence
+
+
+@pytest.mark.parametrize("case_name", FAULT_CASES)
+def test_point_with_fault_has_no_number_in_its_sentence(case_name):
+    raising, silent, word = FAULT_CASES[case_name]
+    point = only_point(measured_result(**raising), measured_study())
+    assert point.verdict == "Do not quote"
+    assert word in " ".join(caveat.text for caveat in point.caveats if caveat.severity == "fault")
+    assert "μ_s =" not in sentence_text(point)
+    assert word in sentence_text(point)
+    assert only_point(measured_result(**silent), measured_study()).verdict == "Quote it"
+
+
+CAUTION_CASES = {
+    "pressure": ({"mean_pressure": 1.1 * METAL_YIELD_PRESSURE_RATIO * 100}, "harder than 1.1 GPa"),
+    "small contacts": ({"fraction_on_small": 0.6}, "at most 4 points"),
+    "few contacts": ({"contact_count": 9.0}, "few"),
+    "one contact": ({"share_on_largest": 0.45}, "one contact carries"),
+    "merging": ({"share_overlapping": 0.2}, "overlap"),
+}
+
+
+@pytest.mark.parametrize("case_name", CAUTION_CASES)
+def test_point_with_caution_gives_the_reason(case_name):
+    raising, expected_words = CAUTION_CASES[case_name]
+    point = only_point(measured_result(**raising), measured_study())
+    assert point.verdict == "Quote with care"
+    assert expected_words in caveat_texts(point)
+    assert "μ_s = 0.21" in sentence_text(point)
+
+
+def test_scan_that_is_much_coarser_than_the_other_is_a_caveat():
+    for spacing, expected_words in (([0.4, 0.1], "the lower scan is 4 times coarser than the upper"), ([0.2, 0.1], "")):
+        dataset = measured_result().assign_attrs(upper_spacing_um=[0.1, 0.1], lower_spacing_um=spacing)
+        point = only_point(dataset, measured_study())
+        assert expected_words in caveat_texts(point)
+        assert point.verdict == ("Quote with care" if expected_words else "Quote it")
+
+
+def test_surrogates_much_smaller_than_the_scan_are_a_caveat():
+    study = measured_study()
+    study = study.with_changes({"surfaces.press": "surrogates"})
+    for shape, verdict in ((300, "Quote with care"), (600, "Quote it")):
+        dataset = measured_result().assign_attrs(shape=[shape, shape], spacing_um=[0.1, 0.1])
+        for side in ("upper", "lower"):
+            dataset = dataset.assign_attrs({f"{side}_spacing_um": [0.1], f"{side}_extent_um": [100.0]})
+        point = only_point(dataset, study)
+        assert point.verdict == verdict
+        expected_words = "pieces of 30 µm are pressed, without the longer wavelengths of the scan of 100 µm"
+        assert (expected_words in caveat_texts(point)) == (shape == 300)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "study"),
+    [
+        (
+            {"contact_count": 9.0, "contact_area_fraction": 0.4},
+            {},
+        ),  # merged contacts are counted as one, so that a small number is no caveat
+        ({"mean_pressure": 20.0}, {"hardness": 2.0}),
+        ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
+    ],
+)
+def test_point_without_caveats_is_quoted(numbers, study):
+    assert only_point(measured_result(**numbers), measured_study(**study)).verdict == "Quote it"
+
+
+@pytest.mark.parametrize("kind", ["measured", "generated"])
+def test_pressure_caveat_is_absent_for_rubber_like_materials(kind):
+    dataset, study = (
+        (measured_result(), measured_study()) if kind == "measured" else (generated_result(), generated_study())
+    )
+    dataset["mean_pressure"] = 0 * dataset["mean_pressure"] + 2e-4
+    for modulus, has_caveat in ((0.003, False), (0.2, False)):
+        study = study.with_changes({"contact.effective_modulus": f"{modulus} GPa"})
+        dataset = dataset.assign_coords(effective_modulus=modulus)
+        assert any("pressure" in caveat.text for caveat in summarize(dataset, study).points[0].caveats) == has_caveat
+    dataset["mean_pressure"] = 0 * dataset["mean_pressure"] + 0.02
+    assert any("pressure" in caveat.text for caveat in summarize(dataset, study).points[0].caveats)
+
+
+def test_pressure_above_yield_of_soft_material_is_a_caveat():
+    study = measured_study(mechanics="asperities")
+    study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
+    dataset = measured_result(mean_pressure=2.0).assign_coords(effective_modulus=0.05)
+    assert any("brass yields" in caveat.text for caveat in summarize(dataset, study).points[0].caveats)
+
+
+def test_pressure_of_generated_surfaces_is_at_most_a_caution():
+    for pressure, verdict in ((0.4, "Quote it"), (0.6, "Quote with care")):
+        points = summarize(generated_result(mean_pressure=pressure), generated_study()).points
+        assert {point.verdict for point in points} == {verdict}
+
+
+def test_missing_coefficient_is_explained_by_its_status():
+    point = only_point(measured_result(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
+    assert (point.status, point.verdict) == ("not-reached", "Do not quote")
+    assert "no solved load is as large" in sentence_text(point)
+    text = coefficients_text([only_point(measured_result(all_rub=np.nan, opposing=np.nan), measured_study())])
+    assert text.startswith("μ_s = none")
+    assert "ok" not in text.splitlines()[0]
+
+
+def test_caveats_about_inputs_are_listed_and_faults_come_first():
+    input_caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
+    dataset = measured_result(share_at_edge=0.6)
+    point = summarize_point(next(points(dataset)), measured_study(), [input_caveat])
+    assert [caveat.severity for caveat in point.caveats] == ["fault", "caution"]
+    assert point.caveats[1] == input_caveat
+
+
+@pytest.mark.parametrize(
+    ("directions", "description"),
+    [
+        ([0.0], "the upper body moves to +x"),
+        ([30.0], "the upper body moves at 30°"),
+        ([0.0, 45.0], "the mean over 0° and 45°"),
+        ([90.0, 270.0], "the mean over both directions along y"),
+        (list(range(0, 360, 30)), "the mean over 12 directions all round"),
+        (list(range(0, 180, 30)), "the mean over 0°, 30°, 60°, 90°, 120° and 150°"),
+    ],
+)
+def test_averaged_directions_are_described(directions, description):
+    assert averaged_directions_text(directions) == description
+
+
+def test_profiles_have_two_directions_and_a_nominal_pressure():
+    point = only_point(measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities"))
+    assert "the mean over both directions and 16 positions" in sentence_text(point)
+    assert "(1 MPa)" not in sentence_text(
+        point
+    )  # with spheres, the nominal pressure depends on the chosen width of the strip
+    for study in ({"mechanics": "asperities", "law": "hertz-cylinder"}, {"mechanics": "half-space"}):
+        point = only_point(measured_result(directions=(0.0, 180.0)), measured_study(press="lines", **study))
+        assert "(1 MPa)" in sentence_text(point)
+
+
+def test_sentence_states_definition_of_load_if_it_matters():
+    for difference, is_given in ((2 * MIN_STATED_READING_DIFFERENCE, True), (MIN_STATED_READING_DIFFERENCE / 2, False)):
+        sentence = sentence_text(only_point(measured_result(reading_difference=difference), measured_study()))
+        assert ("the load is the elastic contact force" in sentence) == is_given
+        assert ("with another definition of the load μ_s differs by 2 %" in sentence) == is_given
+
+
+def test_small_slope_estimate_lists_neglected_effects():
+    gradient, pressure = 0.2, 100 * 0.2 / SLOPE_ESTIMATE_KAPPA
+    dataset_at_matching_pressure = measured_result(rms_gradient=gradient, mean_pressure=pressure)
+    for dataset, hardness, effects in (
+        (dataset_at_matching_pressure, None, []),
+        (dataset_at_matching_pressure, 5.0, ["hardness is not considered"]),
+        (measured_result(rms_gradient=gradient, mean_pressure=pressure / 2), None, ["does not apply"]),
+    ):
+        study = measured_study(hardness=hardness)
+        text = slopes_text(only_point(dataset, study))
+        assert "0.21 with friction at all contacts" in text
+        for effect_name in ("hardness", "does not apply"):
+            assert (effect_name in text) == any(effect_name in effect for effect in effects)
+    dataset_without_tau0 = measured_result(rms_gradient=gradient, mean_pressure=pressure / 2, tau0=(0.0,))
+    assert "does not apply" not in slopes_text(only_point(dataset_without_tau0, measured_study()))
+
+
+@pytest.mark.parametrize("is_floor", [True, False])
+def test_interval_covers_filtered_and_unfiltered_results(is_floor):
+    cut_offs = (0.5, 0.0) if is_floor else (0.0, 0.5)
+    dataset = measured_result(cut_offs=cut_offs, loads=(1.0, 10.0), half=0.02, all_rub=0.25)
+    for name in ("friction_all_round", "friction_coefficient"):
+        dataset[name][{"cut_off": 1}] *= 0.84
+    combined = dataset["friction_all_round"].isel(
+        cut_off=[0, 1]
+    )  # an uncertainty budget with the hardness as its only input
+    dataset["friction_known"] = combined
+    dataset["friction_if_known"] = combined.expand_dims(input=["hardness"])
+    dataset["width_if_known"] = combined.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02
+    dataset = dataset.assign_coords(input_words=("input", ["the hardness"]))
+    severity = "caution" if is_floor else "fault"
+    caveat = Caveat("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", severity, 0.4, True)
+    study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
+    summary_points = summarize(dataset, study, input_caveats=[caveat]).points
+    assert [point.covered for point in summary_points] == [False, False, True, True]
+    assert [point.at["cut_off"] for point in summary_points] == [cut_offs[0]] * 2 + [cut_offs[1]] * 2
+    for point in [other for other in summary_points if not other.covered]:
+        assert point.verdict == ("Quote with care" if is_floor else "Do not quote")
+        assert (point.value, point.lower, point.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
+        word = "with" if is_floor else "without"
+        assert point.caveats[0].text.startswith(f"{caveat.text}; {word} them μ_s is 0.210 [0.206, 0.214]")
+        assert [(remaining.words, remaining.lower) for remaining in point.budget] == [
+            (ORIGIN, pytest.approx(0.245)),
+            ("the hardness", pytest.approx(0.2058)),
+        ]
+        assert point.most.words == ORIGIN
+        assert (point.bracket is None) == (not is_floor)
+    summary_of_all = summarize(dataset, measured_study(hardness=2.0))
+    assert summary_of_all.headlines == list(summary_of_all.points)
+
+
+def test_filtered_result_keeps_faults_of_the_unfiltered_result():
+    dataset = measured_result(cut_offs=(0.5, 0.0), half=0.02, all_rub=0.25)
+    dataset["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
+        2.0  # the interval of the unfiltered scan is too wide
+    )
+    study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
+    filtered_point, raw_point = summarize(dataset, study).points
+    assert raw_point.verdict == filtered_point.verdict == "Do not quote"
+    assert any(fault.text.startswith("as measured: ") for fault in filtered_point.faults)
+
+
+# ---- Materials and finer scans --------------------------------------------------------------------------------------
+
+
+def with_materials(hardness, names=("mild steel", "brass")):
+    study = measured_study(hardness=hardness)
+    return study.with_changes({"contact.materials": list(names)})
+
+
+def test_bracket_extends_from_plastic_limit_to_scaled_upper_end():
+    point = summarize(measured_result(all_rub=0.24, half=0.01), measured_study(hardness=2.0)).points[0]
+    limit = 0.2 + 0.05 / 2
+    # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.
+    assert point.bracket == pytest.approx((limit, limit + (0.24 * 1.01 - limit) * math.exp(0.2)))
+    assert "a finer scan would give 0.225 (μ0 + τ0/H) to 0.246" in sentence_text(point)
+    point_at_limit = summarize(
+        measured_result(all_rub=0.2, half=1e-4, tau0=(0.0,)), measured_study(hardness=2.0)
+    ).points[0]
+    assert "a finer scan would give 0.200 (μ0 + τ0/H)" in sentence_text(point_at_limit)
+    assert summarize(measured_result(), measured_study()).points[0].bracket is None
+    asperities = measured_study(hardness=2.0, mechanics="asperities")
+    assert summarize(measured_result(), asperities).points[0].bracket is None
+    # If the value is below the plastic limit, the bracket starts at the value.
+    lower, upper = summarize(measured_result(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
+    assert lower == pytest.approx(0.22)
+    assert lower < upper
+    # A result with a fault has no bracket for finer scans.
+    point = summarize(measured_result(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
+    assert (point.verdict, point.bracket) == ("Do not quote", None)
+    assert "finer scan" not in coefficients_text([point])
+
+
+@pytest.mark.parametrize(
+    ("input_range", "expected_text"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.1 GPa (0.9..1.3 GPa);")]
+)
+def test_sentence_states_hardness_with_its_range(input_range, expected_text):
+    study = measured_study(hardness=1.1).with_changes({"known.hardness": input_range})
+    assert f"hardness {expected_text}" in sentence_text(only_point(measured_result(), study)).replace(", points", ";")
+
+
+def test_sentence_states_number_of_surrogates():
+    point = summarize(measured_result(members=16), measured_study(press="surrogates")).points[0]
+    assert "16 pairs of random surfaces with these spectra" in sentence_text(point)
+    assert "random" not in sentence_text(summarize(measured_result(members=16), measured_study()).points[0])
+
+
+def test_inputs_name_materials_and_range_of_softer_hardness():
+    point = summarize(measured_result(load_share_at_hardness=0.9), with_materials(0.625)).points[0]
+    assert "mild steel on brass" in inputs_text(point)
+    assert "hardness 625 MPa (230 MPa to 1.7 GPa)" in inputs_text(point)
+
+
+@pytest.mark.parametrize(
+    ("tau0", "expected_words"),
+    [(0.01, None), (0.05, "τ0 is 42 % of the shear strength of the softer body, 120 MPa"), (0.13, "seizure")],
+)
+def test_junction_growth_is_a_caveat_above_a_twentieth_of_the_friction(tau0, expected_words):
+    dataset = measured_result(load_share_at_hardness=0.9, mu0=(0.1 if tau0 < 0.02 else 0.2,), tau0=(tau0,))
+    caveats = summarize(dataset, with_materials(0.625)).points[0].caveats
+    growth_caveats = [caveat.text for caveat in caveats if "junction growth" in caveat.text]
+    assert len(growth_caveats) == (expected_words is not None)
+    assert expected_words is None or expected_words in growth_caveats[0]
+    caveats_of_elastic_contact = (
+        summarize(measured_result(load_share_at_hardness=0.0, tau0=(tau0,)), with_materials(0.625)).points[0].caveats
+    )
+    assert not any("junction growth" in caveat.text for caveat in caveats_of_elastic_contact)
+
+
+def test_zero_tau0_is_a_caveat():
+    dataset = measured_result(tau0=(0.0,))
+    dataset["friction_all_round"] = dataset["friction_all_round"] / 0.21 * 0.2012
+    caveats = [caveat.text for caveat in summarize(dataset, measured_study()).points[0].caveats]
+    assert caveats == ["τ0 is 0, so the coefficient is the given μ0; the surfaces add 0.001"]
+
+
+@pytest.mark.parametrize(
+    ("pressure", "severity"), [(2.0, ["fault"]), (1.0, ["caution"]), (0.2, [])], ids=["all", "some", "none"]
+)
+def test_pressure_beyond_yield_is_a_caveat_that_names_the_material(pressure, severity):
+    study = measured_study(mechanics="asperities")
+    study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
+    caveats = summarize(measured_result(mean_pressure=pressure), study).points[0].caveats
+    brass_caveats = [caveat for caveat in caveats if "brass" in caveat.text]
+    assert [caveat.severity for caveat in brass_caveats] == severity
+    assert all("brass yields at 230 MPa to 1.7 GPa" in caveat.text for caveat in brass_caveats)
+
+
+@pytest.mark.parametrize(
+    "study", [with_materials(2.0), with_materials(0.625, ("one", "another")), measured_study(hardness=2.0)]
+)
+def test_given_hardness_has_no_range(study):
+    point = summarize(measured_result(load_share_at_hardness=0.9), study).points[0]
+    assert "known" not in inputs_text(point)
+    assert not any("softer material" in caveat.text for caveat in point.caveats)
+
+
+def test_bracket_is_absent_with_a_fault():
+    point = summarize(measured_result(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
+    assert (point.verdict, point.bracket) == ("Do not quote", None)
+    assert "finer scan" not in coefficients_text([point])
+
+
+def test_bracket_contains_value_below_plastic_limit():
+    lower, upper = summarize(measured_result(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
+    assert lower == pytest.approx(0.22)
+    assert lower < upper
+
+
+@pytest.mark.parametrize("changes", [{"contact_count": 4.9}, {"share_on_largest": 0.51}])
+def test_few_contacts_are_no_fault_after_merging(changes):
+    assert only_point(measured_result(**changes), measured_study()).verdict == "Do not quote"
+    assert (
+        only_point(measured_result(**changes, contact_area_fraction=0.35), measured_study()).verdict != "Do not quote"
+    )
+
+
+def test_roughness_contribution_is_value_minus_mu0_and_tau0_terms():
+    study = measured_study(hardness=3.0)
+    point = only_point(measured_result(all_rub=0.23), study)
+    assert point.from_roughness == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)
+    assert point.hardness == 3.0
+    assert only_point(measured_result(all_rub=0.23), measured_study()).from_roughness == pytest.approx(0.03)
+    assert summarize(generated_result(), generated_study()).points[0].from_roughness is None
+
+
+def test_text_about_finer_scans_states_hardness():
+    text = finer_text(only_point(measured_result(), measured_study(hardness=3.0)))
+    assert text.startswith("with H = 3 GPa a finer scan would give 0.21")
+    assert finer_text(only_point(measured_result(), measured_study())) == ""
+
+
+def test_few_contacts_and_zero_tau0_are_caveats_of_generated_surfaces():
+    point = summarize(generated_result(contact_count=7.0), generated_study()).points[0]
+    assert "7 contacts on average are few" in caveat_texts(point)
+    assert summarize(generated_result(contact_count=3.0), generated_study()).points[0].verdict == "Do not quote"
+    assert "τ0 is 0, so the coefficient is the given μ0" in caveat_texts(
+        summarize(generated_result(friction=0.4), generated_study()).points[0]
+    )
+
+
+def test_caveat_has_the_number_that_was_checked_and_its_limit():
+    (caveat,) = only_point(measured_result(share_at_edge=0.6), measured_study()).caveats
+    assert (caveat.name, caveat.value, caveat.limit) == ("share_at_edge", pytest.approx(0.6), 0.5)
+    assert caveat.text == "60 % of the load is on contacts at the edge"

@@ -1,0 +1,150 @@
+"""Tests of caveats about inputs; each caveat has a case with it and a case without it."""
+
+import numpy as np
+import pytest
+from stiction import Profile, Surface, instrument_limit, pair, self_affine
+from stiction.studies.input_caveats import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, find_input_caveats
+from stiction.studies.measured_surfaces import MeasuredFile
+from support.studies_of_files import pair_study
+from support.synthetic_results import measured_study
+
+
+@pytest.fixture(autouse=True)
+def ignore_caveats_of_files(monkeypatch):
+    """Ignore caveats of files, because the files of `measured_study` do not exist."""
+    monkeypatch.setattr(MeasuredFile, "caveats", ())
+
+
+@pytest.fixture(scope="module")
+def rough_profile():
+    return self_affine(1, hurst_exponent=0.8, rms=0.05, points=2000, spacing=0.05, longest_wavelength=5.0)
+
+
+def caveat_texts(upper, lower, *, mu0=(0.2,), loads=()):
+    return [caveat.text for caveat in find_input_caveats(upper, lower, measured_study(mu0=mu0), loads)]
+
+
+def test_heights_larger_than_the_scan_length_are_a_caveat(rough_profile):
+    tall_profile = Profile(rough_profile.heights * 1000, spacing=rough_profile.spacing)
+    assert any(text.startswith("upper: heights span") for text in caveat_texts(tall_profile, rough_profile))
+    surface = Surface(np.eye(8), spacing=1.0)
+    assert caveat_texts(surface, surface) == []
+    assert caveat_texts(Surface(10 * np.eye(8), spacing=1.0), surface) == ["upper: heights span 10 µm over 8 µm"]
+    # Heights that are impossible for a scan are a fault.
+    tall_profile = Profile(rough_profile.heights * 1e6, spacing=rough_profile.spacing)
+    caveats = find_input_caveats(tall_profile, rough_profile, measured_study())
+    assert [caveat.severity for caveat in caveats if "heights span" in caveat.text] == ["fault"]
+
+
+def test_form_error_is_a_caveat_unless_it_is_removed(rough_profile):
+    x = np.linspace(-1, 1, 2000)
+    for curvature_height, has_caveat in ((1.0, True), (0.01, False)):
+        curved_profile = Profile(rough_profile.heights + curvature_height * x**2, spacing=rough_profile.spacing)
+        assert (
+            any("lower: form (a parabola) is" in text for text in caveat_texts(rough_profile, curved_profile))
+            == has_caveat
+        )
+    assert 0 < FORM < 1
+    curved_profile = Profile(rough_profile.heights + x**2, spacing=rough_profile.spacing)
+    study = measured_study()
+    study = study.with_changes({"surfaces.level": "quadratic"})  # removes the parabola
+    assert find_input_caveats(rough_profile, curved_profile, study) == ()
+
+
+def test_spikes_are_a_caveat_with_their_number(rough_profile):
+    heights = rough_profile.heights.copy()
+    heights[[500, 1200]] += 2 * SPIKE * np.abs(np.diff(heights, 2)).max()
+    caveats = caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
+    assert [text for text in caveats if "as sharp as usual" in text] == [
+        "upper: 6 points are more than 12 times as sharp as usual, and would come into contact first"
+    ]
+
+
+def test_caveat_about_both_scans_is_listed_once(rough_profile):
+    tall_profile = Profile(rough_profile.heights * 1000, spacing=rough_profile.spacing)
+    caveats = caveat_texts(tall_profile, tall_profile)
+    assert len(caveats) == len(set(caveats))
+    assert all(text.startswith("both scans: ") for text in caveats)
+
+
+def test_huge_coefficients_and_loads_are_caveats(rough_profile):
+    assert (
+        caveat_texts(
+            rough_profile, rough_profile, mu0=(HIGHEST_MU0,), loads=[0.9 * WHOLE_PART * 100 * rough_profile.extent]
+        )
+        == []
+    )
+    assert "μ0 = 30" in caveat_texts(rough_profile, rough_profile, mu0=(0.2, 30.0))[0]
+    load = 1.1 * WHOLE_PART * 100 * rough_profile.extent
+    assert "above a tenth of E*" in caveat_texts(rough_profile, rough_profile, loads=[load])[0]
+
+
+def test_noise_and_peaks_are_caveats_without_cutoff():
+    rng = np.random.default_rng(5)
+    clean_profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
+    noisy_profile = Profile(clean_profile.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)
+    profile_with_line = Profile(clean_profile.heights + 5e-4 * np.sin(2 * np.pi * np.arange(4096) / 8), spacing=0.01)
+    for profile, expected_words in ((noisy_profile, "as for noise"), (profile_with_line, "has a line")):
+        caveat = next(
+            other_caveat
+            for other_caveat in find_input_caveats(profile, profile, measured_study())
+            if expected_words in other_caveat.text
+        )
+        limit = instrument_limit(profile)
+        assert caveat.cut_off == limit.cut_off < limit.noise < 0.6
+        assert caveat.severity == ("fault" if limit.slope_fraction > 0.1 else "caution")
+        study_without_filter = measured_study().with_changes({"surfaces.vouched": True})
+        assert not any(
+            expected_words in other_caveat.text
+            for other_caveat in find_input_caveats(profile, profile, study_without_filter)
+        )
+    # A weak noise floor contributes little to the slope.
+    profile_with_faint_noise = Profile(
+        clean_profile.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01
+    )
+    assert instrument_limit(profile_with_faint_noise).reason == "noise floor"
+    assert not any("like noise" in text for text in caveat_texts(profile_with_faint_noise, profile_with_faint_noise))
+    assert any("of the mean square slope" in text for text in caveat_texts(noisy_profile, noisy_profile))
+
+
+def test_cure_offers_no_cutoff_above_a_third_of_the_scan():
+    noise_profile = Profile(0.1 * np.random.default_rng(2).normal(size=960), spacing=0.5)
+    short_profile = self_affine(3, points=200, spacing=0.5, hurst_exponent=0.7, rms=0.01, shortest_wavelength=5.0)
+    cutoff = instrument_limit(noise_profile).cut_off
+    assert short_profile.extent / 3 < cutoff < noise_profile.extent / 3
+    (cure,) = (
+        caveat.cure
+        for caveat in find_input_caveats(noise_profile, short_profile, measured_study())
+        if "noise" in caveat.text
+    )
+    assert "--cutoff '" not in cure
+    assert "33.3 µm" in cure
+    with pytest.raises(ValueError, match=r"cutoff must be .*33.3333 µm"):
+        pair(noise_profile, short_profile, load="10 MPa", mu0=0.2, effective_modulus="80 GPa", cutoff=f"{cutoff:g} um")
+
+
+def test_wavelengths_below_the_tip_are_a_caveat():
+    scan = self_affine(
+        3, points=3000, spacing=0.01, hurst_exponent=0.7, rms=0.01, longest_wavelength=5.0, shortest_wavelength=0.05
+    )
+    options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
+    study = pair_study(scan, scan, tip="20 um", **options)
+    assert instrument_limit(scan, tip_radius=20.0).reason == "tip"
+    # The scan is not filtered: that would smooth a surface further that the tip has smoothed already.
+    assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
+    (caveat,) = find_input_caveats(scan, scan, study)
+    assert "does not resolve: the surface is steeper" in caveat.text
+    assert instrument_limit(scan, tip_radius=20.0).slope_fraction > 0.1
+    assert caveat.severity == "fault"  # the elastic result has no limit at short wavelengths
+    plastic_study = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
+    assert [plastic_caveat.severity for plastic_caveat in find_input_caveats(scan, scan, plastic_study)] == ["caution"]
+    # A noise floor is also filtered if a tip radius is given.
+    noisy_scan = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
+    study = pair_study(noisy_scan, noisy_scan, tip="20 um", **options)
+    assert study.surfaces.cells()["cut_off"].tolist() == [instrument_limit(noisy_scan).cut_off, 0.0]
+    caveats = find_input_caveats(noisy_scan, noisy_scan, study)
+    assert [
+        plastic_caveat.severity for plastic_caveat in caveats if "of the mean square slope" in plastic_caveat.text
+    ] == ["caution", "fault"]
+    with pytest.raises(ValueError, match="tip"):
+        pair_study(scan, scan, tip="20", **options)
