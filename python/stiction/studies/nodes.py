@@ -194,7 +194,8 @@ class Nodes:
         """Largest relative error of interpolated values, and of ends over widths, at a few values between nodes."""
         loads = self.loads if self.study.is_measured else self._sample
         table = self._table(self.values[0].sel(load=loads))
-        return largest_errors(self.axes, table, partial(self._friction, loads))
+        shown = self.is_resolved[..., np.newaxis, :, :]
+        return largest_errors(self.axes, table, partial(self._friction, loads), shown)
 
     def is_interpolated(self, values: Floats) -> Any:
         """Return True for panels between nodes in which values (..., m, t) may be interpolated."""
@@ -331,7 +332,7 @@ def excess(given: Floats, wanted: Floats) -> Floats:
 
 
 def largest_errors(
-    axes: tuple[Axis, Axis], table: Floats, evaluate: Callable[[Floats, Floats], Floats]
+    axes: tuple[Axis, Axis], table: Floats, evaluate: Callable[[Floats, Floats], Floats], shown: Any = True
 ) -> tuple[float, float]:
     """Return the largest relative error of values, and of ends over widths, at a few mu0 and tau0 between nodes.
 
@@ -339,7 +340,7 @@ def largest_errors(
     intervals narrower than the tolerance of the value, are left out.
     """
     mu0, tau0 = (axis.rising[0] + np.ptp(axis.rising) * part for axis, part in zip(axes, CHECKED, strict=True))
-    fine = is_interpolated(axes, table[..., 0])
+    fine = is_interpolated(axes, table[..., 0]) & shown
     wanted = evaluate(mu0, tau0)
     values, ends = [0.0], [0.0]
     for row, column in np.ndindex(mu0.size, tau0.size):
