@@ -87,9 +87,9 @@ def test_report_agrees_with_the_library_at_random_settings(case):
             if status != "ok":
                 hidden += np.isfinite(expected[0])
                 continue
-            given = np.array([np.nan if number is None else number for number in numbers])
+            displayed = np.array([np.nan if number is None else number for number in numbers])
             width = np.fmax(expected[2] - expected[1], VALUE_TOLERANCE / PRINTED_TOLERANCE * abs(expected[0]))
-            error = np.abs(given - expected) / width
+            error = np.abs(displayed - expected) / width
             errors.append(np.nanmax(error))
     assert len(errors) > SETTINGS / 4
     assert hidden < MAX_HIDDEN_FRACTION * SETTINGS

@@ -23,7 +23,7 @@ from stiction._errors import ArgumentError
 from stiction.cli.application import command, print_output, report_interruption, show_status
 from stiction.cli.execution import Workers
 from stiction.cli.options import Json, Verbose, option, reject_options
-from stiction.cli.result_output import VERBOSE, open_with_warning
+from stiction.cli.result_output import VERBOSE_OPTION, open_with_warning
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import UNCERTAINTY
 
@@ -136,7 +136,7 @@ def at(
     else:
         if defaults := text.default_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             print_output(defaults)
-        print_output(text.result_text(summary, verbose=verbose, complete=VERBOSE))
+        print_output(text.result_text(summary, verbose=verbose, complete=VERBOSE_OPTION))
 
 
 def _print_scaled_heights(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 MAX_CAVEAT_LINES = 5  # printed by `pair` and `run`, so that the values and the assessment fit on a terminal of 24 lines
 
-VERBOSE = "--verbose"  # option that shows all points and caveats
+VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
 
 
 def open_with_warning(directory: Path) -> Result:
@@ -63,9 +63,9 @@ def print_values(
     if not as_json:
         max_lines = MAX_CAVEAT_LINES if command == "pair" else None
         if study.is_measured:
-            print_output(text.values_text(summary, verbose=verbose, max_lines=max_lines, complete=VERBOSE))
+            print_output(text.values_text(summary, verbose=verbose, max_lines=max_lines, complete=VERBOSE_OPTION))
         else:
-            print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE))
+            print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE_OPTION))
 
     def print_remainder() -> None:
         complete_summary = result.summary()  # this summary includes the studies that were computed in the meantime

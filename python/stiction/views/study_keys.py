@@ -57,12 +57,12 @@ _UNCERTAIN_TYPES = {
 
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
 _FRICTION_DESCRIPTION = "Loads and friction of measured surfaces, and those in the figures of generated surfaces."
-_CONTACT_CASES = tuple(dict.fromkeys(case for cases in CONTACT_CASES.values() for case in cases.values()))
+_ALL_CONTACT_CASES = tuple(dict.fromkeys(case for cases in CONTACT_CASES.values() for case in cases.values()))
 _KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.Case], ...]], ...] = (
     ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACE_CASES[:3], ()),
     ("`[surfaces]`, measured", "Two measured files and their combination into pairs.", SURFACE_CASES[3:], ()),
     ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), ()),
-    ("`[contact]`", _CONTACT_DESCRIPTION, _CONTACT_CASES, SHARED_CONTACT_TABLES),
+    ("`[contact]`", _CONTACT_DESCRIPTION, _ALL_CONTACT_CASES, SHARED_CONTACT_TABLES),
     ("`[friction]`", _FRICTION_DESCRIPTION, FRICTION_CASES, SHARED_FRICTION_TABLES),
     ("`[known]`", f"{UncertainInputsTable.__doc__}", (UncertainInputsTable,), ()),
     ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
