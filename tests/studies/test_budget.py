@@ -382,7 +382,7 @@ def test_interval_of_zero_coefficient_has_the_range_of_mu0() -> None:
     low, high = pair(*rough_surfaces(points=24), mu0="0±0.1", **options).interval
     assert low == 0
     assert high == pytest.approx(0.1 * halfnorm.ppf(0.975), rel=0.02)
-    assert pair(*rough_surfaces(points=24), mu0=0.0, **options).interval[1] < budget.NEGLIGIBLE
+    assert pair(*rough_surfaces(points=24), mu0=0.0, **options).interval[1] < budget.NEGLIGIBLE_COEFFICIENT
 
 
 CONTAINMENT_INPUTS = (

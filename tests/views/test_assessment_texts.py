@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction.studies.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
 from stiction.studies.point import points
-from stiction.studies.summary import ORIGIN, summarize, summarize_point
+from stiction.studies.summary import WAVELENGTHS_INPUT, summarize, summarize_point
 from stiction.views.point import averaged_directions_text
 from stiction.views.sentence import (
     MIN_STATED_READING_DIFFERENCE,
@@ -290,10 +290,10 @@ def test_interval_covers_filtered_and_unfiltered_results(is_floor):
         word = "with" if is_floor else "without"
         assert point.caveats[0].text.startswith(f"{caveat.text}; {word} them μ_s is 0.210 [0.206, 0.214]")
         assert [(remaining.words, remaining.lower) for remaining in point.budget] == [
-            (ORIGIN, pytest.approx(0.245)),
+            (WAVELENGTHS_INPUT, pytest.approx(0.245)),
             ("the hardness", pytest.approx(0.2058)),
         ]
-        assert point.most.words == ORIGIN
+        assert point.most.words == WAVELENGTHS_INPUT
         assert (point.bracket is None) == (not is_floor)
     summary_of_all = summarize(dataset, measured_study(hardness=2.0))
     assert summary_of_all.headlines == list(summary_of_all.points)

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 from stiction import Profile, Surface, instrument_limit, pair, self_affine
-from stiction.studies.input_caveats import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, find_input_caveats
+from stiction.studies.input_caveats import (
+    MAX_FORM_FRACTION,
+    MAX_PLAUSIBLE_MU0,
+    MAX_PRESSURE_OVER_MODULUS,
+    MAX_SPIKE_RATIO,
+    find_input_caveats,
+)
 from stiction.studies.measured_surfaces import MeasuredFile
 from support.studies_of_files import pair_study
 from support.synthetic_results import measured_study
@@ -44,7 +50,7 @@ def test_form_error_is_a_caveat_unless_it_is_removed(rough_profile):
             any("lower: form (a parabola) is" in text for text in caveat_texts(rough_profile, curved_profile))
             == has_caveat
         )
-    assert 0 < FORM < 1
+    assert 0 < MAX_FORM_FRACTION < 1
     curved_profile = Profile(rough_profile.heights + x**2, spacing=rough_profile.spacing)
     study = measured_study()
     study = study.with_changes({"surfaces.level": "quadratic"})  # removes the parabola
@@ -53,7 +59,7 @@ def test_form_error_is_a_caveat_unless_it_is_removed(rough_profile):
 
 def test_spikes_are_a_caveat_with_their_number(rough_profile):
     heights = rough_profile.heights.copy()
-    heights[[500, 1200]] += 2 * SPIKE * np.abs(np.diff(heights, 2)).max()
+    heights[[500, 1200]] += 2 * MAX_SPIKE_RATIO * np.abs(np.diff(heights, 2)).max()
     caveats = caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
     assert [text for text in caveats if "as sharp as usual" in text] == [
         "upper: 6 points are more than 12 times as sharp as usual, and would come into contact first"
@@ -70,12 +76,15 @@ def test_caveat_about_both_scans_is_listed_once(rough_profile):
 def test_huge_coefficients_and_loads_are_caveats(rough_profile):
     assert (
         caveat_texts(
-            rough_profile, rough_profile, mu0=(HIGHEST_MU0,), loads=[0.9 * WHOLE_PART * 100 * rough_profile.extent]
+            rough_profile,
+            rough_profile,
+            mu0=(MAX_PLAUSIBLE_MU0,),
+            loads=[0.9 * MAX_PRESSURE_OVER_MODULUS * 100 * rough_profile.extent],
         )
         == []
     )
     assert "μ0 = 30" in caveat_texts(rough_profile, rough_profile, mu0=(0.2, 30.0))[0]
-    load = 1.1 * WHOLE_PART * 100 * rough_profile.extent
+    load = 1.1 * MAX_PRESSURE_OVER_MODULUS * 100 * rough_profile.extent
     assert "above a tenth of E*" in caveat_texts(rough_profile, rough_profile, loads=[load])[0]
 
 

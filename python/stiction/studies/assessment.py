@@ -15,7 +15,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
-from stiction.studies.evaluation import ABOVE_NOMINAL, COMPLETE
+from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, COMPLETE_STATUS
 from stiction.studies.hardness import find_inputs, find_junction_growth, find_materials
 from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH, find_interface
@@ -508,12 +508,12 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     status = contact_status_of(point, study)
-    if status == COMPLETE:
+    if status == COMPLETE_STATUS:
         cure = (
             "adhesion closes the gap: use stiffer or rougher bodies" if study.contact.adheres else "use a smaller load"
         )
         yield Caveat("contact is complete: the true area is the nominal one", cure, "fault")
-    elif status == ABOVE_NOMINAL:
+    elif status == ABOVE_NOMINAL_STATUS:
         text = "the areas of the asperities add up to more than the nominal area"
         yield Caveat(text, "use a smaller load, or the half-space", "fault")
 

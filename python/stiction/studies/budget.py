@@ -36,20 +36,20 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-POSITIONS, FINER = "positions", "finer waves"
-UPPER_PIECE, LOWER_PIECE = "which piece of the upper part", "which piece of the lower part"
-PLACES = (UPPER_PIECE, LOWER_PIECE, POSITIONS)
+POSITIONS_INPUT, UNRESOLVED_INPUT = "positions", "finer waves"
+UPPER_SCANS_INPUT, LOWER_SCANS_INPUT = "which piece of the upper part", "which piece of the lower part"
+SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
 """Components of the uncertainty of the mean over scans and positions, which are not inputs."""
 
-INTERFACE = "interface"  # name of the input that contains mu0 and tau0 jointly
+INTERFACE_INPUT = "interface"  # name of the input that contains mu0 and tau0 jointly
 EXACT_QUANTILES = (0.1, 0.5, 0.9)  # quantiles at which an input is fixed to average the remaining width
 MAX_BUDGETS = 100  # largest number of coefficients for which a budget is computed
-SAME_INPUT = 1e-3  # largest relative difference from the study's mu0 or tau0 at which its range applies
+SAME_INPUT_TOLERANCE = 1e-3  # largest relative difference from the study's mu0 or tau0 at which its range applies
 MAX_EXPONENT = 50.0  # largest exponent of a factor between tests
-DECILES = 2.563103131089201
+DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
-_READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
+_NEEDED_VARIABLES = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
 """Variables on which the interval of a coefficient depends."""
 
 Strength = tuple[Floats, Floats, Floats | None, Floats | None]
@@ -99,13 +99,18 @@ def add_uncertainty(
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scans_of(table["repetition"].values)
         scatters = {place: scans_mean(table.values[place], *scans) for place in np.ndindex(*shape)}
-    order = [*([INTERFACE] if strengths else []), *inputs, *(PLACES if scatters else (POSITIONS,)), FINER]
+    order = [
+        *([INTERFACE_INPUT] if strengths else []),
+        *inputs,
+        *(SAMPLING_INPUTS if scatters else (POSITIONS_INPUT,)),
+        UNRESOLVED_INPUT,
+    ]
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     areas = areas_of(at, result)
     six = _columns(member_sums(result, at["load"].values).mean(("repetition", "direction")))
-    read = _columns(at[[name for name in _READ if name in at]]) | _sheared_contacts(at, study, areas)
+    read = _columns(at[[name for name in _NEEDED_VARIABLES if name in at]]) | _sheared_contacts(at, study, areas)
     pressures = at["load"].values / float(at["nominal_area"])
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
@@ -115,7 +120,7 @@ def add_uncertainty(
         )
         if not one.names:
             point = numbers["friction_all_round"]
-            if (np.abs(point) < NEGLIGIBLE).all() and {"mu0", "tau0"} & inputs.keys():
+            if (np.abs(point) < NEGLIGIBLE_COEFFICIENT).all() and {"mu0", "tau0"} & inputs.keys():
                 whole[place] = point[0], *_ends_about_zero(PerLoad.of(sums), one, inputs, point)
             continue
         whole[place] = one.value, *one.interval()
@@ -143,7 +148,9 @@ def add_uncertainty(
         tables |= {"friction_if_known": (("input", *over), left), "width_if_known": (("input", *dims), width)}
     if find_junction_growth(study) is not None:
         tables["fraction_seizing"] = dims, seizing
-    labels = [inputs[name].label if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
+    labels = [
+        inputs[name].label if name in inputs else {INTERFACE_INPUT: "the interface"}.get(name, name) for name in order
+    ]
     coordinates = {"input": ("input", order), "input_words": ("input", labels)} if budget else {}
     if study.friction.wait:
         tables["friction_waited"] = (*dims, "wait", "statistic"), waited
@@ -228,7 +235,7 @@ def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floa
     return found
 
 
-NEGLIGIBLE = 1e-9
+NEGLIGIBLE_COEFFICIENT = 1e-9
 """Largest coefficient that counts as round-off, for an interface without strength."""
 
 
@@ -257,7 +264,7 @@ class _CoefficientSamples:
         for name, own in (("mu0", self.mu0), ("tau0", self.tau0)):
             of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
             middle = self.inputs[name].value if name in self.inputs and of_interface is None else of_interface
-            if middle is not None and abs(middle - own) > SAME_INPUT * own:
+            if middle is not None and abs(middle - own) > SAME_INPUT_TOLERANCE * own:
                 self.inputs.pop(name, None)
                 strengths = ()
         # Joint samples of mu0 and tau0, with the hardness if available; then those with mu0 or tau0 at its bound.
@@ -277,16 +284,18 @@ class _CoefficientSamples:
         error, members = width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
         # Relative standard deviation of one member in one direction, from the mean.
-        self.scatter = spread / (DECILES * value) * math.sqrt(1 + 1 / max(members, 1))
+        self.scatter = spread / (DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
-        places = {POSITIONS: error}  # relative standard errors of the mean, of scans and of positions
+        places = {POSITIONS_INPUT: error}  # relative standard errors of the mean, of scans and of positions
         if of_parts is not None:
             whole = math.sqrt(sum(of_parts.variances)) or 1.0
-            places = {n: error * math.sqrt(each) / whole for n, each in zip(PLACES, of_parts.variances, strict=True)}
+            places = {
+                n: error * math.sqrt(each) / whole for n, each in zip(SAMPLING_INPUTS, of_parts.variances, strict=True)
+            }
             self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MAX_FREEDOM)
         self.places = {name: each for name, each in places.items() if each > 0}
-        finer = (FINER,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
-        self.names = (*self.inputs, *((INTERFACE,) if strengths else ()), *self.places, *finer)
+        finer = (UNRESOLVED_INPUT,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
+        self.names = (*self.inputs, *((INTERFACE_INPUT,) if strengths else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
         """Return the 95 % interval, with some inputs fixed at quantiles.
@@ -295,10 +304,10 @@ class _CoefficientSamples:
         """
         fixed = fixed or {}
         parts = [self.value]
-        if not set(fixed) & set(PLACES):
+        if not set(fixed) & set(SAMPLING_INPUTS):
             parts += self.sampling
-        if FINER not in fixed and self.finest is not None and self.bracket is not None:
-            parts += self.finest if set(fixed) & set(PLACES) else self.bracket
+        if UNRESOLVED_INPUT not in fixed and self.finest is not None and self.bracket is not None:
+            parts += self.finest if set(fixed) & set(SAMPLING_INPUTS) else self.bracket
         return extend_interval(self._sampled_interval(fixed), *parts)
 
     def width_left(self, name: str) -> float:
@@ -317,7 +326,7 @@ class _CoefficientSamples:
 
     def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
         """Return the ends of the 95 % interval of the samples times a factor, also for mu0 or tau0 at its bound."""
-        strengths = self.strengths[:1] if INTERFACE in fixed else self.strengths
+        strengths = self.strengths[:1] if INTERFACE_INPUT in fixed else self.strengths
         ends = [_ends(self._friction_samples(fixed, wait, strength) * factor) for strength in strengths or (None,)]
         return min(low for low, _ in ends), max(high for _, high in ends)
 
@@ -396,7 +405,7 @@ class _CoefficientSamples:
             with_own = with_own * self._grown(softness, strength[1], pressure)
             with np.errstate(invalid="ignore"):
                 order = np.argsort(self.friction.coefficient(*strength[:2], with_own))
-            place = order[(columns[INTERFACE] * order.size).astype(int)]
+            place = order[(columns[INTERFACE_INPUT] * order.size).astype(int)]
             mu0, tau0 = strength[0][place], strength[1][place]
             growth = None if growth is None else growth[place]
             if own is not None:
@@ -412,10 +421,10 @@ class _CoefficientSamples:
             found = np.broadcast_to(self.value * self.friction.coefficient(mu0, tau0, area) / middle, (NUM_SAMPLES,))
         seizes = np.broadcast_to(np.isinf(area), (NUM_SAMPLES,))
         found = np.where(seizes, 1.0, found)
-        if FINER in columns and self.finest is not None:
+        if UNRESOLVED_INPUT in columns and self.finest is not None:
             least = np.minimum(mu0 + tau0 / np.where(seizes, np.inf, hardness), found)
             most = np.maximum(found * (self.finest[1] / self.value), least)
-            found = least + columns[FINER] * (most - least)
+            found = least + columns[UNRESOLVED_INPUT] * (most - least)
         if self.places:
             found = found * np.exp(sum(error * scores[name] for name, error in self.places.items()))
         return np.where(seizes, np.inf, np.maximum(found, 0.0))

@@ -39,15 +39,15 @@ MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores h
 MAX_ROUNDS = 8  # largest number of rounds of adaptation
 MIN_SAMPLE_FRACTION = 0.4  # ratio of effective sample size to nuisance points at which the adaptation ends
 MIN_EFFECTIVE = 300.0  # smallest effective sample size of the result; below it more nuisance points are used
-STRENGTHS, COEFFICIENTS = 41, 31  # numbers of grid cells along tau0 and along mu0
+NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # pairs of mu0 and tau0 that represent their joint distribution
-DEPTH = 34.0  # decrease of -2 ln(density) at which the grid ends: 5.8 standard deviations
+GRID_DEPTH = 34.0  # decrease of -2 ln(density) at which the grid ends: 5.8 standard deviations
 PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal, Student's t
 OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
-RUN_SPREAD = 0.10  # median of the half-Cauchy prior of the relative standard deviation between runs
+MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior of the relative standard deviation between runs
 
 MAX_GRID_POINTS = 256  # nuisance points that are computed together with junction growth
-GAIN, SPREAD = "gain", "spread between runs"  # names of nuisance parameters
+GAIN_NUISANCE, SPREAD_NUISANCE = "gain", "spread between runs"  # names of nuisance parameters
 
 
 @dataclass(frozen=True)
@@ -131,8 +131,8 @@ class CalibrationProblem:
         inputs = [name for equation in self._friction if equation.yields for name in equation.yields.names]
         self._members = _run_members(tests)
         self.nuisances: list[Hashable] = [
-            *([GAIN] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
-            *([SPREAD] if len(self._members) else []),
+            *([GAIN_NUISANCE] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
+            *([SPREAD_NUISANCE] if len(self._members) else []),
         ]  # fmt: skip
         """Names of the nuisances, each with a standard normal score."""
         middle = self._columns(np.zeros((1, len(self.nuisances))))
@@ -174,7 +174,9 @@ class CalibrationProblem:
         def column(name: str) -> Floats:
             return np.array([getattr(equation, name) for equation in self._friction])
 
-        gain = np.exp(self.common * at[GAIN])[:, np.newaxis] if GAIN in at else np.ones((len(scores), 1))
+        gain = (
+            np.exp(self.common * at[GAIN_NUISANCE])[:, np.newaxis] if GAIN_NUISANCE in at else np.ones((len(scores), 1))
+        )
         # The measured coefficient is the gain times the true coefficient; errors refer to the measured coefficient.
         rub = gain * column("rub") - self.measured * column("rub_normal")
         stick = gain * column("stick") - self.measured * column("stick_normal")
@@ -219,10 +221,10 @@ class CalibrationProblem:
         """Return the relative standard deviations (points,) between runs."""
         from scipy.special import ndtr
 
-        if SPREAD not in self.nuisances:
+        if SPREAD_NUISANCE not in self.nuisances:
             return np.zeros(len(scores))
-        part = np.minimum(ndtr(scores[:, self.nuisances.index(SPREAD)]), 1 - 1e-9)
-        return np.asarray(RUN_SPREAD * np.tan(0.5 * math.pi * part))
+        part = np.minimum(ndtr(scores[:, self.nuisances.index(SPREAD_NUISANCE)]), 1 - 1e-9)
+        return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * part))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
         """Return decorrelated equations (points, slid tests, 3) in units of the errors, and the log of their norms."""
@@ -269,7 +271,7 @@ class CalibrationProblem:
         from scipy.optimize import least_squares
 
         free = [place for place, value in enumerate(self.known) if value is None]
-        moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD]
+        moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         robust, scale = np.ones(len(self.slid)), 1.0
 
         def to_scores(moves: Floats) -> Floats:
@@ -353,7 +355,11 @@ class CalibrationProblem:
         loads = np.log(self.load[self.slid])
         trend = float(linregress(loads, best.residuals).pvalue) if slid > 2 and np.ptp(loads) > 0 else math.nan
         mu0, tau0, scores = self._sample(max(scale, 1e-9), freedom if is_scaled else None)
-        named = {name: scores[:, place] for place, name in enumerate(self.nuisances) if name not in (GAIN, SPREAD)}
+        named = {
+            name: scores[:, place]
+            for place, name in enumerate(self.nuisances)
+            if name not in (GAIN_NUISANCE, SPREAD_NUISANCE)
+        }
         return Fit(
             self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend, mu0, tau0,
             self._hardness(named), self._growth(named), self._mean_ratio(scores, mu0, tau0), named,
@@ -418,7 +424,7 @@ class CalibrationProblem:
             chosen = _triangle(rows * self.best.robust[self.slid, np.newaxis])
         else:
             rows = chosen = triangle
-        depth = DEPTH * (1.0 if self.slid.all() and not self.outliers else 4.0)
+        depth = GRID_DEPTH * (1.0 if self.slid.all() and not self.outliers else 4.0)
         if self.known[1] is not None:
             low = high = np.full(len(points), self.known[1])
         elif self.known[0] is not None:
@@ -428,7 +434,7 @@ class CalibrationProblem:
         cells = _Cells(chosen, depth, low, high)
         if self.grows:
             cells = self._around_growth(cells, scores, scale, spread, columns)
-        count = 1 if self.known[1] is not None else STRENGTHS
+        count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         start, step = self._coefficients(cells, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0)
         mu0 = start[..., np.newaxis] + step[..., np.newaxis] * (np.arange(self._count) + 0.5)
@@ -470,7 +476,7 @@ class CalibrationProblem:
 
     @property
     def _count(self) -> int:
-        return 1 if self.known[0] is not None else COEFFICIENTS
+        return 1 if self.known[0] is not None else NUM_MU0_CELLS
 
     def _around_growth(
         self, cells: _Cells, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
@@ -501,7 +507,7 @@ class CalibrationProblem:
                 highest = (columns[2][:, self.slid] + margin) / np.maximum(columns[1][:, self.slid], 0.0)
             low, high = range_of_strength(lambda tau0: best_at(tau0)[2], highest.min(axis=1), cells.depth)
             cells = replace(cells, low=low, high=high)
-        count = 1 if self.known[1] is not None else STRENGTHS
+        count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
@@ -526,7 +532,7 @@ class CalibrationProblem:
             below, above = cells.below[point, row], cells.above[point, row]
         low = np.maximum(best - below, 0.0)
         high = np.maximum(best + above, low + above)
-        return low, (high - low) / COEFFICIENTS
+        return low, (high - low) / NUM_MU0_CELLS
 
     # ---- Nuisances --------------------------------------------------------------------------------------------------
 
@@ -560,7 +566,7 @@ class CalibrationProblem:
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
         """Return mean and covariance of the first proposal for nuisance parameters and the logarithm of the scale."""
-        moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD]
+        moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
         mean[: len(self.nuisances)] = self.best.scores

@@ -8,9 +8,9 @@ import numpy as np
 
 from stiction._checks import Floats
 
-NUM_POINTS, NUM_SCANS = 13, 3  # number of values of tau0 in a scan, and number of scans
-NUM_STEPS = 3  # Gauss-Newton steps for the best mu0 at a tau0
-STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0
+NUM_SCAN_POINTS, NUM_SCANS = 13, 3  # number of values of tau0 in a scan, and number of scans
+NUM_NEWTON_STEPS = 3  # Gauss-Newton steps for the best mu0 at a tau0
+DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0
 
 Residuals = Callable[[Floats, Floats], Floats]
 """Function from mu0 and tau0 (GPa), (points, ...), to residuals (points, tests, ...) in units of the errors.
@@ -35,14 +35,14 @@ def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tupl
         Sum of squares of the residuals; infinite at seizure.
     """
     mu0 = start
-    for step in range(NUM_STEPS + 1):
-        size = STEP * (0.1 + mu0)
+    for step in range(NUM_NEWTON_STEPS + 1):
+        size = DERIVATIVE_STEP * (0.1 + mu0)
         pair_of_steps = residuals(np.stack([mu0, mu0 + size], axis=-1), np.stack([tau0, tau0], axis=-1))
         with np.errstate(invalid="ignore", divide="ignore"):
             derivative = (pair_of_steps[..., 1] - pair_of_steps[..., 0]) / size[:, np.newaxis]
             curvature = (derivative**2).sum(axis=1)
             new_mu0 = mu0 - (derivative * pair_of_steps[..., 0]).sum(axis=1) / curvature
-        if step < NUM_STEPS:
+        if step < NUM_NEWTON_STEPS:
             mu0 = np.where(np.isfinite(new_mu0), np.maximum(new_mu0, 0.0), mu0 / 2)
     return mu0, np.sqrt(curvature), (pair_of_steps[..., 0] ** 2).sum(axis=1)
 
@@ -59,12 +59,12 @@ def range_of_strength(squares: Callable[[Floats], Floats], highest: Floats, dept
     depth : float
     """
     low, high = np.zeros(highest.shape), highest
-    fractions = np.linspace(0.0, 1.0, NUM_POINTS)
+    fractions = np.linspace(0.0, 1.0, NUM_SCAN_POINTS)
     rows = np.arange(highest.size)
     for _ in range(NUM_SCANS):
         tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, fractions)
         values = squares(tau0)
         within = values <= values.min(axis=1, keepdims=True) + depth
-        first, last = within.argmax(axis=1), NUM_POINTS - 1 - within[:, ::-1].argmax(axis=1)
-        low, high = tau0[rows, np.maximum(first - 1, 0)], tau0[rows, np.minimum(last + 1, NUM_POINTS - 1)]
+        first, last = within.argmax(axis=1), NUM_SCAN_POINTS - 1 - within[:, ::-1].argmax(axis=1)
+        low, high = tau0[rows, np.maximum(first - 1, 0)], tau0[rows, np.minimum(last + 1, NUM_SCAN_POINTS - 1)]
     return low, high

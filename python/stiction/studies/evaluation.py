@@ -52,15 +52,15 @@ if TYPE_CHECKING:
     import xarray
 
 LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
-STATISTIC = ["mean", "lower", "upper"]
-SPREAD = (0.1, 0.9)  # quantiles of single members that are reported as spread_low and spread_high
-NO_LOAD = 0.01
+INTERVAL_STATISTICS = ["mean", "lower", "upper"]
+SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of single members that are reported as spread_low and spread_high
+NEGLIGIBLE_LOAD_RATIO = 0.01
 """Ratio of load and pull-off force below which the load is negligible, so that a coefficient has no meaning."""
 
 
 MIN_STIFFNESS_STEPS = 3  # smallest number of approaches or loads from which a stiffness is computed
 
-COMPLETE, ABOVE_NOMINAL = "complete", "above-nominal"
+COMPLETE_STATUS, ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
 """Statuses of contacts whose true area is the nominal area, or (a sum of overlapping asperities) more."""
 
 
@@ -149,12 +149,12 @@ def is_unloaded(result: Result) -> bool:
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
-    return float(study.friction.load[-1]) < NO_LOAD * max(_pull_offs(result))
+    return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_pull_offs(result))
 
 
 def unloaded_load(result: Result) -> float:
     """Return a load (mN) of adhesive bodies that is negligible: the smallest solved load, or an even smaller load."""
-    negligible = NO_LOAD * min(_pull_offs(result))
+    negligible = NEGLIGIBLE_LOAD_RATIO * min(_pull_offs(result))
     lowest = float(result.study.contact.steps()[0])
     return lowest if lowest < negligible else 0.1 * negligible
 
@@ -236,7 +236,7 @@ def _evaluate_ensemble(
             variables[name] = xarray.Variable((*own.dims[1:], "statistic"), mean, own.attrs).isel(one)
     variables |= {name: about[name].variable for name in VALIDITY}
     variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
-    dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=STATISTIC)
+    dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=INTERVAL_STATISTICS)
     return dataset.transpose(*cells_of(dataset), ...)
 
 
@@ -328,7 +328,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         coordinates["axis"] = ("axis", axes, attributes_of("axis"))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # NaN if no member has a coefficient
-        low, high = np.nanquantile(coefficient, SPREAD, axis=(0, at))
+        low, high = np.nanquantile(coefficient, SPREAD_QUANTILES, axis=(0, at))
     variables |= {
         "spread_low": (rest, low, words | {"long_name": "a tenth of the members are below"}),
         "spread_high": (rest, high, words | {"long_name": "a tenth of the members are above"}),
@@ -336,13 +336,13 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         "ok": (dims, ok.sum(axis=0), {"units": "1", "long_name": "members with an answer"}),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }  # fmt: skip
-    return xarray.Dataset(variables, coordinates | {"statistic": STATISTIC}, members.attrs)
+    return xarray.Dataset(variables, coordinates | {"statistic": INTERVAL_STATISTICS}, members.attrs)
 
 
 def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
     """Return statuses of area fractions (..., 3), and fractions that are 1 if complete and NaN above nominal."""
     above = fraction[..., 0] > 1
-    status = np.where(above, COMPLETE if uses_half_space else ABOVE_NOMINAL, friction.STATUS_OK)
+    status = np.where(above, COMPLETE_STATUS if uses_half_space else ABOVE_NOMINAL_STATUS, friction.STATUS_OK)
     limited = np.minimum(fraction, 1.0) if uses_half_space else np.where(above[..., np.newaxis], np.nan, fraction)
     return status, limited
 

@@ -22,9 +22,9 @@ from stiction.studies.values import validated
 if TYPE_CHECKING:
     import xarray
 
-TITLE = "stiction table"  # `title` attribute of a friction table
-FEWEST_PRESSURES = 3  # smallest number of pressures for a stiffness
-DIRECTIONS = (
+TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
+MIN_STIFFNESS_PRESSURES = 3  # smallest number of pressures for a stiffness
+AVERAGED_DIRECTIONS = (
     0.0,
     90.0,
     180.0,
@@ -32,7 +32,7 @@ DIRECTIONS = (
 )  # degrees; coefficients are means over these directions, because surfaces are isotropic
 MAX_FITTED_AREA = 0.1  # largest contact fraction to which the laws are fitted
 MAX_LAW_DEVIATION = 0.1  # relative deviation above which the table has a caveat about a fitted law
-_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
+_DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
 def table_study(
@@ -122,7 +122,7 @@ def table_study(
             "contact": {
                 "mechanics": "half-space", "boundary": "periodic",
                 "effective_modulus": exact_quantity(effective_modulus, "GPa"),
-                "direction": list(DIRECTIONS), "sliding": ["opposing", "all"],
+                "direction": list(AVERAGED_DIRECTIONS), "sliding": ["opposing", "all"],
                 "load": [
                     exact_quantity(pressure * area, "mN")
                     for pressure in sorted(_checked_values("pressures", pressures))
@@ -201,9 +201,9 @@ def friction_table(
     material = material_of(dataset, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
     steps = dataset["load"].values / area
-    approach, touching = (dataset[name].transpose(*_ORDER).values for name in ("approach", "contact_area"))
+    approach, touching = (dataset[name].transpose(*_DIMENSION_ORDER).values for name in ("approach", "contact_area"))
     stiffness = np.full(approach.shape, np.nan)
-    if steps.size >= FEWEST_PRESSURES:
+    if steps.size >= MIN_STIFFNESS_PRESSURES:
         # The approach is nearly a linear function of the logarithm of the load.
         stiffness = steps / np.gradient(approach, np.log(steps), axis=-1, edge_order=2)
     # Loads around the requested loads only serve as steps of the curve.
@@ -227,7 +227,7 @@ def friction_table(
         **{name: ((*places, "pressure", "statistic"), values, attributes_of(name)) for name, values in means.items()},
         "friction_coefficient": (
             ("sliding", *places, "pressure", "mu0", "tau0", "statistic"),
-            coefficient.transpose("sliding", *_ORDER[1:], "mu0", "tau0", "statistic").values,
+            coefficient.transpose("sliding", *_DIMENSION_ORDER[1:], "mu0", "tau0", "statistic").values,
             coefficient.attrs,
         ),
         **{name: ((*places, "statistic"), values, attributes_of(name)) for name, values in laws.items()},
@@ -240,7 +240,7 @@ def friction_table(
         "rms": dataset["amplitude"].values, "pressure": pressure, "mu0": material[0], "tau0": material[1],
     }  # fmt: skip
     coordinates = {name: (name, values, attributes_of(name)) for name, values in at.items()}
-    attributes = {"title": TITLE, **{name: dataset.attrs[name] for name in ("study", "stiction_version")}}
+    attributes = {"title": TABLE_TITLE, **{name: dataset.attrs[name] for name in ("study", "stiction_version")}}
     table = xarray.Dataset(variables, coordinates | {"statistic": ["mean", "lower", "upper"]}, attributes)
     table["pressure"].attrs["long_name"] = "normal load over nominal area"
     table["normal_stiffness"].attrs = {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"}

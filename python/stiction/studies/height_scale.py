@@ -22,7 +22,7 @@ from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.budget import add_uncertainty
-from stiction.studies.evaluation import ABOVE_NOMINAL, at_load, is_unloaded
+from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, at_load, is_unloaded
 from stiction.studies.executors import enter_executor
 from stiction.studies.hardness import (
     AREAS_FILE,
@@ -309,7 +309,7 @@ def evaluate_height_scale(
     if all("contact_status" in point for point in points):
         dims = first["contact_status"].dims
         statuses = np.stack([point["contact_status"].transpose(*dims).values for point in points])
-        other = STATUS_OK if study.uses_half_space else ABOVE_NOMINAL
+        other = STATUS_OK if study.uses_half_space else ABOVE_NOMINAL_STATUS
         interpolated = np.stack([np.where(statuses[i] == statuses[j], statuses[i], other) for i, j in neighbors])
         variables["contact_status"] = (("height_scale", *dims), interpolated, first["contact_status"].attrs)
     for side, rms in _compute_rms_heights(study).items():

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from stiction.studies.measured_surfaces import Body, MeasuredFile
     from stiction.studies.study import Study
 
-REASONS = {
+LIMIT_REASONS = {
     "noise floor": "the spectrum is flat, as for noise",
     "quantisation": "the spectrum is flat, as for quantised heights",
     "line": "the spectrum has a line",
@@ -36,23 +36,23 @@ REASONS = {
 }
 """Descriptions of the reasons for a wavelength limit."""
 
-IMPOSSIBLE = 10.0  # height over extent above which the unit of heights is wrong
-HIGHEST_MU0 = 2.0  # clean metals in vacuum have lower molecular friction coefficients
+MAX_HEIGHT_OVER_EXTENT = 10.0  # height over extent above which the unit of heights is wrong
+MAX_PLAUSIBLE_MU0 = 2.0  # clean metals in vacuum have lower molecular friction coefficients
 
-FORM = 0.6
+MAX_FORM_FRACTION = 0.6
 """Fraction of the mean square height in a parabola above which it is form; it is a half for the longest wavelengths."""
 
-SPIKE = 12.0
+MAX_SPIKE_RATIO = 12.0
 """Second difference over its robust standard deviation (median over 0.67) above which a point is a spike."""
 
-NOISE = 0.01  # fraction of the mean square slope from the instrument above which there is a caveat
-PEAK = 0.1  # fraction of the fourth spectral moment in one peak above which there is a caveat
-CURE = (
+MAX_NOISE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope from the instrument above which there is a caveat
+MAX_PEAK_FRACTION = 0.1  # fraction of the fourth spectral moment in one peak above which there is a caveat
+CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     "the surface; two scans of one place show which (stiction characterise --repeated)"
 )
-MUCH = 2.0  # factor between spectra of one surface above which there is a caveat
-WHOLE_PART = 0.1  # nominal pressure over E* above which the load probably refers to a larger body
+MAX_SPECTRA_RATIO = 2.0  # factor between spectra of one surface above which there is a caveat
+MAX_PRESSURE_OVER_MODULUS = 0.1  # nominal pressure over E* above which the load probably refers to a larger body
 
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
@@ -90,13 +90,13 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     longest = MAX_CUTOFF_FRACTION * min(_shortest_side(body) for body in (upper, lower))
     caveats = [replace(each, cure=_without_cutoff(each, longest)) for each in caveats]
     mu0 = max(float(each) for each in study.friction.mu0)
-    if mu0 > HIGHEST_MU0:
+    if mu0 > MAX_PLAUSIBLE_MU0:
         text = f"μ0 = {mu0:g} is larger than that of any pair of materials"
         caveats.append(Caveat(text, "specify it as a fraction, not in per cent", "caution"))
     area = float(np.prod(np.minimum(_extent(upper), _extent(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
-        if load / area > WHOLE_PART * modulus:
+        if load / area > MAX_PRESSURE_OVER_MODULUS * modulus:
             pressure = format_with_unit(load / area, "GPa")
             text = f"{format_with_unit(load, 'mN')} is {pressure} on {area:.3g} µm², above a tenth of E*"
             caveats.append(Caveat(text, "specify the load on this area, not on the whole part", "caution"))
@@ -118,23 +118,23 @@ def _shortest_side(body: Body) -> float:
     return body.extent if isinstance(body, Profile) else min(_extent(body))
 
 
-_NUMBER = re.compile(r"\d[\d.]*")
+_NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _kind(caveat: Caveat) -> str:
     """Return the text without its numbers."""
-    return _NUMBER.sub("", caveat.text)
+    return _NUMBER_PATTERN.sub("", caveat.text)
 
 
 def _joined(upper: Caveat, lower: Caveat) -> str:
     """Return the text of two caveats of a kind, with both numbers where they differ."""
-    others = iter(_NUMBER.findall(lower.text))
+    others = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def number(own: re.Match[str]) -> str:
         other = next(others)
         return own[0] if own[0] == other else f"{own[0]} and {other}"
 
-    return _NUMBER.sub(number, upper.text)
+    return _NUMBER_PATTERN.sub(number, upper.text)
 
 
 def find_scan_caveats(
@@ -180,7 +180,7 @@ def _extent(body: Body) -> tuple[float, float]:
 def spectra_differ(joined: JoinedSpectrum) -> bool:
     """Return whether the power of a scan differs significantly from that of others, by more than a factor of two."""
     with np.errstate(invalid="ignore"):
-        return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MUCH)).any())
+        return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
 
 def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
@@ -201,19 +201,19 @@ def _of_instrument(
         blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
     except ValueError:  # flat
         return
-    shortest = limit.wavelength if limit.slope_fraction > NOISE else 0.0
+    shortest = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest:
         is_known = limit.origin == "instrument"
         source = "where" if is_known else "perhaps from the instrument:"
-        text = f"{_waves(limit)}, {source} {REASONS[limit.reason]}"
+        text = f"{_waves(limit)}, {source} {LIMIT_REASONS[limit.reason]}"
         cure = f"--cutoff '{format_with_unit(limit.cut_off, 'um')}' removes this fraction"
         if limit.matters:
-            cure += ", --cutoff none keeps it" if is_known else CURE
+            cure += ", --cutoff none keeps it" if is_known else CUTOFF_REMEDY
             if is_known and textured:
                 cure += "; --texture concerns lines and humps only"
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
         yield Caveat(text, cure, severity, limit.cut_off, has_readings and limit.matters)
-    if blunt.reason == "tip" and blunt.slope_fraction > NOISE:
+    if blunt.reason == "tip" and blunt.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
         text = f"{_waves(blunt)}, which the tip does not resolve: the surface is steeper"
         # Without a hardness, steeper slopes reduce the true area without a limit.
         how: Severity = "fault" if elastic and blunt.matters else "caution"
@@ -222,7 +222,7 @@ def _of_instrument(
     if not isinstance(body, Profile):
         return
     peak = find_peak(power_spectrum(levelled(body, "line")))
-    if peak is not None and peak[1] >= PEAK and peak[0] > shortest:
+    if peak is not None and peak[1] >= MAX_PEAK_FRACTION and peak[0] > shortest:
         part, wave = format_percent(peak[1]), format_with_unit(peak[0], "um")
         text = f"a peak at {wave}, perhaps from the instrument, contributes {part} of the curvature"
         yield Caveat(
@@ -242,18 +242,20 @@ def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
         text = f"heights span {format_with_unit(height, 'um')} over {format_with_unit(extent, 'um')}"
-        yield Caveat(text, "check the unit of heights", "fault" if height > IMPOSSIBLE * extent else "caution")
+        yield Caveat(
+            text, "check the unit of heights", "fault" if height > MAX_HEIGHT_OVER_EXTENT * extent else "caution"
+        )
     if not isinstance(body, Profile):
         return
     level = levelled(body, "line").heights
     parabola = 1 - levelled(body, "quadratic").heights.var() / level.var() if np.ptp(level) > 0 else 0.0
-    if form and parabola > FORM:
+    if form and parabola > MAX_FORM_FRACTION:
         text = f"form (a parabola) is {100 * parabola:.0f} % of the mean square height, and carries the load"
         yield Caveat(text, "try --level quadratic", "caution")
     bends = np.abs(np.diff(body.heights, 2))
     usual = float(np.median(bends)) / 0.6745
-    spikes = int(np.count_nonzero(bends > SPIKE * usual)) if usual > 0 else 0
+    spikes = int(np.count_nonzero(bends > MAX_SPIKE_RATIO * usual)) if usual > 0 else 0
     if spikes:
         points = "1 point is" if spikes == 1 else f"{spikes} points are"
-        text = f"{points} more than {SPIKE:g} times as sharp as usual, and would come into contact first"
+        text = f"{points} more than {MAX_SPIKE_RATIO:g} times as sharp as usual, and would come into contact first"
         yield Caveat(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.studies.budget import SAME_INPUT, add_uncertainty
+from stiction.studies.budget import SAME_INPUT_TOLERANCE, add_uncertainty
 from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.hardness import find_inputs
 
@@ -39,19 +39,21 @@ LOAD_STEPS = 40  # number of loads in a report of generated surfaces
 SAMPLED_LOADS = 4  # loads of generated surfaces for the choice of nodes and the interpolation error
 CHOICE_LOADS = 2  # loads of measured surfaces for the choice of nodes
 MEASURED_NAMES = ("contact_count", "gentle_friction")  # quantities at nodes of measured surfaces besides friction
-MAX_OWN = 9  # largest number of values of a study that become nodes; otherwise values in equal index steps
+MAX_STUDY_NODES = 9  # largest number of values of a study that become nodes; otherwise values in equal index steps
 MAX_ROUNDS = 4  # largest number of refinements of an axis
-CLOSE = 0.35  # fraction of the distance to the next node below which a first node gives way to a value of the study
-CURVED = 0.05
-"""Relative difference of cubic from bilinear interpolation in the middle of a panel above which it has no value."""
+MIN_NODE_DISTANCE = 0.35
+"""Smallest distance of a first node from a value of the study, relative to the distance of nodes."""
 
-STEEP = 0.25  # the same of the values at the corners of a panel beside nodes without a value
-CHECKED = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
+MAX_CUBIC_DIFFERENCE = 0.05
+"""Relative difference of cubic and bilinear interpolation in the middle of a panel above which the panel is blank."""
+
+MAX_CORNER_DIFFERENCE = 0.25  # relative difference of values at the corners of a panel next to nodes without a value
+CHECKED_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
 """Fractions of the ranges of mu0 and of tau0 at which the error is measured."""
 
-ROUND_OFF = 1e-9  # distance over the length of an axis up to which a value is that of a node
-MODULUS_FRACTION = 0.02  # largest tau0 over E*, unless the study has larger ones
-BULK_FRACTION = 0.7 * 27**-0.5
+NODE_TOLERANCE = 1e-9  # largest distance from a node, relative to the axis, at which a value counts as the node
+MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 over E*, unless the study has larger ones
+MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
 """Largest tau0 over the hardness, unless the study has larger ones: 0.7 of the shear strength by von Mises."""
 
 
@@ -74,7 +76,9 @@ class Axis:
     @property
     def bounds(self) -> list[tuple[float, float]]:
         """Bounds between which a value is taken for each of the ranged nodes."""
-        return [(float(own / (1 + SAME_INPUT)), float(own / (1 - SAME_INPUT))) for own in self.ranged]
+        return [
+            (float(own / (1 + SAME_INPUT_TOLERANCE)), float(own / (1 - SAME_INPUT_TOLERANCE))) for own in self.ranged
+        ]
 
     def with_nodes(self, more: Sequence[float]) -> Axis:
         """Return the axis with further rising nodes."""
@@ -98,7 +102,7 @@ class Axis:
                 found[self.rising.size + index] = 1.0
                 return found
         near = np.abs(self.rising - value)
-        if near.min() <= ROUND_OFF * self.rising[-1]:
+        if near.min() <= NODE_TOLERANCE * self.rising[-1]:
             found[near.argmin()] = 1.0
             return found
         last = self.rising.size - 1
@@ -233,8 +237,8 @@ def axes_of(study: Study) -> tuple[Axis, Axis]:
     """Return the first nodes of mu0 and of tau0 (GPa) of a study, from 0 to the largest value of a report."""
     ranged = set(find_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
-    strength = MODULUS_FRACTION * modulus
-    strength = strength if hardness is None else min(strength, BULK_FRACTION * float(hardness))
+    strength = MAX_TAU0_OVER_MODULUS * modulus
+    strength = strength if hardness is None else min(strength, MAX_TAU0_OVER_HARDNESS * float(hardness))
     own = {"mu0": np.array(study.friction.mu0), "tau0": np.array([float(each) for each in study.friction.tau0])}
     most = {"mu0": max(1.0, own["mu0"][-1]), "tau0": max(strength, own["tau0"][-1])}
     if not study.is_measured and own["tau0"].size > 1:
@@ -243,14 +247,14 @@ def axes_of(study: Study) -> tuple[Axis, Axis]:
 
 
 def _axis(own: Floats, most: float, *, is_ranged: bool) -> Axis:
-    if own.size > MAX_OWN:
-        own = own[np.unique(np.linspace(0, own.size - 1, MAX_OWN).round().astype(int))]
+    if own.size > MAX_STUDY_NODES:
+        own = own[np.unique(np.linspace(0, own.size - 1, MAX_STUDY_NODES).round().astype(int))]
     first = most * np.linspace(0.0, 1.0, MIN_NODES) ** 2  # closer at 0, where intervals are curved most
     if is_ranged:
         axis = Axis(first, own[own > 0])
-        return Axis(np.where(axis._is_ranged(first), first * (1 + 5 * SAME_INPUT), first), axis.ranged)
+        return Axis(np.where(axis._is_ranged(first), first * (1 + 5 * SAME_INPUT_TOLERANCE), first), axis.ranged)
     steps = np.diff(first)
-    room = CLOSE * np.minimum(np.append(steps[0], steps), np.append(steps, steps[-1]))
+    room = MIN_NODE_DISTANCE * np.minimum(np.append(steps[0], steps), np.append(steps, steps[-1]))
     kept = np.abs(first[:, np.newaxis] - own).min(axis=1) > room
     kept[[0, -1]] = True
     return Axis(np.unique([*first[kept], *own]))
@@ -339,7 +343,9 @@ def largest_errors(
     Arguments are those of `refined`, and a table (..., m, t, 3) at the nodes. Panels that are not interpolated, and
     intervals narrower than the tolerance of the value, are left out.
     """
-    mu0, tau0 = (axis.rising[0] + np.ptp(axis.rising) * part for axis, part in zip(axes, CHECKED, strict=True))
+    mu0, tau0 = (
+        axis.rising[0] + np.ptp(axis.rising) * part for axis, part in zip(axes, CHECKED_FRACTIONS, strict=True)
+    )
     fine = is_interpolated(axes, table[..., 0]) & shown
     wanted = evaluate(mu0, tau0)
     values, ends = [0.0], [0.0]
@@ -398,5 +404,7 @@ def is_interpolated(axes: tuple[Axis, Axis], values: Floats) -> Any:
                 apart = np.ptp(corners, axis=(-2, -1)) / np.abs(linear)
                 bent = np.abs(cubic - linear) / np.abs(linear)
             known = np.isfinite(linear)
-            fine[..., row, column] = known & np.where(np.isfinite(cubic), ~(bent > CURVED), ~(apart > STEEP))
+            fine[..., row, column] = known & np.where(
+                np.isfinite(cubic), ~(bent > MAX_CUBIC_DIFFERENCE), ~(apart > MAX_CORNER_DIFFERENCE)
+            )
     return fine

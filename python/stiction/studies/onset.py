@@ -143,7 +143,7 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
     return dataset.assign_attrs(_fit_models(dataset))
 
 
-MODELS = {
+PRESLIDING_MODELS = {
     "iwan": ("sliding_load_mN", "stiffness_mN_per_um", "chi", "beta", "largest_residual"),
     "lugre": ("sigma0_mN_per_um", "largest_residual"),
 }
@@ -167,7 +167,7 @@ def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
     }
     return {
         f"{model}_{name}": value
-        for model, names in MODELS.items()
+        for model, names in PRESLIDING_MODELS.items()
         for name, value in zip(names, values[model], strict=True)
     }
 

@@ -12,7 +12,7 @@ import numpy as np
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
-from stiction.studies.evaluation import ABOVE_NOMINAL, COMPLETE, NO_LOAD
+from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, COMPLETE_STATUS, NEGLIGIBLE_LOAD_RATIO
 
 if TYPE_CHECKING:
     import xarray
@@ -77,7 +77,7 @@ def contact_status_of(point: xarray.Dataset, study: Study) -> str:
     if "contact_status" in point:
         return str(point["contact_status"].values)
     above = value_of(point, "contact_area_fraction") > 1
-    return (COMPLETE if study.uses_half_space else ABOVE_NOMINAL) if above else STATUS_OK
+    return (COMPLETE_STATUS if study.uses_half_space else ABOVE_NOMINAL_STATUS) if above else STATUS_OK
 
 
 def pressure_of(point: xarray.Dataset) -> float:
@@ -129,7 +129,7 @@ def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
 
 def is_unloaded(point: xarray.Dataset) -> bool:
     """Return whether the load of a point is negligible beside the pull-off force."""
-    return "pull_off" in point and float(point["load"]) < NO_LOAD * value_of(point, "pull_off")
+    return "pull_off" in point and float(point["load"]) < NEGLIGIBLE_LOAD_RATIO * value_of(point, "pull_off")
 
 
 def hardness_of(study: Study) -> float:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from stiction.studies.nodes import Nodes
     from stiction.studies.summary import PointSummary, Summary
 
-DIMENSIONS = 4  # number of fractal dimensions in an overview, if the study has a range
+NUM_OVERVIEW_DIMENSIONS = 4  # number of fractal dimensions in an overview, if the study has a range
 
 _Read = TypeVar("_Read")
 
@@ -193,7 +193,7 @@ class Result:
     def at_study_loads(self) -> xarray.Dataset:
         """Values and intervals at the loads, mu0 and tau0 of the study, with the uncertainty budget.
 
-        If the study has a range of fractal dimensions, `DIMENSIONS` of them are evaluated.
+        If the study has a range of fractal dimensions, `NUM_OVERVIEW_DIMENSIONS` of them are evaluated.
         """
         at = self.at(budget=True)
         if self.study.is_measured:
@@ -203,7 +203,7 @@ class Result:
             return at
         # A range describes a curve, of which a few values suffice. All values of a list are evaluated.
         number = at.sizes["fractal_dimension"]
-        shown = np.unique(np.linspace(0, number - 1, min(DIMENSIONS, number)).round().astype(int))
+        shown = np.unique(np.linspace(0, number - 1, min(NUM_OVERVIEW_DIMENSIONS, number)).round().astype(int))
         return at.isel(fractal_dimension=shown)
 
     def at(

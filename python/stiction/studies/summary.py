@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-ORIGIN = "waves of unknown origin"  # as a part of the uncertainty
-DECIDES = 0.1  # fraction of an interval that must vanish if an input were exact, for the input to be named
+WAVELENGTHS_INPUT = "waves of unknown origin"  # as a part of the uncertainty
+MIN_NAMED_FRACTION = 0.1  # fraction of an interval that must vanish if an input were exact, for the input to be named
 
 
 @dataclass(frozen=True)
-class Left:
+class RemainingInterval:
     """Entry of the uncertainty budget: the interval that would remain if one input were exact."""
 
     words: str
@@ -52,7 +52,7 @@ class Left:
 
 
 @dataclass(frozen=True)
-class Waited:
+class DwellTimeValue:
     """Coefficient after a dwell time under load, and its combined 95 % interval."""
 
     seconds: float
@@ -84,11 +84,11 @@ class PointSummary:
         value that may be quoted.
     from_roughness : float, optional
         Fraction of the value that results from the scans, and not from the inputs alone.
-    budget : tuple of Left
+    budget : tuple of RemainingInterval
         Intervals that would remain if one input were exact; the most important input comes first.
     parts : (float, float, float), optional
         Contributions to the coefficient: mu0, tau0 on the true area, and slopes.
-    waited : tuple of Waited
+    waited : tuple of DwellTimeValue
         Coefficients after each dwell time of the study.
     covered : bool
         True if the interval of another point, at another cutoff, covers this point.
@@ -104,9 +104,9 @@ class PointSummary:
     at: dict[str, Any] = field(default_factory=dict)
     bracket: tuple[float, float] | None = None
     from_roughness: float | None = None
-    budget: tuple[Left, ...] = ()
+    budget: tuple[RemainingInterval, ...] = ()
     parts: tuple[float, float, float] | None = None
-    waited: tuple[Waited, ...] = ()
+    waited: tuple[DwellTimeValue, ...] = ()
     covered: bool = False
     sticking: Sticking | None = None
 
@@ -166,15 +166,15 @@ class PointSummary:
         return self.rules[0].upper
 
     @property
-    def most(self) -> Left | None:
+    def most(self) -> RemainingInterval | None:
         """Input that dominates the width of the interval, if there is one."""
         first, width = self.budget[:1], self.upper - self.lower
-        return first[0] if first and first[0].width < (1 - DECIDES) * width else None
+        return first[0] if first and first[0].width < (1 - MIN_NAMED_FRACTION) * width else None
 
     @property
     def ageing(self) -> float:
         """Slope of the coefficient against the logarithm of the dwell time, from 1 s to the longest; NaN if none."""
-        last = self.waited[-1] if self.waited else Waited(1.0, self.value, self.lower, self.upper)
+        last = self.waited[-1] if self.waited else DwellTimeValue(1.0, self.value, self.lower, self.upper)
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
     @property
@@ -262,11 +262,11 @@ def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
     rules = tuple(_over_both(*each) for each in zip(one.rules, other.rules, strict=True))
     both = {left.words: left for left in other.budget}
     known = math.isfinite(one.upper - one.lower)  # unknown with one or two positions
-    budget = [Left(ORIGIN, one.lower, one.upper, one.upper - one.lower)] if known else []
+    budget = [RemainingInterval(WAVELENGTHS_INPUT, one.lower, one.upper, one.upper - one.lower)] if known else []
     for left in one.budget:
         same = both.get(left.words, left)
         low, high = min(left.lower, same.lower), max(left.upper, same.upper)
-        budget.append(Left(left.words, low, high, high - low))
+        budget.append(RemainingInterval(left.words, low, high, high - low))
     value = other.rules[0]
     is_measured = one.at["cut_off"] == 0
     words = (
@@ -341,23 +341,23 @@ def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
     return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
 
 
-def _budget(point: xarray.Dataset, rule: str) -> tuple[Left, ...]:
+def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
     """Return the interval that would remain if an input were exact, for each input, the narrowest interval first."""
     if "friction_if_known" not in point:
         return ()
     own, found = by_rule(point, rule), []
     for index, words in enumerate(own["input_words"].values.tolist()):
         if (ends := _ends_of(own.isel(input=index), "friction_if_known")) is not None:
-            found.append(Left(words, *ends, float(own["width_if_known"][index])))
+            found.append(RemainingInterval(words, *ends, float(own["width_if_known"][index])))
     return tuple(sorted(found, key=lambda left: left.width))
 
 
-def _waited(point: xarray.Dataset, rule: str) -> tuple[Waited, ...]:
+def _waited(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
     if "friction_waited" not in point:
         return ()
     table = by_rule(point["friction_waited"], rule).transpose("wait", "statistic")
     rows = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
-    return tuple(Waited(seconds, *three) for seconds, three in rows)
+    return tuple(DwellTimeValue(seconds, *three) for seconds, three in rows)
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:

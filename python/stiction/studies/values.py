@@ -242,13 +242,13 @@ class LoadRange(_Steps):
 
 
 # Tags of ranges and lists, determined before validation so that messages refer to a single type.
-RANGE, LIST = "a range", "a list"
+RANGE_NAME, LIST_NAME = "a range", "a list"
 
 
 def _kind_of_values(value: object) -> str | None:
     if isinstance(value, (Mapping, Table)):
-        return RANGE
-    return LIST if isinstance(value, (list, tuple)) else None
+        return RANGE_NAME
+    return LIST_NAME if isinstance(value, (list, tuple)) else None
 
 
 _range_or_list = Discriminator(
@@ -256,9 +256,13 @@ _range_or_list = Discriminator(
     custom_error_type="range_or_list",
     custom_error_message="must be a list, or a table with start, stop and count",
 )
-DimensionsOrRange = Annotated[Annotated[DimensionRange, Tag(RANGE)] | Annotated[Dimensions, Tag(LIST)], _range_or_list]
-ApproachesOrRange = Annotated[Annotated[ApproachRange, Tag(RANGE)] | Annotated[Approaches, Tag(LIST)], _range_or_list]
-LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE)] | Annotated[Loads, Tag(LIST)], _range_or_list]
+DimensionsOrRange = Annotated[
+    Annotated[DimensionRange, Tag(RANGE_NAME)] | Annotated[Dimensions, Tag(LIST_NAME)], _range_or_list
+]
+ApproachesOrRange = Annotated[
+    Annotated[ApproachRange, Tag(RANGE_NAME)] | Annotated[Approaches, Tag(LIST_NAME)], _range_or_list
+]
+LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE_NAME)] | Annotated[Loads, Tag(LIST_NAME)], _range_or_list]
 
 
 def array_of(values: _Range | tuple[float, ...]) -> Floats:
@@ -368,7 +372,7 @@ _ERROR_MESSAGES = {
 
 def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
     """Convert an error of pydantic to a key and a message."""
-    location = [part for part in fault["loc"] if part not in (RANGE, LIST)]
+    location = [part for part in fault["loc"] if part not in (RANGE_NAME, LIST_NAME)]
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
     if fault["type"] == "key":
         key += f".{fault['ctx']['key']}"

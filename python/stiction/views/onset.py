@@ -16,7 +16,7 @@ from stiction._number_format import (
     format_with_unit,
 )
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.onset import MODELS
+from stiction.studies.onset import PRESLIDING_MODELS
 from stiction.studies.point import MEAN_AND_ENDS
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     attributes = {str(name): value for name, value in onset.attrs.items()}
     models = {
         model: {name: float(attributes[f"{model}_{name}"]) for name in names if f"{model}_{name}" in attributes}
-        for model, names in MODELS.items()
+        for model, names in PRESLIDING_MODELS.items()
     }
     return {
         "sentence": onset_text(onset),

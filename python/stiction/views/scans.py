@@ -12,7 +12,7 @@ from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import KAPPA
-from stiction.studies.input_caveats import MUCH, spectra_differ
+from stiction.studies.input_caveats import MAX_SPECTRA_RATIO, spectra_differ
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
 from stiction.views.spreadsheet import frame_to_csv
@@ -50,7 +50,7 @@ def joined_text(joined: JoinedSpectrum) -> str:
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
     ):
         deviation = "no overlap" if math.isnan(ratio) else f"{ratio:.2f} times as much power"
-        deviation += ", from few wavelengths" if 2 * chance > math.log(MUCH) else ""
+        deviation += ", from few wavelengths" if 2 * chance > math.log(MAX_SPECTRA_RATIO) else ""
         rows.append(
             [name, f"{format_with_unit(shortest, 'um')} to {format_with_unit(longest, 'um')}", reason, deviation]
         )

@@ -24,7 +24,7 @@ from stiction._number_format import (
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import HELD, PER_AREA, QUANTITIES, shown_in
 from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, apply_checks
-from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
+from stiction.studies.budget import LOWER_SCANS_INPUT, POSITIONS_INPUT, UNRESOLVED_INPUT, UPPER_SCANS_INPUT
 from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_ENDS,
@@ -39,7 +39,7 @@ from stiction.studies.point import (
     value_of,
 )
 from stiction.studies.resolution import find_resolved_roughness
-from stiction.studies.summary import ORIGIN, PointSummary, Summary
+from stiction.studies.summary import WAVELENGTHS_INPUT, PointSummary, Summary
 from stiction.views.onset import onset_note, onset_rows, onset_text, quantity_label
 from stiction.views.point import RULE_DESCRIPTIONS, load_text, motion_text
 from stiction.views.pull_off import pull_off_text
@@ -345,8 +345,11 @@ def budget_text(point: PointSummary) -> str:
 
 
 _REMEDY_TEXTS = {
-    ORIGIN: "Scanning one place twice", POSITIONS: "Using more positions", FINER: "A finer scan",
-    UPPER_PIECE: "Scanning more places of the upper part", LOWER_PIECE: "Scanning more places of the lower part",
+    WAVELENGTHS_INPUT: "Scanning one place twice",
+    POSITIONS_INPUT: "Using more positions",
+    UNRESOLVED_INPUT: "A finer scan",
+    UPPER_SCANS_INPUT: "Scanning more places of the upper part",
+    LOWER_SCANS_INPUT: "Scanning more places of the lower part",
 }  # fmt: skip
 """Actions that reduce the uncertainty of contributions that are not inputs."""
 
