@@ -6,80 +6,84 @@ from measure import seconds
 from stiction import HertzCylinder, Profile, Study, press, random_phases, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import member_sums
 
-POINTS, EXTENT = 150_000, 40.0
-SUMS = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional",
+NUM_POINTS, PROFILE_LENGTH = 150_000, 40.0
+SUM_NAMES = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional",
         "tangential_frictional", "normal_adhesive", "tangential_adhesive")  # fmt: skip
 
 
 def compare_plain_program() -> list[tuple[str, str]]:
     study = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
     approaches = study.contact.steps()
-    ours = seconds(lambda: member_sums(study, 0), 5) / 50
+    our_time = seconds(lambda: member_sums(study, 0), 5) / 50
     sums = member_sums(study, 0)
-    times, agree = [], 0.0
+    times, largest_difference = [], 0.0
     for d in (0, 25):  # D = 1.00 and 1.357
         dimension = study.surfaces.fractal_dimensions()[d]
 
-        def pair(dimension=dimension):
+        def compute_pair(dimension=dimension):
             upper, lower = (
-                plain.profile(random_phases(2016, side=side), dimension, extent=EXTENT, points=POINTS, amplitude=0.1)
+                plain.profile(
+                    random_phases(2016, side=side), dimension, extent=PROFILE_LENGTH, points=NUM_POINTS, amplitude=0.1
+                )
                 for side in ("upper", "lower")
             )
-            return plain.press(upper, lower, EXTENT / POINTS, approaches)
+            return plain.press(upper, lower, PROFILE_LENGTH / NUM_POINTS, approaches)
 
-        times.append(seconds(lambda pair=pair: agree_with(pair()), 1))
-        expected = pair()
-        mine = np.array([sums[name][d, 0] for name in SUMS])
-        assert np.array_equal(mine[0], expected[0])
-        agree = max(agree, float((np.abs(mine - expected) / np.maximum(np.abs(expected), 1e-300)).max()))
-    # Round-off of the phases of aliased cosines in the plain program: 4e-7 rad at the highest frequency.
-    assert agree < 1e-3, agree
+        times.append(seconds(lambda compute_pair=compute_pair: check_finite(compute_pair()), 1))
+        expected = compute_pair()
+        our_sums = np.array([sums[name][d, 0] for name in SUM_NAMES])
+        assert np.array_equal(our_sums[0], expected[0])
+        largest_difference = max(
+            largest_difference, float((np.abs(our_sums - expected) / np.maximum(np.abs(expected), 1e-300)).max())
+        )
+    # The plain program has round-off errors of 4e-7 rad in the phases at the highest frequency.
+    assert largest_difference < 1e-3, largest_difference
     return [
-        ("the straightforward NumPy/SciPy program over a pair, one thread", f"{np.mean(times) / ours:.0f}"),
-        ("largest relative difference of any sum, equal counts", f"{agree:.0e}"),
+        ("the straightforward NumPy/SciPy program over a pair, one thread", f"{np.mean(times) / our_time:.0f}"),
+        ("largest relative difference of any sum, equal counts", f"{largest_difference:.0e}"),
     ]
 
 
-def agree_with(values: np.ndarray) -> None:
+def check_finite(values: np.ndarray) -> None:
     assert np.isfinite(values).all()
 
 
-def generators() -> list[tuple[str, str]]:
+def compare_generators() -> list[tuple[str, str]]:
     phases = random_phases(2016)
     dimensions = Study.named("figure6").surfaces.fractal_dimensions()
     family = weierstrass_mandelbrot_family(phases, dimensions)
     ours = seconds(lambda: weierstrass_mandelbrot_family(phases, dimensions), 5)
-    naive = seconds(lambda: plain.profile(phases, 1.3, extent=EXTENT, points=POINTS, amplitude=0.1), 1) * 50
+    naive = seconds(lambda: plain.profile(phases, 1.3, extent=PROFILE_LENGTH, points=NUM_POINTS, amplitude=0.1), 1) * 50
     result = [("direct sum in NumPy over the family of 50 profiles", f"{naive / ours:.0f}")]
     import finufft
 
     # One non-uniform transform for each frequency group (40 wavelengths, 150 000 points), then the matrix product.
     m, n = np.arange(1, 41), np.arange(40)
-    wave = np.cos(np.pi * m / 40)[:, None] * 1.5 ** n[None, :] * (EXTENT / POINTS)
+    wave = np.cos(np.pi * m / 40)[:, None] * 1.5 ** n[None, :] * (PROFILE_LENGTH / NUM_POINTS)
     angle = 2 * np.pi * (wave - np.rint(wave))
     weights = np.log(1.5) * 1.5 ** (2 * n[None, :] * (dimensions[:, None] - 2))
 
-    def by_finufft():
-        groups = np.empty((40, POINTS))
+    def generate_by_finufft():
+        groups = np.empty((40, NUM_POINTS))
         for k in range(40):
             # Modes start at -N/2; the strengths contain the phase of the first point.
-            strengths = np.exp(1j * (phases[:, k] + angle[:, k] * (POINTS // 2)))
+            strengths = np.exp(1j * (phases[:, k] + angle[:, k] * (NUM_POINTS // 2)))
             sums = finufft.nufft1d1(
-                np.ascontiguousarray(angle[:, k]), strengths, POINTS, eps=1e-12, isign=1, nthreads=1
+                np.ascontiguousarray(angle[:, k]), strengths, NUM_POINTS, eps=1e-12, isign=1, nthreads=1
             )
             groups[k] = np.cos(phases[:, k]).sum() - sums.real
         return weights @ groups
 
-    theirs = by_finufft()
+    theirs = generate_by_finufft()
     difference = np.abs(theirs - family).max() / np.ptp(family, axis=1).min()
     assert difference < 1e-8, difference
-    took = seconds(by_finufft, 3)
+    took = seconds(generate_by_finufft, 3)
     result.append(("FINUFFT (eps 1e-12, one thread) and a BLAS product over the same family", f"{took / ours:.0f}"))
     result.append(("difference of the two, of the height", f"{difference:.0e}"))
     return result
 
 
-def boundary_elements() -> list[tuple[str, str]]:
+def compare_boundary_elements() -> list[tuple[str, str]]:
     import tamaas
 
     tamaas.set_log_level(tamaas.LogLevel.error)
@@ -114,5 +118,5 @@ def boundary_elements() -> list[tuple[str, str]]:
     ]
 
 
-def rows() -> list[tuple[str, str]]:
-    return compare_plain_program() + generators() + boundary_elements()
+def measure_rows() -> list[tuple[str, str]]:
+    return compare_plain_program() + compare_generators() + compare_boundary_elements()

@@ -10,24 +10,24 @@ import tempfile
 import time
 from pathlib import Path
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "tests"))
+BENCHMARK_FOLDER = Path(__file__).parent
+sys.path.insert(0, str(BENCHMARK_FOLDER.parent / "tests"))
 from support import browser  # noqa: E402
 
 
-def size(driver, width: int, height: int) -> None:
+def set_window_size(driver, width: int, height: int) -> None:
     metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
 
-def until(driver, script: str) -> float:
+def wait_for_script(driver, script: str) -> float:
     """Return the seconds until a script returns true."""
     start = time.perf_counter()
     browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))
     return time.perf_counter() - start
 
 
-def rows() -> list[tuple[str, str]]:
+def measure_rows() -> list[tuple[str, str]]:
     with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
         start = time.perf_counter()
         server = subprocess.Popen(
@@ -36,26 +36,36 @@ def rows() -> list[tuple[str, str]]:
         )  # fmt: skip
         try:
             address = re.search(r"http:\S+", server.stderr.readline())[0]
-            begun = time.perf_counter() - start
-            size(driver, 1280, 720)
+            start_time = time.perf_counter() - start
+            set_window_size(driver, 1280, 720)
             driver.get(address)
-            seen = until(driver, "['upper', 'lower'].every((side) => scans[side]?.holds)")
-            paint = driver.execute_script("return performance.getEntriesByName('first-contentful-paint')[0].startTime")
+            preview_time = wait_for_script(driver, "['upper', 'lower'].every((side) => scans[side]?.holds)")
+            paint_time = driver.execute_script(
+                "return performance.getEntriesByName('first-contentful-paint')[0].startTime"
+            )
             time.sleep(5)  # the reading time of a user
             driver.execute_script("document.querySelector('#pair .go').click()")
-            first = until(driver, "document.querySelector('#answer .value') !== null")
-            until(driver, "reportAddress !== '' && document.getElementById('progress').value > 0")
-            until(driver, "reportDocument().readyState === 'complete'")
-            whole = first + until(driver, "document.getElementById('job').dataset.state === 'done'")
-            until(driver, "reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'")
+            first_result_time = wait_for_script(driver, "document.querySelector('#answer .value') !== null")
+            wait_for_script(driver, "reportAddress !== '' && document.getElementById('progress').value > 0")
+            wait_for_script(driver, "reportDocument().readyState === 'complete'")
+            result_time = first_result_time + wait_for_script(
+                driver, "document.getElementById('job').dataset.state === 'done'"
+            )
+            wait_for_script(driver, "reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'")
             memory = int(Path(f"/proc/{server.pid}/statm").read_text().split()[1]) * resource.getpagesize()
         finally:
             server.send_signal(signal.SIGINT)
             server.wait()
     return [
         ("load of the machine", f"{os.getloadavg()[0]:.1f}"),
-        ("until the server answers, and until the first paint of its page", f"{begun:.1f} s, {paint / 1000:.2f} s"),
-        ("until two maps of 128 x 128 points are seen, with their roughness", f"{seen:.1f} s"),
-        ("from the click to a first answer by asperities, and to the exact one", f"{first:.1f} s, {whole:.0f} s"),
+        (
+            "until the server answers, and until the first paint of its page",
+            f"{start_time:.1f} s, {paint_time / 1000:.2f} s",
+        ),
+        ("until two maps of 128 x 128 points are seen, with their roughness", f"{preview_time:.1f} s"),
+        (
+            "from the click to a first answer by asperities, and to the exact one",
+            f"{first_result_time:.1f} s, {result_time:.0f} s",
+        ),
         ("memory of the server by then", f"{memory / 1e6:.0f} MB"),
-    ]  # fmt: skip
+    ]

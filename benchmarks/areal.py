@@ -13,18 +13,18 @@ from measure import peak_mebibytes
 from scipy.fft import rfft2
 from stiction import candidates, press, self_affine_surface
 
-SIDE = 16.0  # µm
-DEEPEST = 0.15  # µm: twice the rms height of the gap
-APPROACHES = np.linspace(0, DEEPEST, 41)[1:]
+MAP_LENGTH = 16.0  # µm
+MAX_APPROACH = 0.15  # µm: twice the rms height of the gap
+APPROACHES = np.linspace(0, MAX_APPROACH, 41)[1:]
 DIRECTIONS = np.arange(0, 360, 10)
-SLIDING = ("opposing", "all")
-REPEATS = 9
+SLIDING_RULES = ("opposing", "all")
+NUM_REPEATS = 9
 
 
-def pair_of(points: int, *, shortest: float | None = 0.5, repetition: int = 0, longest: float = 4.0):
+def create_pair(points: int, *, shortest: float | None = 0.5, repetition: int = 0, longest: float = 4.0):
     return [
         self_affine_surface(
-            3, hurst_exponent=0.8, rms=0.05, shape=(points, points), spacing=SIDE / points,
+            3, hurst_exponent=0.8, rms=0.05, shape=(points, points), spacing=MAP_LENGTH / points,
             shortest_wavelength=shortest,
             longest_wavelength=longest, side=side, repetition=repetition,
         )
@@ -32,84 +32,84 @@ def pair_of(points: int, *, shortest: float | None = 0.5, repetition: int = 0, l
     ]  # fmt: skip
 
 
-def both_rules(upper, lower):
-    points = candidates(upper, lower, deepest=DEEPEST)
-    return [press(points, APPROACHES, direction=DIRECTIONS, sliding=rule) for rule in SLIDING]
+def press_with_both_rules(upper, lower):
+    points = candidates(upper, lower, deepest=MAX_APPROACH)
+    return [press(points, APPROACHES, direction=DIRECTIONS, sliding=rule) for rule in SLIDING_RULES]
 
 
-def took(call: Callable[[], object]) -> float:
+def measure_time(call: Callable[[], object]) -> float:
     start = time.thread_time()
     call()
     return time.thread_time() - start
 
 
-def medians(*calls: Callable[[], object], repeats: int = REPEATS) -> list[float]:
+def median_times(*calls: Callable[[], object], repeats: int = NUM_REPEATS) -> list[float]:
     """Return the median time of each call; calls are made in turn."""
-    times = [[took(call) for call in calls] for _ in range(repeats)]
+    times = [[measure_time(call) for call in calls] for _ in range(repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 
 
-def large() -> None:
-    both_rules(*pair_of(2048))
+def press_large_pair() -> None:
+    press_with_both_rules(*create_pair(2048))
 
 
-def only_surfaces() -> None:
-    pair_of(2048)
+def create_large_pair() -> None:
+    create_pair(2048)
 
 
-def rows() -> list[tuple[str, str]]:
-    small, rough, big = pair_of(512), pair_of(512, shortest=None), pair_of(2048)
-    transform, whole, search, to_the_grid, large_transform, large_whole = medians(
+def measure_rows() -> list[tuple[str, str]]:
+    small, rough, large_pair = create_pair(512), create_pair(512, shortest=None), create_pair(2048)
+    transform, pair_time, candidate_time, fine_pair_time, large_transform, large_pair_time = median_times(
         lambda: rfft2(small[0].heights, workers=1),
-        lambda: both_rules(*small),
-        lambda: candidates(*small, deepest=DEEPEST),
-        lambda: both_rules(*rough),
-        lambda: rfft2(big[0].heights, workers=1),
-        lambda: both_rules(*big),
+        lambda: press_with_both_rules(*small),
+        lambda: candidates(*small, deepest=MAX_APPROACH),
+        lambda: press_with_both_rules(*rough),
+        lambda: rfft2(large_pair[0].heights, workers=1),
+        lambda: press_with_both_rules(*large_pair),
     )
-    curve, rough_curve = both_rules(*small)[0], both_rules(*rough)[0]
+    curve, rough_curve = press_with_both_rules(*small)[0], press_with_both_rules(*rough)[0]
     count = f"{curve.contact_count[-1]} contacts"
     result = [
         ("T: scipy.fft.rfft2 of one map of 512 x 512", f"{1e3 * transform:.2f} ms"),
-        (f"pair of 512 x 512, 40 approaches, 36 directions, both rules, {count}", f"{whole / transform:.1f} T"),
-        ("of these to find the candidates", f"{search / transform:.1f} T"),
+        (f"pair of 512 x 512, 40 approaches, 36 directions, both rules, {count}", f"{pair_time / transform:.1f} T"),
+        ("of these to find the candidates", f"{candidate_time / transform:.1f} T"),
         (
             f"the same with roughness down to the grid, {rough_curve.contact_count[-1]} contacts",
-            f"{to_the_grid / transform:.1f} T",
+            f"{fine_pair_time / transform:.1f} T",
         ),
-        ("pair of 2048 x 2048, time per point over that of 512 x 512", f"{large_whole / whole / 16:.2f}"),
-        ("pair of 2048 x 2048, in transforms of one such map", f"{large_whole / large_transform:.1f}"),
-        ("peak memory, 2048 x 2048, surfaces and all", f"{peak_mebibytes(large):.0f} MiB"),
-        ("of which without pressing", f"{peak_mebibytes(only_surfaces):.0f} MiB"),
+        ("pair of 2048 x 2048, time per point over that of 512 x 512", f"{large_pair_time / pair_time / 16:.2f}"),
+        ("pair of 2048 x 2048, in transforms of one such map", f"{large_pair_time / large_transform:.1f}"),
+        ("peak memory, 2048 x 2048, surfaces and all", f"{peak_mebibytes(press_large_pair):.0f} MiB"),
+        ("of which without pressing", f"{peak_mebibytes(create_large_pair):.0f} MiB"),
     ]
-    pairs = [pair_of(512, repetition=repetition) for repetition in range(8)]
+    pairs = [create_pair(512, repetition=repetition) for repetition in range(8)]
     gains = []
     for _ in range(3):
         walls = []
         for workers in (1, 2):
             start = time.perf_counter()
             with ThreadPoolExecutor(workers) as pool:
-                list(pool.map(lambda pair: [both_rules(*pair) for _ in range(8)], pairs))
+                list(pool.map(lambda pair: [press_with_both_rules(*pair) for _ in range(8)], pairs))
             walls.append(time.perf_counter() - start)
         gains.append(walls[0] / walls[1])
-    return [*result, ("two threads over one, pairs of 512 x 512", f"{max(gains):.2f}"), *boundary_elements()]
+    return [*result, ("two threads over one, pairs of 512 x 512", f"{max(gains):.2f}"), *compare_boundary_elements()]
 
 
-def boundary_elements() -> list[tuple[str, str]]:
+def compare_boundary_elements() -> list[tuple[str, str]]:
     """Compare with tamaas: periodic, mean error 1e-6, one load with 1 % of the area in contact."""
     import tamaas
 
     points = 1024
-    upper, lower = pair_of(points)
+    upper, lower = create_pair(points)
     gap = upper.heights - lower.heights
-    ours = medians(lambda: both_rules(upper, lower), repeats=5)[0]
-    curve = both_rules(upper, lower)[0]
-    step = int(np.searchsorted(curve.contact_area, 0.01 * SIDE**2))
+    ours = median_times(lambda: press_with_both_rules(upper, lower), repeats=5)[0]
+    curve = press_with_both_rules(upper, lower)[0]
+    step = int(np.searchsorted(curve.contact_area, 0.01 * MAP_LENGTH**2))
     tamaas.initialize(1)
     tamaas.set_log_level(tamaas.LogLevel.error)
-    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [SIDE, SIDE], [points, points])
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [MAP_LENGTH, MAP_LENGTH], [points, points])
     model.E, model.nu = 10.0, 0.0
-    pressure = curve.normal_elastic[step] / SIDE**2
+    pressure = curve.normal_elastic[step] / MAP_LENGTH**2
     solver = tamaas.PolonskyKeerRey(model, np.ascontiguousarray(-gap), 1e-6)
     solver.max_iter = 5000
     start = time.thread_time()
@@ -124,6 +124,6 @@ def boundary_elements() -> list[tuple[str, str]]:
         ("the same for each load", f"{40 * theirs / ours:.0f}"),
         (
             f"our area over tamaas' at that load, {100 * fraction:.2g} % of the nominal one",
-            f"{curve.contact_area[step] / SIDE**2 / fraction:.2f}",
+            f"{curve.contact_area[step] / MAP_LENGTH**2 / fraction:.2f}",
         ),
     ]

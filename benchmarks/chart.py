@@ -9,7 +9,7 @@ from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE, NOT_OPPOSING_COLO
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
-BARS = {
+BAR_PATTERNS = {
     "Lines: a pair of 150 000 points at 40 approaches": {
         "NumPy and SciPy": r"straightforward NumPy/SciPy program over a pair.*"
     },
@@ -31,12 +31,12 @@ BARS = {
 """Alternatives for each task, and the table row with their run time relative to stiction."""
 
 
-def answers(table: str) -> dict[str, str]:
+def parse_table(table: str) -> dict[str, str]:
     rows = re.findall(r"^\| (.+?) \| (.+?) \|$", table, flags=re.MULTILINE)
     return {question.removeprefix("the "): answer for question, answer in rows}
 
 
-def times(answer: str, name: str) -> float | None:
+def relative_time(answer: str, name: str) -> float | None:
     """Return the run time of the whole task, or of a part, relative to stiction."""
     if ";" in answer or " s, " in answer:
         result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", answer)
@@ -44,13 +44,13 @@ def times(answer: str, name: str) -> float | None:
     return float(answer)
 
 
-def measured(table: str) -> dict[str, dict[str, float]]:
-    known = answers(table)
+def load_ratios(table: str) -> dict[str, dict[str, float]]:
+    answers = parse_table(table)
     result: dict[str, dict[str, float]] = {}
-    for task, ways in BARS.items():
-        for name, pattern in ways.items():
-            answer = next((known[item] for item in known if re.fullmatch(pattern, item)), None)
-            ratio = None if answer is None else times(answer, name)
+    for task, patterns in BAR_PATTERNS.items():
+        for name, pattern in patterns.items():
+            answer = next((answers[item] for item in answers if re.fullmatch(pattern, item)), None)
+            ratio = None if answer is None else relative_time(answer, name)
             if ratio is not None:
                 result.setdefault(task, {})[name] = ratio
     return result
@@ -58,7 +58,7 @@ def measured(table: str) -> dict[str, dict[str, float]]:
 
 def draw() -> None:
     """Draw a group of bars for each task, stiction first."""
-    groups = measured((DOCS / "generated/performance.md").read_text(encoding="utf-8"))
+    groups = load_ratios((DOCS / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
         bars = sum(1 + len(group) for group in groups.values())
         height = 3.2 * bars + 5.5 * len(groups) + 11

@@ -20,15 +20,15 @@ from stiction.studies.layout import member_bytes, stack_members
 from stiction.studies.member_solution import member_sums
 from stiction.studies.store import encode_members
 
-STUDIES = ("figure6", "figure6-areal", "figure6-half-plane")
-BLOCKS = 60
+STUDY_NAMES = ("figure6", "figure6-areal", "figure6-half-plane")
+NUM_BLOCKS = 60
 """Number of blocks that are stored."""
 
-KINDS = 7
+NUM_DIFFERENT_MEMBERS = 7
 """Number of different repetitions."""
 
-TIMES = 3
-"""Runs of each kind, made in turn, of which the median is taken."""
+NUM_RUNS = 3
+"""Number of runs with and without a shared folder; the result is their median."""
 
 _task = runner.compute_block
 
@@ -36,15 +36,17 @@ _task = runner.compute_block
 class StoredSums:
     """Executor task without computation: reads sums once per process from a file."""
 
-    def __init__(self, path: str, seen: bool) -> None:
+    def __init__(self, path: str, has_shared_folder: bool) -> None:
         self.path = path
-        self.seen = seen
+        self.has_shared_folder = has_shared_folder
 
     def __call__(self, version: str, study: Study, folder: runner.SharedFolder, members: range) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
-        runner.member_sums = lambda _, member: _read[self.path][member % KINDS]
-        return _task(version, study, folder if self.seen else runner.SharedFolder(Path("/nowhere"), ""), members)
+        runner.member_sums = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
+        return _task(
+            version, study, folder if self.has_shared_folder else runner.SharedFolder(Path("/nowhere"), ""), members
+        )
 
 
 _read: dict[str, list[dict]] = {}
@@ -54,26 +56,26 @@ def randomise(sums: dict) -> list[dict]:
     """Return the sums of a repetition with random digits; zeros remain zero."""
     random = np.random.default_rng(0)
 
-    def other(values: np.ndarray) -> np.ndarray:
+    def change_digits(values: np.ndarray) -> np.ndarray:
         if values.dtype.kind == "i":
             return values + (values > 0) * random.integers(0, 9, values.shape)
         return values * random.lognormal(0, 0.5, values.shape)
 
-    return [{name: other(values) for name, values in sums.items()} for _ in range(KINDS)]
+    return [{name: change_digits(values) for name, values in sums.items()} for _ in range(NUM_DIFFERENT_MEMBERS)]
 
 
-def measure_storage(study: Study, sums: list[dict], executor: Executor, *, seen: bool) -> tuple[float, float]:
+def measure_storage(
+    study: Study, sums: list[dict], executor: Executor, *, has_shared_folder: bool
+) -> tuple[float, float]:
     """Return repetitions per second and processor seconds of the driver per repetition."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
-        runner.compute_block = StoredSums(str(file), seen)
+        runner.compute_block = StoredSums(str(file), has_shared_folder)
         size = runner.choose_block_size(study)
-        parts = -(-study.ensemble.repetitions // (size * BLOCKS))
+        parts = -(-study.ensemble.repetitions // (size * NUM_BLOCKS))
         try:
-            runner.compute_missing(
-                study, Path(folder) / "r", part=(2, parts), executor=executor
-            )  # and all modules are loaded
+            runner.compute_missing(study, Path(folder) / "r", part=(2, parts), executor=executor)  # loads all modules
             start, driver_start = time.perf_counter(), time.process_time()
             count = runner.compute_missing(study, Path(folder) / "r", part=(1, parts), executor=executor)
             return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
@@ -81,29 +83,31 @@ def measure_storage(study: Study, sums: list[dict], executor: Executor, *, seen:
             runner.compute_block = _task
 
 
-def rows() -> list[tuple[str, str]]:
+def measure_rows() -> list[tuple[str, str]]:
     results = []
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
-        for name in STUDIES:
+        for name in STUDY_NAMES:
             study = Study.named(name).with_changes({"ensemble.repetitions": 1_000_000})
             half_plane = name == "figure6-half-plane"  # each run takes 90 s
-            one = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
+            reduced_study = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
             dimensions = study.surfaces.fractal_dimensions().size if half_plane else 1
-            sums = member_sums(one, 0)
-            cost = dimensions * seconds(lambda one=one: member_sums(one, 1), 1 if half_plane else 3)
-            kinds = randomise({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
+            sums = member_sums(reduced_study, 0)
+            cost = dimensions * seconds(
+                lambda reduced_study=reduced_study: member_sums(reduced_study, 1), 1 if half_plane else 3
+            )
+            members = randomise({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
             size = runner.choose_block_size(study)
-            block = stack_members(study, [kinds[i % KINDS] for i in range(size)])
+            block = stack_members(study, [members[i % NUM_DIFFERENT_MEMBERS] for i in range(size)])
             encode_members(study, range(size), block)
             writing = (
                 seconds(lambda study=study, size=size, block=block: encode_members(study, range(size), block), 5) / size
             )
             runs = [
                 (
-                    measure_storage(study, kinds, executor, seen=True),
-                    measure_storage(study, kinds, executor, seen=False),
+                    measure_storage(study, members, executor, has_shared_folder=True),
+                    measure_storage(study, members, executor, has_shared_folder=False),
                 )
-                for _ in range(TIMES)
+                for _ in range(NUM_RUNS)
             ]
             rate, driver = (statistics.median(by_workers[i] for by_workers, _ in runs) for i in range(2))
             sent = statistics.median(by_driver[0] for _, by_driver in runs)

@@ -1,27 +1,27 @@
 """Measure how time and memory increase with points, dimensions and approaches."""
 
-from measure import in_units, peak_mebibytes
+from measure import measure_in_units, peak_mebibytes
 from stiction import Study, run
 from stiction.studies.member_solution import member_sums
 
-BASE = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
+BASE_STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 
 
-def cost(changes: dict[str, object], repeats: int = 3) -> float:
-    study = BASE.with_changes(changes)
+def measure_cost(changes: dict[str, object], repeats: int = 3) -> float:
+    study = BASE_STUDY.with_changes(changes)
     pairs = study.surfaces.fractal_dimensions().size
-    return in_units(lambda: member_sums(study, 0), repeats) / pairs
+    return measure_in_units(lambda: member_sums(study, 0), repeats) / pairs
 
 
-def figure6() -> None:
+def run_figure6() -> None:
     run(Study.named("figure6").with_changes({"ensemble.repetitions": 8}))
 
 
-def ten_million() -> None:
-    member_sums(BASE.with_changes(at_points(10_000_000)), 0)
+def run_ten_million_points() -> None:
+    member_sums(BASE_STUDY.with_changes(changes_for_points(10_000_000)), 0)
 
 
-def at_points(points: int) -> dict[str, object]:
+def changes_for_points(points: int) -> dict[str, object]:
     return {
         "surfaces.points": points,
         "surfaces.extent": f"{points * 40 / 150_000:.6f} um",
@@ -29,17 +29,17 @@ def at_points(points: int) -> dict[str, object]:
     }
 
 
-def rows() -> list[tuple[str, str]]:
+def measure_rows() -> list[tuple[str, str]]:
     points = (10_000, 150_000, 1_000_000, 10_000_000)
     dimensions = (1, 5, 20, 50, 200)
     approaches = (1, 10, 40, 100, 400)
-    by_points = [cost(at_points(n), 5 if n < 1e6 else 3) / n * 150_000 for n in points]
+    by_points = [measure_cost(changes_for_points(n), 5 if n < 1e6 else 3) / n * 150_000 for n in points]
     spread = {"start": 1.0, "stop": 1.7}
     by_dimensions = [
-        cost({"surfaces.fractal_dimension": [1.3] if n == 1 else spread | {"count": n}}) for n in dimensions
+        measure_cost({"surfaces.fractal_dimension": [1.3] if n == 1 else spread | {"count": n}}) for n in dimensions
     ]
     by_approaches = [
-        cost({"contact.approach": {"start": "40 nm" if n == 1 else "0.1 nm", "stop": "40 nm", "count": n}})
+        measure_cost({"contact.approach": {"start": "40 nm" if n == 1 else "0.1 nm", "stop": "40 nm", "count": n}})
         for n in approaches
     ]
     join = "; ".join
@@ -50,6 +50,6 @@ def rows() -> list[tuple[str, str]]:
          join(f"{n}: {c:.1f}" for n, c in zip(dimensions, by_dimensions, strict=True))),
         ("cost of a pair by the number of approaches, U",
          join(f"{n}: {c:.1f}" for n, c in zip(approaches, by_approaches, strict=True))),
-        ("peak memory of figure6 on two threads", f"{peak_mebibytes(figure6):.0f} MiB"),
-        ("peak memory of a pair of ten million points each", f"{peak_mebibytes(ten_million):.0f} MiB"),
+        ("peak memory of figure6 on two threads", f"{peak_mebibytes(run_figure6):.0f} MiB"),
+        ("peak memory of a pair of ten million points each", f"{peak_mebibytes(run_ten_million_points):.0f} MiB"),
     ]  # fmt: skip

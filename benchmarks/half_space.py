@@ -12,13 +12,13 @@ from stiction import HalfSpaceCurve, Profile, Surface, half_space
 from stiction.mechanics.half_space import Boundary
 
 MODULUS = 10.0
-SLOPE = 0.1
-TOLERANCE = 1e-6
-PRESSURES = (0.005, 0.03, 0.1)
-"""Mean pressures in units of E* h'."""
+RMS_SLOPE = 0.1
+STICTION_TOLERANCE = 1e-6
+MEAN_PRESSURES = (0.005, 0.03, 0.1)
+"""Mean pressures in units of E* times the rms slope."""
 
 
-def rough(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.8) -> np.ndarray:
+def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.8) -> np.ndarray:
     """Return a self-affine surface of unit length, H = 0.8, rms slope 0.1, and a range of wavenumbers."""
     random = np.random.default_rng(1)
     waves = [np.fft.fftfreq(n, 1 / n) for n in shape[:-1]] + [np.fft.rfftfreq(shape[-1], 1 / shape[-1])]
@@ -27,10 +27,10 @@ def rough(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.
     amplitude = np.where(inside, np.where(inside, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
     heights = scipy.fft.irfftn(amplitude * np.exp(2j * np.pi * random.random(k.shape)), shape)
     step = [np.diff(heights, axis=axis, append=np.take(heights, [0], axis)) * n for axis, n in enumerate(shape)]
-    return heights * SLOPE / np.sqrt(sum(np.mean(np.square(one)) for one in step))
+    return heights * RMS_SLOPE / np.sqrt(sum(np.mean(np.square(differences)) for differences in step))
 
 
-def error(heights: np.ndarray, pressure: np.ndarray) -> float:
+def measure_error(heights: np.ndarray, pressure: np.ndarray) -> float:
     """Return the common error measure, Σ p (v - min v)/(F h): energy bound over load and rms height."""
     n, m = heights.shape
     k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
@@ -39,13 +39,13 @@ def error(heights: np.ndarray, pressure: np.ndarray) -> float:
     return float((pressure * (potential - potential.min())).sum() / pressure.sum() / heights.std())
 
 
-def ours(heights: np.ndarray, load: float) -> HalfSpaceCurve:
+def solve_by_stiction(heights: np.ndarray, load: float) -> HalfSpaceCurve:
     body = Surface(heights, spacing=(1 / heights.shape[0], 1 / heights.shape[1]))
     flat = Surface(np.zeros(heights.shape), spacing=body.spacing)
-    return half_space(flat, body, [load], effective_modulus=MODULUS, boundary="periodic", tolerance=TOLERANCE)
+    return half_space(flat, body, [load], effective_modulus=MODULUS, boundary="periodic", tolerance=STICTION_TOLERANCE)
 
 
-def of_tamaas(tolerance: float, *, free: bool = False) -> Callable[[np.ndarray, float], np.ndarray]:
+def tamaas_solver(tolerance: float, *, free: bool = False) -> Callable[[np.ndarray, float], np.ndarray]:
     import tamaas
 
     tamaas.initialize(1)
@@ -65,7 +65,7 @@ def of_tamaas(tolerance: float, *, free: bool = False) -> Callable[[np.ndarray, 
     return solve
 
 
-def of_aspher(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
+def aspher_solver(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
     import aspher
 
     def solve(heights: np.ndarray, load: float) -> np.ndarray:
@@ -78,74 +78,76 @@ def of_aspher(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
     return solve
 
 
-def timed(solve: Callable[..., Any], heights: np.ndarray, load: float) -> tuple[float, float]:
+def measure_solver(solve: Callable[..., Any], heights: np.ndarray, load: float) -> tuple[float, float]:
     """Return processor time and error of a solution."""
     start = time.process_time()
     answer = solve(heights, load)
     took = time.process_time() - start
-    return took, error(heights, answer.contact(0).pressure if isinstance(answer, HalfSpaceCurve) else answer)
+    return took, measure_error(heights, answer.contact(0).pressure if isinstance(answer, HalfSpaceCurve) else answer)
 
 
-def rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
-    # Tolerance of each solver in its own measure; the common error is about that of stiction, or larger.
-    others = {"tamaas": of_tamaas(TOLERANCE)}
+def measure_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
+    # Each solver has its own measure of the error; these tolerances give about the same common error.
+    others = {"tamaas": tamaas_solver(STICTION_TOLERANCE)}
     if importlib.util.find_spec("aspher"):
-        others["aspher"] = of_aspher(1.5e-7)
+        others["aspher"] = aspher_solver(1.5e-7)
     result = []
     for n in sides:
-        heights = rough((n, n), 4, n // 16)
-        for pressure in PRESSURES:
-            load = pressure * MODULUS * SLOPE
-            mine = [timed(ours, heights, load)]
+        heights = create_heights((n, n), 4, n // 16)
+        for pressure in MEAN_PRESSURES:
+            load = pressure * MODULUS * RMS_SLOPE
+            our_runs = [measure_solver(solve_by_stiction, heights, load)]
             answers = []
             for name, solve in others.items():
-                took, wrong = timed(solve, heights, load)
-                mine.append(timed(ours, heights, load))
-                answers.append((name, took, wrong))
-            seconds = statistics.median(one[0] for one in mine)
-            assert mine[0][1] < 1.1 * TOLERANCE, mine
-            text = f"{seconds:.2f} s, {mine[0][1]:.0e}" + "".join(
-                f"; {name} {took:.2f} s, {wrong:.0e}: {took / seconds:.1f} times" for name, took, wrong in answers
+                took, error = measure_solver(solve, heights, load)
+                our_runs.append(measure_solver(solve_by_stiction, heights, load))
+                answers.append((name, took, error))
+            seconds = statistics.median(run[0] for run in our_runs)
+            assert our_runs[0][1] < 1.1 * STICTION_TOLERANCE, our_runs
+            text = f"{seconds:.2f} s, {our_runs[0][1]:.0e}" + "".join(
+                f"; {name} {took:.2f} s, {error:.0e}: {took / seconds:.1f} times" for name, took, error in answers
             )
             result.append((f"{n} x {n}, mean pressure {pressure} E* h': time and error", text))
             print(*result[-1], flush=True)
-    result += [shift(), threads(), line()]
+    result += [measure_position(), measure_threads(), measure_profile()]
     return result
 
 
-def agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
+def print_agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
     """Print the largest pressure difference from tamaas, relative to the highest pressure; it takes minutes."""
     for n in sides:
-        heights = rough((n, n), 4, n // 16)
+        heights = create_heights((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)
         flat = Surface(np.zeros(heights.shape), spacing=1 / n)
         for free in (False, True):
-            solve = of_tamaas(1e-10, free=free)
+            solve = tamaas_solver(1e-10, free=free)
             for pressure in (0.002, 0.03, 0.5):
-                load = pressure * MODULUS * SLOPE
+                load = pressure * MODULUS * RMS_SLOPE
                 boundary: Boundary = "free" if free else "periodic"
                 curve = half_space(flat, body, [load], effective_modulus=MODULUS, boundary=boundary, tolerance=1e-7)
-                ours, theirs = curve.contact(0).pressure, solve(heights, load)
-                print(n, boundary, pressure, f"{np.abs(ours - theirs).max() / theirs.max():.0e}", flush=True)
+                solve_by_stiction, theirs = curve.contact(0).pressure, solve(heights, load)
+                print(
+                    n, boundary, pressure, f"{np.abs(solve_by_stiction - theirs).max() / theirs.max():.0e}", flush=True
+                )
 
 
-def shift(side: int = 384) -> tuple[str, str]:
+def measure_position(side: int = 384) -> tuple[str, str]:
     """Measure one position of a pair of maps: three loads, all directions, both sliding rules and stiffness."""
-    heights = rough((side, side), 4, side // 16)
+    heights = create_heights((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)
-    loads = np.array(PRESSURES) * MODULUS * SLOPE
+    loads = np.array(MEAN_PRESSURES) * MODULUS * RMS_SLOPE
 
-    def solved(directions: list[float]) -> HalfSpaceCurve:
+    def solve_directions(directions: list[float]) -> HalfSpaceCurve:
         return half_space(flat, body, loads, effective_modulus=MODULUS, direction=directions)
 
-    def all_of_it() -> None:
-        curve = solved([30.0 * i for i in range(12)])
+    def compute_all_values() -> None:
+        curve = solve_directions([30.0 * i for i in range(12)])
         assert (curve.with_sliding("all").stiffness > 0).all()
 
     costs = []
     for _ in range(5):
-        for task in (lambda: solved([0.0]), all_of_it):
+        for task in (lambda: solve_directions([0.0]), compute_all_values):
             start = time.process_time()
             task()
             costs.append(time.process_time() - start)
@@ -155,9 +157,9 @@ def shift(side: int = 384) -> tuple[str, str]:
     )
 
 
-def threads(side: int = 1024) -> tuple[str, str]:
+def measure_threads(side: int = 1024) -> tuple[str, str]:
     """Return the speed-up by a second thread, and that of transforms only (`scipy.fft.set_workers`)."""
-    heights = rough((side, side), 4, side // 16)
+    heights = create_heights((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)
     costs: dict[int, list[float]] = {1: [], 2: []}
@@ -165,7 +167,7 @@ def threads(side: int = 1024) -> tuple[str, str]:
         for workers, took in costs.items():
             with scipy.fft.set_workers(workers):
                 start = time.perf_counter()
-                half_space(flat, body, [0.03 * MODULUS * SLOPE], effective_modulus=MODULUS)
+                half_space(flat, body, [0.03 * MODULUS * RMS_SLOPE], effective_modulus=MODULUS)
                 took.append(time.perf_counter() - start)
     return (
         f"{side} x {side}, free: two threads of transforms for one",
@@ -173,8 +175,8 @@ def threads(side: int = 1024) -> tuple[str, str]:
     )
 
 
-def line(points: int = 131_072) -> tuple[str, str]:
-    heights = rough((points,), 10, points // 32)
+def measure_profile(points: int = 131_072) -> tuple[str, str]:
+    heights = create_heights((points,), 10, points // 32)
     body, flat = Profile(heights, spacing=1 / points), Profile(np.zeros(points), spacing=1 / points)
     costs = []
     for _ in range(5):
@@ -183,7 +185,7 @@ def line(points: int = 131_072) -> tuple[str, str]:
             scipy.fft.rfft(heights)
         unit = (time.process_time() - start) / 20
         start = time.process_time()
-        half_space(flat, body, [0.02 * MODULUS * SLOPE], effective_modulus=MODULUS, boundary="periodic")
+        half_space(flat, body, [0.02 * MODULUS * RMS_SLOPE], effective_modulus=MODULUS, boundary="periodic")
         costs.append((time.process_time() - start) / unit)
     return f"a profile of {points} points, H 0.8, 0.02 E* h', in real transforms of its length", (
         f"{statistics.median(costs):.0f}"
@@ -191,5 +193,5 @@ def line(points: int = 131_072) -> tuple[str, str]:
 
 
 if __name__ == "__main__":
-    for question, answer in rows():
+    for question, answer in measure_rows():
         print(f"{question:75s} {answer}", flush=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-_SIGNAL = np.random.default_rng(0).random(150_000)
+_FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
 def keep_memory() -> None:
@@ -31,19 +31,19 @@ def seconds(call: Callable[[], object], repeats: int = 5) -> float:
     return statistics.median(times)
 
 
-def unit(repeats: int = 40) -> float:
+def measure_unit(repeats: int = 40) -> float:
     """Return U in seconds."""
     keep_memory()
-    return seconds(lambda: np.fft.rfft(_SIGNAL), repeats)
+    return seconds(lambda: np.fft.rfft(_FFT_INPUT), repeats)
 
 
-def in_units(call: Callable[[], object], repeats: int = 5) -> float:
+def measure_in_units(call: Callable[[], object], repeats: int = 5) -> float:
     """Return the median of time over U; U is timed before and after each call, because the clock drifts."""
     ratios = []
     for _ in range(repeats):
-        before = unit(10)
-        took = seconds(call, 1)
-        ratios.append(took / ((before + unit(10)) / 2))
+        unit_before = measure_unit(10)
+        elapsed = seconds(call, 1)
+        ratios.append(elapsed / ((unit_before + measure_unit(10)) / 2))
     return statistics.median(ratios)
 
 

@@ -10,17 +10,17 @@ import tempfile
 import time
 from pathlib import Path
 
-STUDIES = {
+STUDY_ARGUMENTS = {
     "10 000 of quick": ["quick", "ensemble.repetitions=10000", "surfaces.points=500", "surfaces.directions=4",
                         "surfaces.frequencies=6"],
     "200 of figure6": ["figure6", "ensemble.repetitions=200"],
 }  # fmt: skip
-MAP = "import sys; from stiction import *; from stiction.studies import store; r = store.read('out');"
-COMMANDS = {
+READ_RESULT_CODE = "import sys; from stiction import *; from stiction.studies import store; r = store.read('out');"
+COMMAND_ARGUMENTS = {
     "run": [],
-    "friction_map": [MAP + "friction_map(r, [0.001, 0.01])"],
-    "area_map": [MAP + "area_map(r, [0.001, 0.01])"],
-    "stiffness_map": [MAP + "stiffness_map(r, [0.001, 0.01])"],
+    "friction_map": [READ_RESULT_CODE + "friction_map(r, [0.001, 0.01])"],
+    "area_map": [READ_RESULT_CODE + "area_map(r, [0.001, 0.01])"],
+    "stiffness_map": [READ_RESULT_CODE + "stiffness_map(r, [0.001, 0.01])"],
     "plot": ["plot", "out"],
     "report": ["report", "out"],
     "export": ["export", "out", "out.nc"],
@@ -29,18 +29,18 @@ COMMANDS = {
 }
 
 
-def peak(folder: str, arguments: list[str]) -> float:
+def measure_peak_memory(folder: str, arguments: list[str]) -> float:
     """Return the peak memory (MiB) of a process and its children together."""
     process = subprocess.Popen([sys.executable, *arguments], cwd=folder, stdout=subprocess.DEVNULL)
     most = 0.0
     while process.poll() is None:
-        most = max(most, sum(map(resident, family(process.pid))))
+        most = max(most, sum(map(resident_memory, find_processes(process.pid))))
         time.sleep(0.02)
     assert process.returncode == 0, arguments
     return most / 1024
 
 
-def family(pid: int) -> list[int]:
+def find_processes(pid: int) -> list[int]:
     """Return a process and all its descendants."""
     parents = {}
     for stat in Path("/proc").glob("[0-9]*/stat"):
@@ -52,7 +52,7 @@ def family(pid: int) -> list[int]:
     return result
 
 
-def resident(pid: int) -> int:
+def resident_memory(pid: int) -> int:
     """Return the resident memory (KiB) of a process, including shared pages."""
     with contextlib.suppress(OSError, StopIteration):
         lines = Path(f"/proc/{pid}/status").read_text().splitlines()
@@ -60,17 +60,17 @@ def resident(pid: int) -> int:
     return 0
 
 
-def rows() -> list[tuple[str, str]]:
+def measure_rows() -> list[tuple[str, str]]:
     values = []
-    for what, (name, *changes) in STUDIES.items():
+    for study_title, (name, *changes) in STUDY_ARGUMENTS.items():
         with tempfile.TemporaryDirectory() as folder:
             sets = [word for change in changes for word in ("--set", change)]
-            for command, arguments in COMMANDS.items():
+            for command, arguments in COMMAND_ARGUMENTS.items():
                 if command == "run":
-                    words = ["-m", "stiction", "run", name, "--output", "out", *sets]
+                    command_line = ["-m", "stiction", "run", name, "--output", "out", *sets]
                 elif command.endswith("map"):
-                    words = ["-c", *arguments]
+                    command_line = ["-c", *arguments]
                 else:
-                    words = ["-m", "stiction", *arguments]
-                values.append((f"{what}: {command}", f"{peak(folder, words):.0f} MiB"))
+                    command_line = ["-m", "stiction", *arguments]
+                values.append((f"{study_title}: {command}", f"{measure_peak_memory(folder, command_line):.0f} MiB"))
     return values

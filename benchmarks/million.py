@@ -16,18 +16,18 @@ from stiction.studies import runner, store
 from stiction.studies.member_solution import describe_arrays
 from stiction.studies.runner import compute_missing
 
-REPETITIONS = 1_000_000
-MORE = 10_000
+NUM_REPETITIONS = 1_000_000
+NUM_ADDED_REPETITIONS = 10_000
 STUDY = Study().with_changes(
     {
         "surfaces.fractal_dimension": [1.2, 1.5],
         "contact.approach.count": 8,
         "friction.mu0": [0.4],
         "friction.tau0": ["0 MPa"],
-        "ensemble.repetitions": REPETITIONS,
+        "ensemble.repetitions": NUM_REPETITIONS,
     }
 )
-KINDS = 4099
+NUM_DIFFERENT_MEMBERS = 4099
 """Number of different repetitions; a prime, so that blocks differ."""
 
 
@@ -36,14 +36,14 @@ def stand_in(study: Study) -> Callable[[Study, int], dict]:
     random = np.random.default_rng(study.ensemble.seed)
     step = np.arange(1.0, 1 + study.contact.steps().size)
     bank = []
-    for _ in range(KINDS):
+    for _ in range(NUM_DIFFERENT_MEMBERS):
         factor = random.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
         sums = {}
         for index, (name, (shape, dtype)) in enumerate(describe_arrays(study).items()):
             values = factor * (index + step) ** 1.5 * (1 + 0.1 * random.random(shape))
             sums[name] = values.astype(dtype)
         bank.append(sums)
-    return lambda _, repetition: bank[repetition % KINDS]
+    return lambda _, repetition: bank[repetition % NUM_DIFFERENT_MEMBERS]
 
 
 def timed(function: Callable[[], object]) -> tuple[object, float]:
@@ -52,7 +52,7 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
     return result, time.perf_counter() - start
 
 
-def rows() -> list[tuple[str, str]]:
+def measure_rows() -> list[tuple[str, str]]:
     # Without computing cost, blocks have the maximum size.
     real = runner.member_sums, runner.estimate_member_time
     runner.member_sums, runner.estimate_member_time = stand_in(STUDY), lambda _: 0.0
@@ -66,19 +66,19 @@ def rows() -> list[tuple[str, str]]:
             loads = np.geomspace(20, 60, 20)
             maps = [timed(lambda each=each: each(result, loads)) for each in (friction_map, area_map, stiffness_map)]
             assert (maps[0][0]["status"] == "ok").all()
-            more = STUDY.with_changes({"ensemble.repetitions": REPETITIONS + MORE})
+            more = STUDY.with_changes({"ensemble.repetitions": NUM_REPETITIONS + NUM_ADDED_REPETITIONS})
             longer, continuing = timed(lambda: compute_missing(more, path))
-            assert longer == REPETITIONS + MORE
+            assert longer == NUM_REPETITIONS + NUM_ADDED_REPETITIONS
             _, again = timed(lambda: compute_missing(more, path))
     finally:
         runner.member_sums, runner.estimate_member_time = real
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
-        (f"{REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),
+        (f"{NUM_REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),
         ("to compute (a stand-in) and to store them", f"{writing:.0f} s"),
         ("files, and bytes on the disk", f"{files}, {kept.size / 1e9:.2f} GB"),
         ("to see how far it is, to open it", f"{looking:.1f} s, {opening:.1f} s"),
         ("maps of friction, area, stiffness at 20 loads", ", ".join(f"{each:.1f}" for _, each in maps) + " s"),
-        (f"to continue with {MORE} more; to find nothing left", f"{continuing:.1f} s, {again:.1f} s"),
+        (f"to continue with {NUM_ADDED_REPETITIONS} more; to find nothing left", f"{continuing:.1f} s, {again:.1f} s"),
         ("most memory of all that", f"{peak:.0f} MiB"),
     ]

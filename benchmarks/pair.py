@@ -3,57 +3,57 @@
 from concurrent.futures import Executor, ThreadPoolExecutor
 
 import numpy as np
-from measure import in_units, seconds, unit
+from measure import measure_in_units, measure_unit, seconds
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import _reuse_array, member_sums
 from stiction.studies.members import fill_profiles
 
-REPETITIONS = 60  # many, so that the last one, which a single thread computes, is a small fraction
-STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": REPETITIONS})
-PAIRS = REPETITIONS * 50
-TURNS = 10
-NEW_TURNS = 3
-SIGNAL = np.random.default_rng(0).random(150_000)
+NUM_REPETITIONS = 60  # many, so that the last one, which a single thread computes, is a small fraction
+STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": NUM_REPETITIONS})
+NUM_PAIRS = NUM_REPETITIONS * 50
+NUM_TURNS = 10
+NUM_NEW_TURNS = 3
+FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
-def by_new_threads(study: Study, workers: int) -> float:
+def time_with_new_threads(study: Study, workers: int) -> float:
     """Return the seconds with new threads, which allocate their memory first."""
     with ThreadPoolExecutor(workers) as pool:
         return seconds(lambda: run(study, executor=pool), 1)
 
 
-def gain(study: Study, one: Executor, two: Executor) -> float:
+def measure_speedup(study: Study, one: Executor, two: Executor) -> float:
     """Return the speed of two threads relative to one."""
     return seconds(lambda: run(study, executor=one), 1) / seconds(lambda: run(study, executor=two), 1)
 
 
-def rows() -> list[tuple[str, str]]:
-    fresh = seconds(lambda: np.fft.rfft(SIGNAL), 40)  # before any large block has been freed
+def measure_rows() -> list[tuple[str, str]]:
+    fresh = seconds(lambda: np.fft.rfft(FFT_INPUT), 40)  # before any large block has been freed
     result = [
-        ("U", f"{1e3 * unit():.2f} ms"),
+        ("U", f"{1e3 * measure_unit():.2f} ms"),
         ("the same FFT in a process that has not freed large memory yet", f"{1e3 * fresh:.2f} ms"),
     ]
     for detection in ("cell", "gap-minimum"):
         study = STUDY.with_changes({"contact.detection": detection})
         with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
-            gain(study, one, two)  # which allocate their memory
-            cost = in_units(lambda study=study, one=one: run(study, executor=one), 3) / PAIRS
-            median = float(np.median([gain(study, one, two) for _ in range(TURNS)]))
+            measure_speedup(study, one, two)  # allocates memory
+            cost = measure_in_units(lambda study=study, one=one: run(study, executor=one), 3) / NUM_PAIRS
+            median = float(np.median([measure_speedup(study, one, two) for _ in range(NUM_TURNS)]))
         share = 2 / median - 1  # serial fraction of the run time (Amdahl)
         four = 1 / (share + (1 - share) / 4)
         result += [
             (f"a pair of figure6, {detection}, one thread", f"{cost:.2f} U"),
-            (f"two threads over one, {detection}, median of {TURNS}", f"{median:.2f}"),
+            (f"two threads over one, {detection}, median of {NUM_TURNS}", f"{median:.2f}"),
             (f"four threads over one, {detection}, by Amdahl's law from these", f"{four:.1f}"),
         ]
-    new = np.median([by_new_threads(STUDY, 1) / by_new_threads(STUDY, 2) for _ in range(NEW_TURNS)])
-    result.append((f"two threads over one, cell, new threads and memory, median of {NEW_TURNS}", f"{new:.2f}"))
+    new = np.median([time_with_new_threads(STUDY, 1) / time_with_new_threads(STUDY, 2) for _ in range(NUM_NEW_TURNS)])
+    result.append((f"two threads over one, cell, new threads and memory, median of {NUM_NEW_TURNS}", f"{new:.2f}"))
 
     dimensions = STUDY.surfaces.fractal_dimensions()
     phases = random_phases(2016)
-    one_profile = in_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
+    one_profile = measure_in_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
     memory = _reuse_array((dimensions.size, 150_000))
-    generation = 2 * in_units(lambda: fill_profiles(STUDY, memory, dimensions, 0, "upper")) / dimensions.size
+    generation = 2 * measure_in_units(lambda: fill_profiles(STUDY, memory, dimensions, 0, "upper")) / dimensions.size
     result += [
         ("generation: both bodies, 50 dimensions together", f"{generation:.2f} U a pair"),
         ("generation: one profile of one dimension", f"{one_profile:.1f} U"),
@@ -66,6 +66,6 @@ def rows() -> list[tuple[str, str]]:
         ):
             changes = {"contact.detection": detection} | ({"contact.approach": approach} if approach else {})
             study = STUDY.with_changes(changes)
-            cost = in_units(lambda study=study: member_sums(study, 0)) / dimensions.size
+            cost = measure_in_units(lambda study=study: member_sums(study, 0)) / dimensions.size
             result.append((f"scaling and contact, {detection}: {what}", f"{cost - generation:.2f} U a pair"))
     return result

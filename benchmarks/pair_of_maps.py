@@ -16,15 +16,15 @@ from stiction.studies.resolution import CUTOFF_STUDY_FOLDER
 from stiction.studies.store import open_stored
 from stiction.studies.study import Study
 
-TURNS = 3
-COMMAND = [
+NUM_TURNS = 3
+COMMAND_ARGUMENTS = [
     "pair", "upper.npy", "lower.npy", "--effective-modulus", "100 GPa", "--hardness", "5 GPa", "--mu0", "0.2",
     "--tau0", "50 MPa", "--load", "1 MPa", "--load", "3 MPa", "--load", "10 MPa",
 ]  # fmt: skip
 """Command with 16 positions of 384 x 384 points, three loads, 12 directions, both rules, cutoffs, onset and figures."""
 
 
-def scans(folder: Path) -> None:
+def write_scans(folder: Path) -> None:
     for side in ("upper", "lower"):
         surface = self_affine_surface(
             7, hurst_exponent=0.8, rms=0.06, shape=(512, 512), spacing=0.02, longest_wavelength=5.0, side=side
@@ -36,12 +36,12 @@ def measure_command(folder: Path, output: str) -> tuple[float, float]:
     """Return processor time and wall time of the command."""
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = Path(sys.executable).with_name("stiction")
-    subprocess.run([command, *COMMAND, "--output", output], cwd=folder, check=True, capture_output=True)
-    by_clock, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, by_clock
+    subprocess.run([command, *COMMAND_ARGUMENTS, "--output", output], cwd=folder, check=True, capture_output=True)
+    wall_time, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, wall_time
 
 
-def solving(study: Study) -> Callable[[], None]:
+def prepare_solutions(study: Study) -> Callable[[], None]:
     """Solve every load of prepared members in one direction."""
     contact, bodies = study.contact, load_bodies(study)
     pairs = [
@@ -49,7 +49,7 @@ def solving(study: Study) -> Callable[[], None]:
         for member in range(study.ensemble.repetitions) for wavelength in study.surfaces.cells()["cut_off"]
     ]  # fmt: skip
 
-    def solve() -> None:
+    def solve_loads() -> None:
         for upper, lower in pairs:
             curve = half_space(
                 upper, lower, contact.steps(), effective_modulus=float(contact.effective_modulus),
@@ -57,10 +57,10 @@ def solving(study: Study) -> Callable[[], None]:
             )  # fmt: skip
             assert (curve.error <= 1e-6).all()
 
-    return solve
+    return solve_loads
 
 
-def beginning_to_slide(study: Study) -> None:
+def compute_onset(study: Study) -> None:
     load, mu0, tau0 = (float(item[0]) for item in (study.friction.load, study.friction.mu0, study.friction.tau0))
     for member in range(NUM_AREAL_ONSET_MEMBERS):
         result = compute_member_onset(
@@ -75,28 +75,31 @@ def seconds(task: Callable[[], None]) -> float:
     return time.process_time() - start
 
 
-def rows() -> list[tuple[str, str]]:
+def measure_rows() -> list[tuple[str, str]]:
     with tempfile.TemporaryDirectory() as created:
         folder = Path(created)
-        scans(folder)
+        write_scans(folder)
         commands = [measure_command(folder, "0")]
-        study, over = (open_stored(folder / "0" / sub).study for sub in ("", CUTOFF_STUDY_FOLDER))
-        tasks = solving(study), solving(over), lambda: beginning_to_slide(study)
+        study, cutoff_study = (open_stored(folder / "0" / sub).study for sub in ("", CUTOFF_STUDY_FOLDER))
+        tasks = prepare_solutions(study), prepare_solutions(cutoff_study), lambda: compute_onset(study)
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)  # imports, kernels
         solved = []
-        for turn in range(TURNS):
+        for turn in range(NUM_TURNS):
             solved.append([seconds(task) for task in tasks])
             commands.append(measure_command(folder, str(turn + 1)))
-    whole, by_clock = (statistics.median(column) for column in zip(*commands[1:], strict=True))
+    command_time, wall_time = (statistics.median(column) for column in zip(*commands[1:], strict=True))
     positions, cut_offs, onset = (statistics.median(column) for column in zip(*solved, strict=True))
     return [
-        ("stiction pair, two maps of 512 x 512, processor time, by the clock", f"{whole:.1f} s, {by_clock:.1f} s"),
+        (
+            "stiction pair, two maps of 512 x 512, processor time, by the clock",
+            f"{command_time:.1f} s, {wall_time:.1f} s",
+        ),
         ("its half-space solutions alone: positions, cut-offs", f"{positions:.1f} s, {cut_offs:.1f} s"),
         (f"how {NUM_AREAL_ONSET_MEMBERS} of its members begin to slide", f"{onset:.1f} s"),
-        ("the command over its solutions and what slides", f"{whole / (positions + cut_offs + onset):.2f}"),
+        ("the command over its solutions and what slides", f"{command_time / (positions + cut_offs + onset):.2f}"),
     ]
 
 
 if __name__ == "__main__":
-    for question, answer in rows():
+    for question, answer in measure_rows():
         print(f"{question:75s} {answer}", flush=True)

@@ -15,14 +15,14 @@ from stiction import Study, friction_map, run
 from stiction.studies.nodes import excess
 from stiction.views.report import save_report
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "tests"))
+BENCHMARK_FOLDER = Path(__file__).parent
+sys.path.insert(0, str(BENCHMARK_FOLDER.parent / "tests"))
 from support import browser  # noqa: E402
 
-STEPS = 40
-POINTS = 20
-# Time from a key press to the end of the frame that it changed.
-WATCH = """
+NUM_KEY_PRESSES = 40
+NUM_RANDOM_POINTS = 20
+# Records the time from each key press to the end of the redrawn frame.
+TIMING_SCRIPT = """
 window.times = [];
 for (const slider of document.querySelectorAll("input[type=range]"))
   slider.addEventListener("input", (event) =>
@@ -30,27 +30,27 @@ for (const slider of document.querySelectorAll("input[type=range]"))
 """
 
 
-def steps(driver, slider: str) -> float:
+def measure_key_press(driver, slider: str) -> float:
     """Return the median time (ms) of a key press on a slider."""
     middle = "const e = arguments[0]; e.value = (Number(e.min) + Number(e.max)) / 2"  # away from both ends
     driver.execute_script(middle + "; times.length = 0", driver.find_element("id", slider))
-    for i in range(STEPS):
+    for i in range(NUM_KEY_PRESSES):
         driver.find_element("id", slider).send_keys(
             "\ue014" if i // 10 % 2 == 0 else "\ue012"
         )  # ten steps to the right, then ten back
         browser.wait_for_drawing(driver)
     times = driver.execute_script("return times")
-    assert len(times) == STEPS, len(times)
+    assert len(times) == NUM_KEY_PRESSES, len(times)
     return statistics.median(times)
 
 
-def median_excess(driver, dataset: xarray.Dataset) -> float:
+def measure_interpolation_error(driver, dataset: xarray.Dataset) -> float:
     """Return the median error of values and interval ends at random points over the tolerances of the nodes."""
     random = np.random.default_rng(1)
     errors = []
     loads, axes = driver.execute_script("return [loads, nodeAxes]")
     most = [axes["mu0"]["most"], axes["tau0"]["most"]]
-    for _ in range(POINTS):
+    for _ in range(NUM_RANDOM_POINTS):
         d, load = int(random.integers(50)), int(random.integers(len(loads)))
         mu0, tau0 = random.uniform([0, 0], most).tolist()
         script = (
@@ -67,25 +67,25 @@ def median_excess(driver, dataset: xarray.Dataset) -> float:
     return float(np.median(errors))
 
 
-def rows() -> list[tuple[str, str]]:
-    dataset = run(Study.named("figure6"), store=HERE.parent / "build/figure6").dataset
+def measure_rows() -> list[tuple[str, str]]:
+    dataset = run(Study.named("figure6"), store=BENCHMARK_FOLDER.parent / "build/figure6").dataset
     with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
         page = Path(folder) / "report.html"
         start = time.perf_counter()
         save_report(dataset, page)
-        made = time.perf_counter() - start
+        save_time = time.perf_counter() - start
         start = time.perf_counter()
         browser.open_page(driver, page)
-        opened = time.perf_counter() - start
-        error = median_excess(driver, dataset)
+        open_time = time.perf_counter() - start
+        error = measure_interpolation_error(driver, dataset)
         assert error < 1, error
-        driver.execute_script(WATCH)
-        of_mu0, *others = (steps(driver, name) for name in ("mu0", "tau0", "dimension", "load"))
+        driver.execute_script(TIMING_SCRIPT)
+        mu0_time, *other_times = (measure_key_press(driver, name) for name in ("mu0", "tau0", "dimension", "load"))
         size = page.stat().st_size
     return [
         ("size of the page, of 50 dimensions, 100 repetitions and 40 approaches", f"{size / 1e6:.1f} MB"),
-        ("to make it, and to open it", f"{made:.1f} s, {opened:.1f} s"),
-        ("a step of the slider of mu0, until what is in view is drawn, median", f"{of_mu0:.0f} ms"),
-        ("of tau0, fractal dimension, load", ", ".join(f"{each:.0f}" for each in others) + " ms"),
-        (f"median error at {POINTS} random points over the tolerance", f"{error:.2g}"),
+        ("to make it, and to open it", f"{save_time:.1f} s, {open_time:.1f} s"),
+        ("a step of the slider of mu0, until what is in view is drawn, median", f"{mu0_time:.0f} ms"),
+        ("of tau0, fractal dimension, load", ", ".join(f"{each:.0f}" for each in other_times) + " ms"),
+        (f"median error at {NUM_RANDOM_POINTS} random points over the tolerance", f"{error:.2g}"),
     ]  # fmt: skip

@@ -4,7 +4,7 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-HERE = Path(__file__).parent
+BENCHMARK_FOLDER = Path(__file__).parent
 
 
 def main() -> None:
@@ -24,12 +24,12 @@ def main() -> None:
     ):
         module = import_module(name)
         lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| | |", "|---|---|"]
-        for question, answer in module.rows():
+        for question, answer in module.measure_rows():
             print(f"{question:75s} {answer}", flush=True)
             lines.append(f"| {question} | {answer} |")
         lines.append("")
     if len(sys.argv) == 1:
-        (HERE.parent / "docs/generated/performance.md").write_text("\n".join(lines), encoding="utf-8")
+        (BENCHMARK_FOLDER.parent / "docs/generated/performance.md").write_text("\n".join(lines), encoding="utf-8")
         import_module("chart").draw()
 
 

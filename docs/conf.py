@@ -24,7 +24,7 @@ from sphinx.writers.html5 import HTML5Translator
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "docs/scripts"))
 
-import reference  # noqa: E402, beside the other scripts
+import reference  # noqa: E402  (docs/scripts/reference.py)
 
 project = "stiction"
 author = "The stiction developers"
@@ -46,33 +46,33 @@ html_static_path = ["_static"]
 html_css_files = ["stiction.css"]
 html_math_renderer = "mathml"
 
-# Pages with code cells are computed anew at every build, each in an empty directory; a cell that fails ends the build.
+# Each build runs the code cells of every page in an empty directory; an error in a cell ends the build.
 nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
-nb_output_stderr = "remove"  # how far a command is, and how long it took
-# IPython hands on what a `%%sh` cell prints in pieces of 100 bytes; without this each would be set on lines of its own.
+nb_output_stderr = "remove"  # progress and times of commands
+# IPython passes on the output of `%%sh` cells in pieces of 100 bytes; join them, so that lines are not broken.
 direct.single_nb_execution = functools.partial(direct.single_nb_execution, coalesce_streams=True)
-# Cells run commands, those of the environment that builds the pages, and have no terminal to draw bars on.
+# Cells run the commands of the environment that builds the pages, without progress bars.
 os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 os.environ["TTY_COMPATIBLE"] = "0"
 os.environ["STICTION_SCANS"] = str(Path(__file__).resolve().parents[1] / "examples/scans")
-os.environ["COLUMNS"] = "88"  # what a box of code holds on a wide screen
+os.environ["COLUMNS"] = "88"  # characters in a line of a code box on a wide screen
 
 
 def write_reference(app: Sphinx) -> None:
-    """The pages that are made from the package: tables of names, keys of study files, options of commands."""
+    """Write the reference pages that are generated from the package."""
     built = Path(app.srcdir) / "built"
     built.mkdir(exist_ok=True)
-    for name, text in reference.pages(Path(app.srcdir)).items():
+    for name, text in reference.generate_pages(Path(app.srcdir)).items():
         path = built / name
         if not path.exists() or path.read_text("utf-8") != text:
             path.write_text(text, encoding="utf-8")
 
 
-REACHABLE = (
+ACCESSIBILITY_REPLACEMENTS = (
     ('role="heading"><span class="caption-text"', 'role="heading" aria-level="2"><span class="caption-text"'),
     ("<pre>", '<pre tabindex="0">'),
     ('<div class="table-wrapper', '<div tabindex="0" class="table-wrapper'),
@@ -80,36 +80,36 @@ REACHABLE = (
     ('<div class="formula"', '<div tabindex="0" class="formula"'),
     (' aria-label="Toggle hidden content"', ""),
 )
-"""What the theme leaves out for those who use a keyboard or a screen reader, and what it should say."""
+"""Replacements in HTML pages that improve the use with a keyboard or a screen reader."""
 
 
-def written_pages(app: Sphinx) -> list[Path]:
+def list_pages(app: Sphinx) -> list[Path]:
     """Return the pages that were written from Markdown."""
     return [Path(app.outdir) / f"{name}.html" for name in sorted(app.env.found_docs)]
 
 
-def make_reachable(app: Sphinx, exception: Exception | None) -> None:
-    """What scrolls sideways can be reached by keys, and headings have a level."""
-    for page in written_pages(app) if exception is None else ():
+def improve_accessibility(app: Sphinx, exception: Exception | None) -> None:
+    """Make elements that scroll reachable by keyboard, and add the level of headings."""
+    for page in list_pages(app) if exception is None else ():
         text = page.read_text("utf-8")
-        for before, after in REACHABLE:
+        for before, after in ACCESSIBILITY_REPLACEMENTS:
             text = text.replace(before, after)
         page.write_text(text, encoding="utf-8")
 
 
 SCANS = ROOT / "examples/scans"
-ON_BRASS = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa", "mechanics": "half-space"}
-ON_STEEL = ON_BRASS | {"lower": "steel", "mu0": "0.2±0.01", "tau0": "20±2 MPa", "hardness": "2±0.1 GPa"}
-LIVE: dict[str, tuple[str, dict[str, Any]]] = {
-    "quoted": ("honed_{}.csv", ON_STEEL | {"work_of_adhesion": "0 mJ/m^2", "load": "20 mN", "lay": "grooves"}),
-    "maps": ("ground_{}.x3p", ON_BRASS | {"load": "50 MPa"}),
-    "lines": ("lapped_{}.csv", ON_BRASS | {"load": "10 mN", "lay": "grooves"}),
+STEEL_ON_BRASS = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa", "mechanics": "half-space"}
+STEEL_ON_STEEL = STEEL_ON_BRASS | {"lower": "steel", "mu0": "0.2±0.01", "tau0": "20±2 MPa", "hardness": "2±0.1 GPa"}
+EXAMPLE_REPORTS: dict[str, tuple[str, dict[str, Any]]] = {
+    "quoted": ("honed_{}.csv", STEEL_ON_STEEL | {"work_of_adhesion": "0 mJ/m^2", "load": "20 mN", "lay": "grooves"}),
+    "maps": ("ground_{}.x3p", STEEL_ON_BRASS | {"load": "50 MPa"}),
+    "lines": ("lapped_{}.csv", STEEL_ON_BRASS | {"load": "10 mN", "lay": "grooves"}),
 }
-"""How the sample scans are pressed for the pages of results that a reader may play with."""
+"""Scan files and pair options of the interactive example reports, by report name."""
 
 
-def make_live(app: Sphinx, exception: Exception | None) -> None:
-    """A page of each kind of result, as `stiction report` makes it."""
+def write_example_reports(app: Sphinx, exception: Exception | None) -> None:
+    """Write an interactive report for each kind of result."""
     if exception is not None or app.builder.format != "html" or app.config.nb_execution_mode == "off":
         return
     from stiction import Study, pair, run
@@ -117,57 +117,59 @@ def make_live(app: Sphinx, exception: Exception | None) -> None:
 
     folder = Path(app.outdir) / "live"
     folder.mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory() as place:
-        for name, (files, given) in LIVE.items():
+    with tempfile.TemporaryDirectory() as folder_of_results:
+        for name, (files, options) in EXAMPLE_REPORTS.items():
             scans = (SCANS / files.format(side) for side in ("upper", "lower"))
-            pair(*scans, **given, directory=Path(place) / name).save_report(folder / f"{name}.html")
+            pair(*scans, **options, directory=Path(folder_of_results) / name).save_report(folder / f"{name}.html")
     save_report(run(Study.named("quick")), folder / "study.html", name="quick")
     command = ["stiction", "characterise", SCANS / "lapped_upper.csv", "--output", folder / "surface.html"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
-def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
-    """End the build if what a cell printed tells where it was built."""
+def check_paths(app: Sphinx, exception: Exception | None) -> None:
+    """End the build with an error if a page contains a path of the build machine."""
     folders = "|".join(re.escape(f"{folder}{os.sep}") for folder in (ROOT, tempfile.gettempdir()))
     for page in sorted(Path(app.outdir).rglob("*.html")) if exception is None else ():
-        if found := re.search(rf"(?<![\w.])(?:{folders})", page.read_text("utf-8")):
-            raise SphinxError(f"{page.name} holds the path {found[0]}")
+        if match := re.search(rf"(?<![\w.])(?:{folders})", page.read_text("utf-8")):
+            raise SphinxError(f"{page.name} contains the path {match[0]}")
 
 
-def refuse_broken_emphasis(app: Sphinx, exception: Exception | None) -> None:
-    """End the build if a paragraph ends in a star: emphasis that an E* in it has ended before."""
-    for page in written_pages(app) if exception is None else ():
-        if found := re.search(r"[^\n<>]{0,40}[.!?)]\*</p>", page.read_text("utf-8")):
-            raise SphinxError(f"{page.name} has emphasis that ends too early: {found[0]}")
+def check_emphasis(app: Sphinx, exception: Exception | None) -> None:
+    """End the build with an error if a paragraph ends in a star, because an E* in it ended the emphasis early."""
+    for page in list_pages(app) if exception is None else ():
+        if match := re.search(r"[^\n<>]{0,40}[.!?)]\*</p>", page.read_text("utf-8")):
+            raise SphinxError(f"{page.name} has emphasis that ends too early: {match[0]}")
 
 
 # ---- Links ----------------------------------------------------------------------------------------------------------
 
 
-TARGETS = reference.targets(ROOT / "docs")
+LINK_TARGETS = reference.link_targets(ROOT / "docs")
 
 
-class LinkNames(SphinxPostTransform):
-    """A public name that a page sets as code is a link to what the reference says of it."""
+class PublicNameLinks(SphinxPostTransform):
+    """Transform that links public names in code font to their reference entry."""
 
     default_priority = 5
 
     def run(self, **_: Any) -> None:
-        """Wrap such literals into references, which Sphinx resolves."""
+        """Wrap each public name in a cross-reference."""
         for literal in list(self.document.findall(nodes.literal)):
             name = literal.astext().removesuffix("()")
-            if name not in TARGETS or isinstance(literal.parent, (nodes.reference, addnodes.pending_xref, nodes.title)):
+            if name not in LINK_TARGETS or isinstance(
+                literal.parent, (nodes.reference, addnodes.pending_xref, nodes.title)
+            ):
                 continue
             link = addnodes.pending_xref(
-                "", refdomain="py", reftype="obj", reftarget=TARGETS[name], refexplicit=True, refwarn=True,
+                "", refdomain="py", reftype="obj", reftarget=LINK_TARGETS[name], refexplicit=True, refwarn=True,
                 refdoc=self.env.current_document.docname,
             )  # fmt: skip
             literal.replace_self(link)
             link += literal
 
 
-class CellsAsTyped(SphinxPostTransform):
-    """A cell that runs a command is shown as one types it, and one that writes a file under the name of the file."""
+class CommandPrompts(SphinxPostTransform):
+    """Transform that shows commands of cells with a prompt, and written files under their name."""
 
     default_priority = 4
 
@@ -185,8 +187,10 @@ class CellsAsTyped(SphinxPostTransform):
             literal.replace_self(new)
 
 
-def describe(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: nodes.document | None) -> None:
-    """What search engines and previews show of a page: its title and its first paragraph."""
+def add_description(
+    app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: nodes.document | None
+) -> None:
+    """Add the title and first paragraph of a page to its metadata, for search engines and link previews."""
     if doctree is None:
         return
     paragraphs = (paragraph.astext() for paragraph in doctree.findall(nodes.paragraph))
@@ -200,13 +204,13 @@ def describe(app: Sphinx, page: str, template: str, context: dict[str, Any], doc
 
 # ---- Formulas -------------------------------------------------------------------------------------------------------
 
-GLYPHS = "U+20-7E,U+A0-FF,U+300-3FF,U+2000-20CF,U+2100-22FF,U+2300-23FF,U+27C0-27FF,U+2980-2AFF,U+1D400-1D7FF"
+MATH_CODE_POINTS = "U+20-7E,U+A0-FF,U+300-3FF,U+2000-20CF,U+2100-22FF,U+2300-23FF,U+27C0-27FF,U+2980-2AFF,U+1D400-1D7FF"
 
 
-def ship_font(app: Sphinx) -> None:
-    """A font with what formulas need (stretching brackets, large operators), which few systems have.
+def write_font(app: Sphinx) -> None:
+    """Write a font for formulas: the mathematical glyphs of STIX Two Math.
 
-    STIX Two Math (SIL Open Font License 1.1) comes with the package ziamath; its glyphs for formulas go along.
+    The font (SIL Open Font License 1.1) is part of the package ziamath.
     """
     import logging
     from importlib import resources
@@ -221,48 +225,48 @@ def ship_font(app: Sphinx) -> None:
     with resources.as_file(resources.files("ziamath") / "fonts/STIXTwoMath-Regular.ttf") as source:
         font = load_font(str(source), options)
     subsetter = Subsetter(options)
-    subsetter.populate(unicodes=parse_unicodes(GLYPHS.replace("U+", "")))
+    subsetter.populate(unicodes=parse_unicodes(MATH_CODE_POINTS.replace("U+", "")))
     subsetter.subset(font)
     path.parent.mkdir(parents=True, exist_ok=True)
     save_font(font, str(path), options)
 
 
-def mathml(node: nodes.math | nodes.math_block) -> str:
-    """A formula as browsers know it: MathJax would have to be fetched by whoever reads the pages."""
+def to_mathml(node: nodes.math | nodes.math_block) -> str:
+    """Return a formula as MathML, which browsers display without further downloads."""
     formula = convert(node.astext(), display="block" if isinstance(node, nodes.math_block) else "inline")
-    if ">\\" in formula:  # a command that the converter does not know stands in the page as it is
-        raise SphinxError(f"not all of this formula can be set: {node.astext()}")
+    if ">\\" in formula:  # an unknown command remains in the output
+        raise SphinxError(f"the formula contains an unknown command: {node.astext()}")
     return re.sub(r"<mi>(cos|sin|tan|arcsin|arctan|ln|log)</mi>", r"<mi>\1</mi><mspace width='0.17em'/>", formula)
 
 
-def put_formula(translator: HTML5Translator, node: nodes.math | nodes.math_block) -> NoReturn:
+def visit_formula(translator: HTML5Translator, node: nodes.math | nodes.math_block) -> NoReturn:
     block = isinstance(node, nodes.math_block)
-    translator.body.append(f'<div class="formula">{mathml(node)}</div>\n' if block else mathml(node))
+    translator.body.append(f'<div class="formula">{to_mathml(node)}</div>\n' if block else to_mathml(node))
     raise nodes.SkipNode
 
 
-_ALIKE = {"μ0": "mu0", "τ0": "tau0", "μ_s": "mu_s"}
+_SYMBOL_NAMES = {"μ0": "mu0", "τ0": "tau0", "μ_s": "mu_s"}
 
 
-class Search(SearchEnglish):
-    """English, where a symbol and its name in ASCII are one word to whoever searches."""
+class SymbolSearch(SearchEnglish):
+    """English search in which a symbol and its ASCII name are the same word."""
 
-    def split(self, input: str) -> list[str]:  # noqa: A002, the name that Sphinx gives it
-        """Words, and the other way to write each."""
-        alike = _ALIKE | {name: symbol for symbol, name in _ALIKE.items()}
+    def split(self, input: str) -> list[str]:  # noqa: A002  (name of the argument in Sphinx)
+        """Return the words of a text, and the alternative spelling of symbols."""
+        alike = _SYMBOL_NAMES | {name: symbol for symbol, name in _SYMBOL_NAMES.items()}
         words = super().split(input)
         return [*words, *(alike[word] for word in words if word in alike)]
 
 
 def setup(app: Sphinx) -> None:
-    sphinx.search.languages["en"] = Search
-    app.add_html_math_renderer("mathml", (put_formula, None), (put_formula, None))
-    app.add_post_transform(LinkNames)
-    app.add_post_transform(CellsAsTyped)
+    sphinx.search.languages["en"] = SymbolSearch
+    app.add_html_math_renderer("mathml", (visit_formula, None), (visit_formula, None))
+    app.add_post_transform(PublicNameLinks)
+    app.add_post_transform(CommandPrompts)
     app.connect("builder-inited", write_reference)
-    app.connect("builder-inited", ship_font)
-    app.connect("html-page-context", describe)
-    app.connect("build-finished", make_live)
-    app.connect("build-finished", make_reachable)
-    app.connect("build-finished", refuse_paths)
-    app.connect("build-finished", refuse_broken_emphasis)
+    app.connect("builder-inited", write_font)
+    app.connect("html-page-context", add_description)
+    app.connect("build-finished", write_example_reports)
+    app.connect("build-finished", improve_accessibility)
+    app.connect("build-finished", check_paths)
+    app.connect("build-finished", check_emphasis)

@@ -8,7 +8,7 @@ from stiction.views.figures import draw_figures
 from stiction.views.text import result_text
 
 
-def stand_in(side):
+def write_synthetic_file(side):
     """Write a synthetic AFM file of a lapped face."""
     face = self_affine_surface(
         5, hurst_exponent=0.8, rms=0.01, shape=(128, 128), spacing=0.02, longest_wavelength=0.6,
@@ -19,8 +19,8 @@ def stand_in(side):
     return {"file": f"{side}.npy", "unit": "um", "spacing": "0.02 um"}
 
 
-given = len(sys.argv) == 3
-upper, lower = ({"file": name} for name in sys.argv[1:]) if given else map(stand_in, ("upper", "lower"))
+has_files = len(sys.argv) == 3
+upper, lower = ({"file": name} for name in sys.argv[1:]) if has_files else map(write_synthetic_file, ("upper", "lower"))
 study = Study().with_changes(
     {
         "surfaces.kind": "measured",
@@ -34,7 +34,7 @@ study = Study().with_changes(
         "friction.mu0": [0.3],
         "friction.tau0": ["50 MPa"],
         "friction.load": ["60 uN"],
-        "ensemble.repetitions": 16 if given else 8,  # relative positions of the two maps
+        "ensemble.repetitions": 16 if has_files else 8,  # relative positions of the two maps
     }
 )
 result = run(study)

@@ -9,7 +9,7 @@ from stiction import Surface, pair, read_surface, self_affine
 from stiction.views.style import COLUMN_WIDTH, MATPLOTLIB_STYLE
 
 
-def stand_in(side):
+def create_synthetic_map(side):
     """Return synthetic lines of a map of 10 µm; unlike lines of a real map they are independent."""
     lines = [
         self_affine(
@@ -21,22 +21,25 @@ def stand_in(side):
     return Surface(np.array(lines), spacing=10 / 512, history=(f"stand-in for a map of the {side} body",))
 
 
-upper, lower = map(read_surface, sys.argv[1:]) if len(sys.argv) == 3 else map(stand_in, ("upper", "lower"))
+upper, lower = map(read_surface, sys.argv[1:]) if len(sys.argv) == 3 else map(create_synthetic_map, ("upper", "lower"))
 loads = np.geomspace(1e-4, 1e-1, 13)  # mN
 options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "5 GPa", "cutoff": "none", "onset": 0}
 result = pair(upper, lower, load=loads, lines=32, **options)
 mean = result.at().sel(sliding="opposing", direction=0.0).isel(cut_off=0, mu0=0, tau0=0)
 for load in mean["load"].values[::4]:
-    at = mean.sel(load=load)
-    middle, least, most = at["friction_coefficient"].values
-    beyond = float(at["share_beyond_hertz"].sel(statistic="mean"))
-    print(f"{1000 * load:8.3g} µN: μ_s = {middle:.2f} [{least:.2f}, {most:.2f}], {beyond:.0%} of the load beyond Hertz")
+    friction_at_load = mean.sel(load=load)
+    mean_friction, lower_end, upper_end = friction_at_load["friction_coefficient"].values
+    beyond_hertz = float(friction_at_load["share_beyond_hertz"].sel(statistic="mean"))
+    print(
+        f"{1000 * load:8.3g} µN: μ_s = {mean_friction:.2f} [{lower_end:.2f}, {upper_end:.2f}], "
+        f"{beyond_hertz:.0%} of the load beyond Hertz"
+    )
 with mpl.rc_context(MATPLOTLIB_STYLE):
     figure = Figure(figsize=(COLUMN_WIDTH, 0.7 * COLUMN_WIDTH), layout="constrained")
     axes = figure.subplots()
-    middle, least, most = mean["friction_coefficient"].transpose("statistic", "load").values
-    axes.fill_between(loads, least, most, alpha=0.3, linewidth=0, label="95 %")
-    axes.semilogx(loads, middle, label="mean over lines")
+    mean_friction, lower_end, upper_end = mean["friction_coefficient"].transpose("statistic", "load").values
+    axes.fill_between(loads, lower_end, upper_end, alpha=0.3, linewidth=0, label="95 %")
+    axes.semilogx(loads, mean_friction, label="mean over lines")
     axes.set_xlabel("normal load $F_N$ (mN)")
     axes.set_ylabel(r"coefficient of static friction $\mu_s$")
     axes.legend()

@@ -19,29 +19,29 @@ rough, fine = (
     for rms, side in ((0.02, "lower"), (0.002, "upper"))
 )  # fmt: skip
 worn = levelled(Surface(np.minimum(rough.heights, 0.01 + fine.heights), spacing=rough.spacing), "plane")
-made = surrogate(worn, 2016)
+surrogate_body = surrogate(worn, 2016)
 OPTIONS = {
     "load": "3 MPa,10 MPa,30 MPa", "effective_modulus": "10 GPa", "mu0": 0.3, "tau0": "50 MPa", "shifts": 8,
     "direction": [0, 90, 180, 270], "cutoff": "none", "onset": 0,
 }  # fmt: skip
 
 figure, axes = plt.subplots(1, 2, figsize=(6.0, 2.8), layout="constrained")
-for name, body, colour in (("worn", worn, "0.0"), ("surrogate", made, "0.55")):
+for name, body, colour in (("worn", worn, "0.0"), ("surrogate", surrogate_body, "0.55")):
     axes[0].hist(1000 * body.heights.ravel(), 80, histtype="step", density=True, color=colour, label=name)
-    found = surface_parameters(body)
-    at = pair(body, body, **OPTIONS).at().isel(cut_off=0, mu0=0, tau0=0)
-    area = 100 * at["contact_area_fraction"].values
+    parameters = surface_parameters(body)
+    table = pair(body, body, **OPTIONS).at().isel(cut_off=0, mu0=0, tau0=0)
+    area = 100 * table["contact_area_fraction"].values
     axes[1].fill_between([3, 10, 30], area[:, 1], area[:, 2], color=colour, alpha=0.2, linewidth=0)
     axes[1].plot([3, 10, 30], area[:, 0], "o-", markersize=3, color=colour, label=f"{name} on itself")
-    # The mean over directions of each shift, and then over shifts.
-    friction, low, high = at["friction_all_round"].sel(sliding="all").isel(load=1).values
-    print(f"{name}: Sq {1000 * found.Sq:.1f} nm, Ssk {found.Ssk:.2f}, Sdq {found.Sdq:.3f}; at 10 MPa")
+    # Mean over directions and positions, with its interval.
+    friction, low, high = table["friction_all_round"].sel(sliding="all").isel(load=1).values
+    print(f"{name}: Sq {1000 * parameters.Sq:.1f} nm, Ssk {parameters.Ssk:.2f}, Sdq {parameters.Sdq:.3f}; at 10 MPa")
     print(f"  A/A0 = {area[1, 0]:.2f} % [{area[1, 1]:.2f}, {area[1, 2]:.2f}]")
     print(f"  mu_s, all contacts: {friction:.3f} [{low:.3f}, {high:.3f}]")
 axes[0].set(xlabel="height (nm)", ylabel="density (1/nm)")
 axes[1].set(xlabel="pressure (MPa)", ylabel="true area (%)", xscale="log", yscale="log")
 axes[1].set(xticks=[3, 10, 30], xticklabels=["3", "10", "30"], yticks=[0.3, 1, 3], yticklabels=["0.3", "1", "3"])
 axes[1].minorticks_off()
-for each in axes:
-    each.legend(fontsize=7, frameon=False)
+for axis in axes:
+    axis.legend(fontsize=7, frameon=False)
 figure.savefig("afm_surrogate.png", dpi=200)

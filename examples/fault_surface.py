@@ -26,12 +26,13 @@ surface = levelled(
 print(characterisation_text(surface), end="")
 characterisation_figure(surface).savefig("fault_surface.png")
 
-# Its lines on other lines, as rock of E* = 40 GPa; a load without unit is F/(E* L²), with L the length of a line.
+# Press lines of the terrain on other lines, with E* = 40 GPa of rock. Loads are made nondimensional by E* and the
+# length L of a line: F/(E* L²).
 length = surface.extent[1]
 loads = np.geomspace(1e-7, 1e-4, 4) * 40.0 * length**2
 options = {"effective_modulus": "40 GPa", "mu0": 0.6, "cutoff": "none", "onset": 0}
 result = pair(surface, surface, load=loads, lines=24, **options)
 mean = nondimensional(result.at()[["friction_coefficient"]], length=length)["friction_coefficient"]
-for at in mean.sel(sliding="opposing", direction=0.0).squeeze().transpose("load", ...):
-    middle, lower, upper = at.values
-    print(f"F/(E* L²) = {float(at['load']):.0e}: mu_s = {middle:.2f} [{lower:.2f}, {upper:.2f}]")
+for friction_at_load in mean.sel(sliding="opposing", direction=0.0).squeeze().transpose("load", ...):
+    mean_friction, lower, upper = friction_at_load.values
+    print(f"F/(E* L²) = {float(friction_at_load['load']):.0e}: mu_s = {mean_friction:.2f} [{lower:.2f}, {upper:.2f}]")

@@ -18,7 +18,7 @@ OPTIONS = {
 }  # fmt: skip
 
 
-def ground(side):
+def create_ground_face(side):
     """Return grooves along y, eight times as long as wide, on a square grid of 0.2 µm."""
     waves = self_affine_surface(
         8, hurst_exponent=0.8, rms=0.15, shape=(80, 320), spacing=0.2, longest_wavelength=8.0, shortest_wavelength=0.8,
@@ -29,26 +29,26 @@ def ground(side):
     return levelled(on_common_grid(long, grid)[0], "plane")
 
 
-upper, lower = ground("upper"), ground("lower")
+upper, lower = create_ground_face("upper"), create_ground_face("lower")
 rows = []
 for angle in ANGLES:
-    turned = rotated(upper, angle)
-    corner = tuple((extent - SIDE) / 2 for extent in turned.extent)
-    above = cropped(turned, corner, tuple(each + SIDE for each in corner))
-    faces = on_common_grid(above, cropped(lower, (0.0, 0.0), (SIDE, SIDE)))
+    rotated_upper = rotated(upper, angle)
+    corner = tuple((extent - SIDE) / 2 for extent in rotated_upper.extent)
+    upper_piece = cropped(rotated_upper, corner, tuple(start + SIDE for start in corner))
+    faces = on_common_grid(upper_piece, cropped(lower, (0.0, 0.0), (SIDE, SIDE)))
     rows.append(pair(*faces, **OPTIONS).at().isel(cut_off=0, load=0, mu0=0))
 
 
 figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
 for tau0, colour in zip((0.0, 0.5), STRENGTH_COLOURS, strict=True):
-    for axis, style, words in ((0.0, "-", "across the lower grooves"), (90.0, "--", "along them")):
-        # Both senses of an axis together, so that slopes that lean one way do not count.
-        chosen = {"sliding": "opposing", "tau0": tau0, "axis": axis}
-        middle, low, high = np.transpose([at["friction_by_axis"].sel(chosen) for at in rows])
+    for axis, style, direction_text in ((0.0, "-", "across the lower grooves"), (90.0, "--", "along them")):
+        # Means over both directions of an axis, which cancel the effect of a tilt.
+        selection = {"sliding": "opposing", "tau0": tau0, "axis": axis}
+        middle, low, high = np.transpose([table["friction_by_axis"].sel(selection) for table in rows])
         top.fill_between(ANGLES, low, high, color=colour, alpha=0.15, linewidth=0)
-        label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
+        label = rf"{direction_text}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         top.plot(ANGLES, middle, style, color=colour, marker="o", markersize=3, label=label)
-area, low, high = 100 * np.transpose([at["contact_area_fraction"] for at in rows])
+area, low, high = 100 * np.transpose([table["contact_area_fraction"] for table in rows])
 bottom.fill_between(ANGLES, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
 bottom.plot(ANGLES, area, "o-", markersize=3, color=AREA_COLOUR)
 top.set(ylabel=r"$\mu_s$, opposing contacts rub", ylim=(0, None))
@@ -58,6 +58,6 @@ figure.legend(
     title=r"ground steel on ground steel, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % of positions",
 )  # fmt: skip
 figure.savefig("ground_faces.png", dpi=200)
-for angle, percent, at in zip(ANGLES, area, rows, strict=True):
-    gradient = float(at["rms_gradient"].sel(statistic="mean"))
+for angle, percent, table in zip(ANGLES, area, rows, strict=True):
+    gradient = float(table["rms_gradient"].sel(statistic="mean"))
     print(f"{angle:3.0f} degrees: A/A0 = {percent:.2f} %, h' = {gradient:.3f}")

@@ -10,9 +10,9 @@ from stiction.views.style import MATPLOTLIB_STYLE, axis_label
 
 plt.rcParams.update(MATPLOTLIB_STYLE)
 
-STEEL = float(effective_modulus(210.0, 0.3, 210.0, 0.3))  # GPa
+STEEL_MODULUS = float(effective_modulus(210.0, 0.3, 210.0, 0.3))  # GPa
 PRESSURES = np.geomspace(1.0, 100.0, 9)  # MPa
-SCANS = 6  # of each face; every scan of one face is pressed on every scan of the other
+NUM_SCANS = 6  # of each face; each scan of the upper face is combined with each scan of the lower face
 
 figure, axes = plt.subplots(figsize=(4.2, 3.0), layout="constrained")
 for rms, grey in ((0.02, "0.0"), (0.05, "0.35"), (0.1, "0.6")):  # µm
@@ -22,13 +22,13 @@ for rms, grey in ((0.02, "0.0"), (0.05, "0.35"), (0.1, "0.6")):  # µm
                 7, hurst_exponent=0.8, rms=rms, points=8000, spacing=0.125, side=side, repetition=repetition,
                 longest_wavelength=50.0, shortest_wavelength=2.0,
             )
-            for repetition in range(SCANS)
+            for repetition in range(NUM_SCANS)
         ]
         for side in ("upper", "lower")
     }  # fmt: skip
     result = pair(
         faces["upper"], faces["lower"], load=[f"{pressure:.4g} MPa" for pressure in PRESSURES], mu0=0.15,
-        tau0="200 MPa", effective_modulus=STEEL, cutoff="none", onset=0,
+        tau0="200 MPa", effective_modulus=STEEL_MODULUS, cutoff="none", onset=0,
     )  # fmt: skip
     friction = result.at()["friction_all_round"].sel(sliding="opposing").squeeze()
     middle, lower, upper = friction.transpose("statistic", "load").values

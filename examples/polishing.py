@@ -10,14 +10,14 @@ from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, STRENGTH_COLOURS
 
 plt.rcParams.update(MATPLOTLIB_STYLE)
 
-FINISHES = (0.1, 0.05, 0.02, 0.01)  # Sq of the upper face, µm; that of the lower stays 0.1
+FINISHES = (0.1, 0.05, 0.02, 0.01)  # Sq of the upper face in µm; the lower face has 0.1 µm
 OPTIONS = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "0 MPa,500 MPa", "effective_modulus": "115 GPa", "shifts": 6,
     "cutoff": "none", "onset": 0,
 }  # fmt: skip
 
 
-def face(side, rms):
+def create_face(side, rms):
     """Return a lapped face with a given Sq."""
     return self_affine_surface(
         9, hurst_exponent=0.8, rms=rms, shape=(192, 192), spacing=0.2, longest_wavelength=8.0, shortest_wavelength=1.0,
@@ -25,18 +25,18 @@ def face(side, rms):
     )  # fmt: skip
 
 
-lower = face("lower", 0.1)
-rows = [pair(face("upper", rms), lower, **OPTIONS).at().isel(cut_off=0, load=0, mu0=0) for rms in FINISHES]
+lower = create_face("lower", 0.1)
+rows = [pair(create_face("upper", rms), lower, **OPTIONS).at().isel(cut_off=0, load=0, mu0=0) for rms in FINISHES]
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
 for tau0, colour in zip((0.0, 0.5), STRENGTH_COLOURS, strict=True):
-    for rule, style, words in (("opposing", "-", "opposing contacts rub"), ("all", "--", "all rub")):
-        # The mean over directions of each shift, so that slopes that lean one way do not count.
-        middle, low, high = np.transpose([at["friction_all_round"].sel(sliding=rule, tau0=tau0) for at in rows])
+    for rule, style, rule_text in (("opposing", "-", "opposing contacts rub"), ("all", "--", "all rub")):
+        # Means over all directions, which cancel the effect of a tilt.
+        middle, low, high = np.transpose([table["friction_all_round"].sel(sliding=rule, tau0=tau0) for table in rows])
         left.fill_between(FINISHES, low, high, color=colour, alpha=0.15, linewidth=0)
-        label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
+        label = rf"{rule_text}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         left.plot(FINISHES, middle, style, color=colour, marker="o", markersize=3, label=label)
-area, low, high = 100 * np.transpose([at["contact_area_fraction"] for at in rows])
+area, low, high = 100 * np.transpose([table["contact_area_fraction"] for table in rows])
 right.fill_between(FINISHES, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
 right.plot(FINISHES, area, "o-", markersize=3, color=AREA_COLOUR)
 left.set(ylabel=r"$\mu_s$, mean over directions", ylim=(0, None))
@@ -49,6 +49,6 @@ figure.legend(
     title=r"steel, Sq of the lower face 0.1 µm, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % of positions",
 )  # fmt: skip
 figure.savefig("polishing.png", dpi=200)
-for rms, percent, at in zip(FINISHES, area, rows, strict=True):
-    gradient = float(at["rms_gradient"].sel(statistic="mean"))
+for rms, percent, table in zip(FINISHES, area, rows, strict=True):
+    gradient = float(table["rms_gradient"].sel(statistic="mean"))
     print(f"Sq = {rms:.2f} µm: A/A0 = {percent:.2f} %, h' of the gap = {gradient:.3f}")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write what follows from the options of a pair: parameters of `stiction.pair` and of commands.
+"""Write the parameters of `stiction.pair` and of commands from the declared options of a pair.
 
 pair_options.py            write the files
 pair_options.py --check    end with status 1 if a file differs from what would be written
@@ -26,14 +26,14 @@ from stiction.studies.pair_options import (
 )
 
 ROOT = Path(__file__).resolve().parents[1]
-FUNCTION = ROOT / "python/stiction/views/pair.py"
-COMMAND = ROOT / "python/stiction/cli/pair.py"
-READER = ROOT / "python/stiction/cli/characterise.py"
+FUNCTION_FILE = ROOT / "python/stiction/views/pair.py"
+COMMAND_FILE = ROOT / "python/stiction/cli/pair.py"
+READER_FILE = ROOT / "python/stiction/cli/characterise.py"
 LINE_LENGTH = 120
 BODIES = ("upper", "lower")
-IN_PYTHON = [name for name, option in PAIR_OPTIONS.items() if option.is_in_python]
+PYTHON_OPTION_NAMES = [name for name, option in PAIR_OPTIONS.items() if option.is_in_python]
 
-WORDS = {
+DOCSTRING_TYPES = {
     "Part": "str, path, Profile, Surface, JoinedSpectrum or array, or several",
     "Gap": "str, path, Surface or array",
     "InterfaceName": "str, path or Interface",
@@ -47,7 +47,7 @@ WORDS = {
     "str": "str",
     "bool": "bool",
 }
-"""Types as docstrings write them, by their names in the model."""
+"""Types in docstrings, by type names in the model."""
 
 
 def declared_types() -> dict[str, str]:
@@ -70,54 +70,61 @@ def declared_types() -> dict[str, str]:
     return types
 
 
-def default_of(name: str) -> str:
+def default_assignment(name: str) -> str:
     """Return the default of an option as an assignment, empty for a required one."""
     field = PairOptions.model_fields[name]
     return "" if field.is_required() else f" = {field.default!r}"
 
 
-def parameters_in_python() -> str:
+def function_parameters() -> str:
     """Return the parameters of `stiction.pair`, the two bodies first."""
     types = declared_types()
-    lines = [f"    {format_python_name(name)}: {types[name]}{default_of(name)},\n" for name in IN_PYTHON]
+    lines = [
+        f"    {format_python_name(name)}: {types[name]}{default_assignment(name)},\n" for name in PYTHON_OPTION_NAMES
+    ]
     bodies = [line for line in lines if line.lstrip().startswith(("first:", "second:"))]
     return "".join([*bodies, "    *,\n", *(line for line in lines if line not in bodies)])
 
 
-def descriptions() -> str:
+def parameter_descriptions() -> str:
     """Return the entries of the docstring, two bodies first, then group by group."""
     types = declared_types()
     order = [
         "upper",
         "lower",
-        *(name for group in OPTION_GROUPS for name in group.model_fields if name in IN_PYTHON and name not in BODIES),
+        *(
+            name
+            for group in OPTION_GROUPS
+            for name in group.model_fields
+            if name in PYTHON_OPTION_NAMES and name not in BODIES
+        ),
     ]
     lines = []
     for name in order:
         option, declared = PAIR_OPTIONS[name], types[name].removesuffix(" | None")
         choices = ", ".join(f'"{choice}"' for choice in list_choices(name))
-        kind = f"{{{choices}}}" if choices and declared != "InterfaceName" else WORDS[declared]
+        kind = f"{{{choices}}}" if choices and declared != "InterfaceName" else DOCSTRING_TYPES[declared]
         unit = f", {DEFAULT_UNITS[option.kind]}" if option.kind else ""
         optional = "" if PairOptions.model_fields[name].is_required() or name in BODIES else ", optional"
-        text = option.help.format_map(Names()) + (f" By default {option.usual}." if option.usual else "")
+        text = option.help.format_map(PythonNames()) + (f" By default {option.usual}." if option.usual else "")
         lines.append(f"    {format_python_name(name)} : {kind}{unit}{optional}")
         lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
     return "\n".join(lines) + "\n"
 
 
-class Names(dict[str, str]):
+class PythonNames(dict[str, str]):
     """Names of options in Python, for the placeholders of a help line."""
 
     def __missing__(self, name: str) -> str:
         return f"`{format_python_name(name)}`"
 
 
-def call() -> str:
-    """Return the arguments with which `stiction.pair` makes the model."""
-    return "".join(f"                {name}={format_python_name(name)},\n" for name in IN_PYTHON)
+def call_arguments() -> str:
+    """Return the arguments with which `stiction.pair` creates the model."""
+    return "".join(f"                {name}={format_python_name(name)},\n" for name in PYTHON_OPTION_NAMES)
 
 
-def parameters_of_command() -> str:
+def command_parameters() -> str:
     """Return the parameters of the command `pair`."""
     lines = []
     for name, option in PAIR_OPTIONS.items():
@@ -125,13 +132,13 @@ def parameters_of_command() -> str:
             continue
         is_switch = PairOptions.model_fields[name].annotation is bool
         kind = "bool" if is_switch else "list[str]" if option.is_repeatable else "str"
-        kind += "" if is_switch or not default_of(name) else " | None"
-        lines.append(f'    {name}: Annotated[{kind}, pair_option("{name}")]{default_of(name)},\n')
+        kind += "" if is_switch or not default_assignment(name) else " | None"
+        lines.append(f'    {name}: Annotated[{kind}, pair_option("{name}")]{default_assignment(name)},\n')
     return "".join(lines)
 
 
-def parameters_of_reader() -> str:
-    """Return the parameters of the command `characterise` that say how a file is read."""
+def reader_parameters() -> str:
+    """Return the parameters of the command `characterise` for reading files."""
     lines = []
     for name in ReadingOptions.model_fields:
         once = ", repeatable=False" if PAIR_OPTIONS[name].is_repeatable else ""
@@ -139,8 +146,8 @@ def parameters_of_reader() -> str:
     return "".join(lines)
 
 
-def replaced(text: str, start: str, end: str, new: str) -> str:
-    """Return a text with what is between a start and an end replaced."""
+def replace_section(text: str, start: str, end: str, new: str) -> str:
+    """Return a text in which the section between `start` and `end` is replaced."""
     head, result, rest = text.partition(start)
     _, closed, tail = rest.partition(end)
     assert result, start
@@ -148,34 +155,38 @@ def replaced(text: str, start: str, end: str, new: str) -> str:
     return head + start + new + end + tail
 
 
-def written() -> dict[Path, str]:
-    """Return the text of each file as it should be."""
-    function = FUNCTION.read_text("utf-8")
-    function = replaced(function, "def pair(\n", "    directory: str", parameters_in_python())
-    function = replaced(function, "    Parameters\n    ----------\n", "    directory : path", descriptions())
-    function = replaced(function, "options = PairOptions(\n", "            )\n", call())
-    command = COMMAND.read_text("utf-8")
-    command = replaced(command, "    lower: LowerFile = None,\n    *,\n", "    workers:", parameters_of_command())
-    reader = READER.read_text("utf-8")
-    reader = replaced(reader, 'help="Measured profiles or surfaces.")],\n    *,\n', "    row:", parameters_of_reader())
-    texts = {FUNCTION: function, COMMAND: command, READER: reader}
-    return {path: formatted(text) for path, text in texts.items()}
+def generate_files() -> dict[Path, str]:
+    """Return the generated text of each file."""
+    function = FUNCTION_FILE.read_text("utf-8")
+    function = replace_section(function, "def pair(\n", "    directory: str", function_parameters())
+    function = replace_section(
+        function, "    Parameters\n    ----------\n", "    directory : path", parameter_descriptions()
+    )
+    function = replace_section(function, "options = PairOptions(\n", "            )\n", call_arguments())
+    command = COMMAND_FILE.read_text("utf-8")
+    command = replace_section(command, "    lower: LowerFile = None,\n    *,\n", "    workers:", command_parameters())
+    reader = READER_FILE.read_text("utf-8")
+    reader = replace_section(
+        reader, 'help="Measured profiles or surfaces.")],\n    *,\n', "    row:", reader_parameters()
+    )
+    texts = {FUNCTION_FILE: function, COMMAND_FILE: command, READER_FILE: reader}
+    return {path: format_code(text) for path, text in texts.items()}
 
 
-def formatted(text: str) -> str:
+def format_code(text: str) -> str:
     """Return a text as ruff formats it."""
     ruff = Path(sys.executable).with_name("ruff")
-    line = [str(ruff), "format", "--stdin-filename", str(FUNCTION), "-"]
+    line = [str(ruff), "format", "--stdin-filename", str(FUNCTION_FILE), "-"]
     return subprocess.run(line, input=text, capture_output=True, text=True, check=True, cwd=ROOT).stdout
 
 
 def main() -> None:
     """Write the files, or compare them."""
-    differing = [path for path, text in written().items() if path.read_text("utf-8") != text]
+    differing = [path for path, text in generate_files().items() if path.read_text("utf-8") != text]
     if "--check" in sys.argv:
         names = ", ".join(str(path.relative_to(ROOT)) for path in differing)
         sys.exit(f"{names}: run packaging/pair_options.py" if differing else 0)
-    for path, text in written().items():
+    for path, text in generate_files().items():
         path.write_text(text, "utf-8")
 
 

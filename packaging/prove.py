@@ -25,13 +25,13 @@ from typing import NoReturn
 ROOT = Path(__file__).resolve().parents[1]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT = PYPROJECT["project"]
-STEM = f"{PROJECT['name']}-{PROJECT['version']}"
+ARCHIVE_STEM = f"{PROJECT['name']}-{PROJECT['version']}"
 
-NEWEST_GLIBC = (2, 34)
-"""That a wheel may ask for: docs/howto/installing.md names it."""
+MAX_GLIBC = (2, 34)
+"""Newest glibc version that a wheel may require, as documented in docs/howto/installing.md."""
 
-SECONDS_OF_AN_IMPORT = 5.0
-"""More than that is no slow machine, but something that should be imported later; 0.3 s where nothing else runs."""
+MAX_IMPORT_SECONDS = 5.0
+"""Largest accepted import time; an idle machine takes 0.3 s."""
 
 # Dynamic libraries of every Linux with glibc.
 SYSTEM_LIBRARY = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.so\.\d+")
@@ -57,7 +57,7 @@ for root in sys.argv[2:]:
 """
 
 
-def say(what: str) -> None:
+def print_message(what: str) -> None:
     print(f"wheel: {what}", flush=True)
 
 
@@ -107,14 +107,14 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         extensions = [name for name in names if re.fullmatch(r"stiction/_core\.cpython-[\w-]+\.so", name)]
         if len(extensions) != 1:
             fail(f"{wheel.name} holds {len(extensions)} extensions, not one")
-        # auditwheel lists bundled libraries, here none, in a bill of materials.
-        message = {name for name in names if name.startswith(f"{STEM}.dist-info/sboms/")}
+        # auditwheel adds a bill of materials, which lists no bundled libraries here.
+        message = {name for name in names if name.startswith(f"{ARCHIVE_STEM}.dist-info/sboms/")}
         compare(
             "the wheel, of the package and its licences",
             names - message,
-            [*package, *extensions, *(f"{STEM}.dist-info/{name}" for name in about)],
+            [*package, *extensions, *(f"{ARCHIVE_STEM}.dist-info/{name}" for name in about)],
         )
-        check_metadata(archive.read(f"{STEM}.dist-info/METADATA"))
+        check_metadata(archive.read(f"{ARCHIVE_STEM}.dist-info/METADATA"))
         extension = Path(archive.extract(extensions[0], folder))
     if sys.platform == "linux":
         check_floor(wheel)
@@ -122,15 +122,15 @@ def check_wheel(wheel: Path, folder: Path) -> None:
 
 
 def check_metadata(text: bytes) -> None:
-    said = email.message_from_bytes(text)
+    metadata = email.message_from_bytes(text)
     for field, key in (
         ("Name", "name"),
         ("Version", "version"),
         ("Requires-Python", "requires-python"),
         ("License-Expression", "license"),
     ):
-        if said[field] != PROJECT[key]:
-            fail(f"the metadata say {field}: {said[field]}, pyproject.toml {PROJECT[key]}")
+        if metadata[field] != PROJECT[key]:
+            fail(f"the metadata say {field}: {metadata[field]}, pyproject.toml {PROJECT[key]}")
 
 
 def check_floor(wheel: Path) -> None:
@@ -138,9 +138,9 @@ def check_floor(wheel: Path) -> None:
     floors = [(int(major), int(minor)) for major, minor in re.findall(r"manylinux_(\d+)_(\d+)_", wheel.name)]
     if not floors:
         fail(f"{wheel.name}: not the name of a manylinux wheel")
-    if min(floors) > NEWEST_GLIBC:
-        fail(f"{wheel.name} needs a newer glibc than the {NEWEST_GLIBC[0]}.{NEWEST_GLIBC[1]} that is promised")
-    promise = f"glibc {NEWEST_GLIBC[0]}.{NEWEST_GLIBC[1]} or newer"
+    if min(floors) > MAX_GLIBC:
+        fail(f"{wheel.name} needs a newer glibc than the {MAX_GLIBC[0]}.{MAX_GLIBC[1]} that is promised")
+    promise = f"glibc {MAX_GLIBC[0]}.{MAX_GLIBC[1]} or newer"
     page = ROOT / "docs/howto/installing.md"
     if page.exists() and promise not in page.read_text(encoding="utf-8"):
         fail(f"docs/howto/installing.md does not say {promise!r}")
@@ -169,22 +169,22 @@ class IsolatedEnvironment:
         self.bin = folder / "environment/bin"
         tools = folder / "tools"
         tools.mkdir()
-        for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # requirements of the tests
+        for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # needed by the tests
             if result := shutil.which(name):
                 (tools / name).symlink_to(result)
         stored = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
         self.environment = stored | {"PATH": f"{self.bin}{os.pathsep}{tools}"}
-        self.mounts = self.hides()
+        self.mounts = self.can_hide_folders()
         call(sys.executable, "-m", "venv", folder / "environment")
         # Dependency groups need pip 25.1.
         self.pip("pip>=25.1")
 
-    def hides(self) -> bool:
+    def can_hide_folders(self) -> bool:
         """Return whether mounts can hide directories: they need root, and affect no other process."""
         able = sys.platform == "linux" and os.geteuid() == 0 and shutil.which("unshare") is not None
         return able and subprocess.run(["unshare", "--mount", "true"], check=False, capture_output=True).returncode == 0
 
-    def hiding(self) -> str:
+    def hiding_script(self) -> str:
         """Return shell commands that hide directories by empty ones, and programs and libraries by /dev/null."""
         folders = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
         programs = [
@@ -208,7 +208,7 @@ class IsolatedEnvironment:
 
     def call(self, *command: str | Path, cwd: Path | None = None, quiet: bool = True) -> str:
         unshare, shell = shutil.which("unshare") or "", shutil.which("sh") or ""
-        hidden = (unshare, "--mount", "--propagation", "private", shell, "-c", self.hiding(), shell)
+        hidden = (unshare, "--mount", "--propagation", "private", shell, "-c", self.hiding_script(), shell)
         within = hidden if self.mounts else ()
         return call(*command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, within=within)
 
@@ -241,7 +241,7 @@ class IsolatedEnvironment:
         if version != PROJECT["version"]:
             fail(f"version {version} is imported, not {PROJECT['version']}")
 
-    def seconds_of_an_import(self) -> float:
+    def measure_import_time(self) -> float:
         """Return the shortest of three import times, each in a new interpreter."""
         code = "import time; a = time.perf_counter(); import stiction; stiction.press; print(time.perf_counter() - a)"
         return min(float(self.call(self.bin / "python", "-I", "-c", code)) for _ in range(3))
@@ -257,12 +257,12 @@ class IsolatedEnvironment:
         shutil.copytree(ROOT / "examples/scans", self.folder / "scans")
         for kind, ending, softer in (("lapped", "csv", []), ("ground", "x3p", ["--hardness", "2 GPa"])):
             scans = [f"scans/{kind}_{side}.{ending}" for side in ("upper", "lower")]
-            said = self.call(
+            output = self.call(
                 self.bin / "stiction", "pair", *scans, "--young", "210 GPa", "--poisson", "0.3", "--mu0", "0.2",
                 "--tau0", "50 MPa", *softer, "--load", "20 mN", "--output", kind,
             )  # fmt: skip
-            if not re.search(r"μ_s = 0\.\d+ \[0\.\d+, 0\.\d+\]", said):
-                fail(f"stiction pair of the {kind} scans gave no coefficient:\n{said}")
+            if not re.search(r"μ_s = 0\.\d+ \[0\.\d+, 0\.\d+\]", output):
+                fail(f"stiction pair of the {kind} scans gave no coefficient:\n{output}")
 
     def run_tests(self, wanted: Iterable[str]) -> None:
         """Run the tests from a copy without the sources of the package."""
@@ -284,23 +284,25 @@ def prove(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
     with tempfile.TemporaryDirectory(prefix="stiction-proof-") as temporary:
         folder = Path(temporary).resolve()
         check_wheel(wheel, folder)
-        say(f"{wheel.name}: the package alone, {wheel.stat().st_size / 1000:.0f} kB; no foreign library or symbol")
-        elsewhere = IsolatedEnvironment(folder)
-        elsewhere.check_hidden()
-        by = "a mount namespace and PATH" if elsewhere.mounts else "PATH alone"
-        say(f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {by}")
+        print_message(
+            f"{wheel.name}: the package alone, {wheel.stat().st_size / 1000:.0f} kB; no foreign library or symbol"
+        )
+        environment = IsolatedEnvironment(folder)
+        environment.check_hidden()
+        by = "a mount namespace and PATH" if environment.mounts else "PATH alone"
+        print_message(f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {by}")
         stored = shutil.copy(wheel, folder)  # this tree is hidden
-        elsewhere.pip(stored)
-        elsewhere.check_installed()
-        if (seconds := elsewhere.seconds_of_an_import()) > SECONDS_OF_AN_IMPORT:
+        environment.pip(stored)
+        environment.check_installed()
+        if (seconds := environment.measure_import_time()) > MAX_IMPORT_SECONDS:
             fail(f"import stiction takes {seconds:.1f} s")
-        elsewhere.run_quick()
-        elsewhere.press_samples()
-        say(f"import {seconds:.2f} s; run quick, pair of four sample scans: all right")
+        environment.run_quick()
+        environment.press_samples()
+        print_message(f"import {seconds:.2f} s; run quick, pair of four sample scans: all right")
         if with_tests:
-            say("the tests")
-            elsewhere.run_tests(wanted)
-    say(f"proven in {time.perf_counter() - began:.0f} s{'' if with_tests else ', without the tests'}")
+            print_message("the tests")
+            environment.run_tests(wanted)
+    print_message(f"proven in {time.perf_counter() - began:.0f} s{'' if with_tests else ', without the tests'}")
 
 
 def main() -> None:

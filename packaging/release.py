@@ -14,79 +14,86 @@ import tomllib
 from collections.abc import Callable, Iterator
 
 from prove import PROJECT, ROOT, call, fail
-from wheel import DIST, RECORD, commit
+from wheel import DIST_FOLDER, RECORD_FILE, describe_commit
 
 VERSION = PROJECT["version"]
-RELEASE = VERSION.removesuffix(".dev0")
-"""Of which this is a part of the way, if it is not the release itself."""
-LINK = re.compile(r"(?<=\]\()(?!https?:|#)([^)\s]+)(?=\))")
-"""Of Markdown, to a place beside the page."""
+RELEASE_VERSION = VERSION.removesuffix(".dev0")
+"""Version of the next release."""
+RELATIVE_LINK = re.compile(r"(?<=\]\()(?!https?:|#)([^)\s]+)(?=\))")
+"""Pattern of relative links in Markdown."""
 
-ADDRESSES = ("Source", "Documentation", "Issues", "Changelog")
+URL_NAMES = ("Source", "Documentation", "Issues", "Changelog")
 
 Check = Callable[[], str | None]
 STEP_CHECKS: list[tuple[str, Check]] = []
 
 
-def check(line: str) -> Callable[[Check], Check]:
-    """Register a line of the list with the function that returns what is missing, or None."""
+def register_check(line: str) -> Callable[[Check], Check]:
+    """Return a decorator that registers a check under a line of the release list.
 
-    def keep(function: Check) -> Check:
+    The check returns a description of the missing step, or None.
+    """
+
+    def register(function: Check) -> Check:
         STEP_CHECKS.append((line, function))
         return function
 
-    return keep
+    return register
 
 
-def text(name: str) -> str:
+def read_file(name: str) -> str:
     return (ROOT / name).read_text(encoding="utf-8")
 
 
-@check("the version is that of a release")
+@register_check("the version is that of a release")
 def version_is_final() -> str | None:
     return None if re.fullmatch(r"\d+\.\d+\.\d+", VERSION) else f"pyproject.toml says {VERSION}"
 
 
-@check("the changelog has it, with its date")
+@register_check("the changelog has it, with its date")
 def changelog_is_dated() -> str | None:
-    found = re.search(rf"^## {re.escape(RELEASE)}(.*)$", text("CHANGELOG.md"), re.MULTILINE)
-    if found is None:
-        return f"CHANGELOG.md has no ## {RELEASE}"
-    if not re.fullmatch(r" \(\d{4}-\d{2}-\d{2}\)", found[1]):
-        return f"## {RELEASE}{found[1]} should read ## {RELEASE} (YYYY-MM-DD)"
+    match = re.search(rf"^## {re.escape(RELEASE_VERSION)}(.*)$", read_file("CHANGELOG.md"), re.MULTILINE)
+    if match is None:
+        return f"CHANGELOG.md has no ## {RELEASE_VERSION}"
+    if not re.fullmatch(r" \(\d{4}-\d{2}-\d{2}\)", match[1]):
+        return f"## {RELEASE_VERSION}{match[1]} should read ## {RELEASE_VERSION} (YYYY-MM-DD)"
     return None
 
 
-@check("CITATION.cff has the version, the date and the address")
-def citation_agrees() -> str | None:
-    message = text("CITATION.cff")
-    dated = re.search(rf"^## {re.escape(RELEASE)} \((\d.*)\)$", text("CHANGELOG.md"), re.MULTILINE)
-    expected = [f"version: {RELEASE}", f"date-released: {dated[1] if dated else 'YYYY-MM-DD'}", "repository-code: http"]
-    return absent("CITATION.cff has no", (line for line in expected if line not in message))
+@register_check("CITATION.cff has the version, the date and the address")
+def citation_matches_changelog() -> str | None:
+    message = read_file("CITATION.cff")
+    dated = re.search(rf"^## {re.escape(RELEASE_VERSION)} \((\d.*)\)$", read_file("CHANGELOG.md"), re.MULTILINE)
+    expected = [
+        f"version: {RELEASE_VERSION}",
+        f"date-released: {dated[1] if dated else 'YYYY-MM-DD'}",
+        "repository-code: http",
+    ]
+    return join_missing("CITATION.cff has no", (line for line in expected if line not in message))
 
 
-@check("the addresses of the project are public ones")
-def addresses_are_there() -> str | None:
-    missing = absent("[project.urls] has no", (name for name in ADDRESSES if name not in PROJECT["urls"]))
+@register_check("the addresses of the project are public ones")
+def urls_are_defined() -> str | None:
+    missing = join_missing("[project.urls] has no", (name for name in URL_NAMES if name not in PROJECT["urls"]))
     return missing and f"{missing}: ./dev release --address URL"
 
 
-@check("links of README.md work on PyPI")
+@register_check("links of README.md work on PyPI")
 def links_are_absolute() -> str | None:
-    found = LINK.findall(text("README.md"))
+    found = RELATIVE_LINK.findall(read_file("README.md"))
     return f"{len(found)} are relative, as {found[0]}: ./dev release --address URL" if found else None
 
 
-@check("the conda recipe asks for what pyproject.toml does")
-def recipe_agrees() -> str | None:
-    return absent("packaging/conda/recipe.yaml has no", recipe_lacks())
+@register_check("the conda recipe asks for what pyproject.toml does")
+def recipe_matches_dependencies() -> str | None:
+    return join_missing("packaging/conda/recipe.yaml has no", missing_recipe_lines())
 
 
-def recipe_lacks() -> Iterator[str]:
+def missing_recipe_lines() -> Iterator[str]:
     """Yield the lines that the recipe lacks."""
-    lines = {line.strip() for line in text("packaging/conda/recipe.yaml").splitlines()}
-    if f'version: "{RELEASE}"' not in lines:
-        yield f'version: "{RELEASE}"'
+    lines = {line.strip() for line in read_file("packaging/conda/recipe.yaml").splitlines()}
+    if f'version: "{RELEASE_VERSION}"' not in lines:
+        yield f'version: "{RELEASE_VERSION}"'
     python = f"python{PROJECT['requires-python']}"
     for item in (python, *PROJECT["dependencies"]):
         name, bound = re.fullmatch(r"([\w-]+)(>=.+)", item).groups()  # type: ignore[union-attr]
@@ -95,42 +102,42 @@ def recipe_lacks() -> Iterator[str]:
             yield expected
 
 
-@check("packaging/tested.txt has a version of every dependency")
-def tested_is_whole() -> str | None:
-    tested = {line.split("==")[0].lower() for line in text("packaging/tested.txt").splitlines() if "==" in line}
+@register_check("packaging/tested.txt has a version of every dependency")
+def tested_versions_are_complete() -> str | None:
+    tested = {line.split("==")[0].lower() for line in read_file("packaging/tested.txt").splitlines() if "==" in line}
     names = [re.split(">=", item)[0].lower() for item in PROJECT["dependencies"]]
-    return absent("./dev tested, for it lacks", (name for name in names if name not in tested))
+    return join_missing("./dev tested, for it lacks", (name for name in names if name not in tested))
 
 
-@check("nothing is uncommitted")
+@register_check("nothing is uncommitted")
 def tree_is_clean() -> str | None:
     changed = call("git", "status", "--porcelain").splitlines()
     return f"{len(changed)} files are changed or new" if changed else None
 
 
-@check("source distribution and wheels of this commit are built and proven, with the tests")
+@register_check("source distribution and wheels of this commit are built and proven, with the tests")
 def wheels_are_proven() -> str | None:
-    record = RECORD.read_text(encoding="utf-8") if RECORD.exists() else ""
-    if record != f"{commit()} with the tests\n":
+    record = RECORD_FILE.read_text(encoding="utf-8") if RECORD_FILE.exists() else ""
+    if record != f"{describe_commit()} with the tests\n":
         return f"./dev wheel, for {record.strip() or 'nothing'} was proven"
-    return None if list(DIST.glob("*.whl")) else f"{DIST.relative_to(ROOT)} is empty"
+    return None if list(DIST_FOLDER.glob("*.whl")) else f"{DIST_FOLDER.relative_to(ROOT)} is empty"
 
 
-def tag_is_here() -> str | None:
+def tag_is_on_commit() -> str | None:
     tags = call("git", "tag", "--points-at", "HEAD").split()
     return None if f"v{VERSION}" in tags else f"git tag v{VERSION}; this commit has {', '.join(tags) or 'none'}"
 
 
-def absent(what: str, missing: Iterator[str]) -> str | None:
+def join_missing(what: str, missing: Iterator[str]) -> str | None:
     names = ", ".join(missing)
     return f"{what} {names}" if names else None
 
 
-def walk(*, tagged: bool) -> bool:
+def run_checks(*, tagged: bool) -> bool:
     """Return whether nothing is missing. The workflow of a tag builds and verifies separately."""
     checks = [item for item in STEP_CHECKS if not (tagged and item[1] is wheels_are_proven)]
     if tagged:
-        checks.append((f"the tag v{VERSION} is on this commit", tag_is_here))
+        checks.append((f"the tag v{VERSION} is on this commit", tag_is_on_commit))
     opened = 0
     for line, function in checks:
         problem = function()
@@ -150,17 +157,17 @@ def write_address(url: str) -> None:
         f'Source = "{url}"', f'Documentation = "https://{name}.readthedocs.io"', f'Issues = "{url}/issues"',
         f'Changelog = "{url}/blob/main/CHANGELOG.md"',
     ]  # fmt: skip
-    whole = text("pyproject.toml")
+    whole = read_file("pyproject.toml")
     head = re.search(r"^\[project\.urls\]\n(?:Paper = .*\n)?", whole, re.MULTILINE)
-    if head is None or tomllib.loads(whole)["project"]["urls"].keys() & set(ADDRESSES):
+    if head is None or tomllib.loads(whole)["project"]["urls"].keys() & set(URL_NAMES):
         fail("pyproject.toml has addresses already")
     (ROOT / "pyproject.toml").write_text(
         whole[: head.end()] + "".join(f"{line}\n" for line in lines) + whole[head.end() :], encoding="utf-8"
     )
-    citation = text("CITATION.cff").replace("type: software\n", f"type: software\nrepository-code: {url}\n", 1)
+    citation = read_file("CITATION.cff").replace("type: software\n", f"type: software\nrepository-code: {url}\n", 1)
     (ROOT / "CITATION.cff").write_text(citation, encoding="utf-8")
-    readme = re.sub(r"(?<=\]\()(?=[^)\s]+\.png\))(?!https?:)", f"{url}/raw/main/", text("README.md"))
-    (ROOT / "README.md").write_text(LINK.sub(rf"{url}/blob/main/\1", readme), encoding="utf-8")
+    readme = re.sub(r"(?<=\]\()(?=[^)\s]+\.png\))(?!https?:)", f"{url}/raw/main/", read_file("README.md"))
+    (ROOT / "README.md").write_text(RELATIVE_LINK.sub(rf"{url}/blob/main/\1", readme), encoding="utf-8")
 
 
 def main() -> None:
@@ -170,7 +177,7 @@ def main() -> None:
     options = parser.parse_args()
     if options.address:
         write_address(options.address)
-    elif not walk(tagged=options.tagged):
+    elif not run_checks(tagged=options.tagged):
         sys.exit(1)
 
 

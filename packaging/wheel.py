@@ -14,51 +14,51 @@ import tarfile
 import tempfile
 from pathlib import Path
 
-from prove import PYPROJECT, ROOT, STEM, call, compare, fail, say
+from prove import ARCHIVE_STEM, PYPROJECT, ROOT, call, compare, fail, print_message
 
-DIST = ROOT / "build/wheel/dist"
-UNPROVEN = ROOT / "build/wheel/unproven"
-RECORD = ROOT / "build/wheel/proven.txt"
-"""The commit that was proven last, and how; packaging/release.py reads it."""
+DIST_FOLDER = ROOT / "build/wheel/dist"
+UNPROVEN_FOLDER = ROOT / "build/wheel/unproven"
+RECORD_FILE = ROOT / "build/wheel/proven.txt"
+"""File with the commit that was verified last, which packaging/release.py reads."""
 
-OLDEST = 11
-NEWEST = 14
+MIN_PYTHON_MINOR = 11
+MAX_PYTHON_MINOR = 14
 
 # Check for an interpreter of Python 3.N that can create environments and build extensions.
-ABLE = """
+INTERPRETER_CHECK = """
 import os, sys, sysconfig, ensurepip
 header = os.path.join(sysconfig.get_path("include"), "Python.h")
 sys.exit(sys.version_info[:2] != (3, int(sys.argv[1])) or not os.path.exists(header))
 """
 
 
-def pythons() -> dict[str, Path]:
+def find_interpreters() -> dict[str, Path]:
     """Return an interpreter for each version such as "3.11" that can create environments: on PATH, or from pyenv."""
     result = {}
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
-    for minor in range(OLDEST, NEWEST + 1):
+    for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1):
         own = [Path(sys.executable)] if sys.version_info[:2] == (3, minor) else []
         others = [*sorted(pyenv.glob(f"3.{minor}.*/bin/python")), Path(shutil.which(f"python3.{minor}") or "/none")]
         for python in (*own, *others):
-            if python.exists() and works(python, minor):
+            if python.exists() and can_build(python, minor):
                 result[f"3.{minor}"] = python
                 break
     return result
 
 
-def works(python: Path, minor: int) -> bool:
-    completed = subprocess.run([python, "-c", ABLE, str(minor)], check=False, capture_output=True)
+def can_build(python: Path, minor: int) -> bool:
+    completed = subprocess.run([python, "-c", INTERPRETER_CHECK, str(minor)], check=False, capture_output=True)
     return completed.returncode == 0
 
 
-def commit() -> str:
+def describe_commit() -> str:
     """Return the current commit, with a mark if there are changes."""
     return call("git", "describe", "--always", "--dirty", "--abbrev=40", "--match", "nothing").strip()
 
 
 def build_sdist(folder: Path) -> Path:
     call(sys.executable, "-m", "build", "--sdist", "--outdir", folder, ROOT)
-    return folder / f"{STEM}.tar.gz"
+    return folder / f"{ARCHIVE_STEM}.tar.gz"
 
 
 def check_sdist(sdist: Path) -> int:
@@ -68,7 +68,7 @@ def check_sdist(sdist: Path) -> int:
     ]
     tracked = call("git", "ls-files", "-z", "--", *patterns).split("\0")[:-1]
     with tarfile.open(sdist) as archive:
-        names = [name.removeprefix(f"{STEM}/") for name in archive.getnames()]
+        names = [name.removeprefix(f"{ARCHIVE_STEM}/") for name in archive.getnames()]
     compare("the source distribution, of the tracked files in sdist.include", names, [*tracked, "PKG-INFO"])
     return len(tracked)
 
@@ -81,7 +81,7 @@ def build_wheel(sdist: Path, python: Path, folder: Path) -> Path:
     call(python, "-m", "venv", environment)
     call(
         environment / "bin/python", "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-deps",
-        "--wheel-dir", built, sources / STEM, cwd=folder,
+        "--wheel-dir", built, sources / ARCHIVE_STEM, cwd=folder,
     )  # fmt: skip
     (wheel,) = built.glob("*.whl")
     return wheel
@@ -92,12 +92,12 @@ def repair(built: Path, folder: Path) -> Path:
     tools = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     call(sys.executable, "-m", "auditwheel", "repair", "--wheel-dir", folder / "repaired", built, cwd=folder, env=tools)
     (wheel,) = (folder / "repaired").glob("*.whl")
-    if not re.fullmatch(rf"{STEM}-cp(\d+)-cp\1-(manylinux\w+\.?)+\.whl", wheel.name):
+    if not re.fullmatch(rf"{ARCHIVE_STEM}-cp(\d+)-cp\1-(manylinux\w+\.?)+\.whl", wheel.name):
         fail(f"{wheel.name}: not the name of a manylinux wheel for one Python")
     return wheel
 
 
-def prove(wheel: Path, python: Path, *, with_tests: bool) -> bool:
+def verify_wheel(wheel: Path, python: Path, *, with_tests: bool) -> bool:
     """Verify a wheel in a process of its own Python, which creates its environments."""
     command: list[str | Path] = [python, ROOT / "packaging/prove.py", *([] if with_tests else ["--quick"]), wheel]
     return subprocess.run(command, check=False, cwd=ROOT).returncode == 0
@@ -106,45 +106,49 @@ def prove(wheel: Path, python: Path, *, with_tests: bool) -> bool:
 def main() -> None:
     parser = argparse.ArgumentParser(description="Build the source distribution and wheels, and prove them.")
     parser.add_argument("--quick", action="store_true", help="without the tests")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     # Files in the archives have the time of the commit, so that builds are reproducible.
     os.environ["SOURCE_DATE_EPOCH"] = call("git", "log", "-1", "--format=%ct").strip()
-    RECORD.unlink(missing_ok=True)
-    for folder in (DIST, UNPROVEN):
+    RECORD_FILE.unlink(missing_ok=True)
+    for folder in (DIST_FOLDER, UNPROVEN_FOLDER):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-    found = pythons()
-    say(f"for Python {', '.join(found)}; {missing(found)}")
+    interpreters = find_interpreters()
+    print_message(f"for Python {', '.join(interpreters)}; {describe_missing(interpreters)}")
     failed = []
     with tempfile.TemporaryDirectory(prefix="stiction-wheel-") as temporary:
         folder = Path(temporary).resolve()
         sdist = build_sdist(folder)
         count = check_sdist(sdist)
         call(sys.executable, "-m", "twine", "check", "--strict", sdist)
-        say(f"{sdist.name}: the {count} tracked files that it should hold, {sdist.stat().st_size / 1000:.0f} kB")
-        for version, python in found.items():
-            own = folder / version
-            own.mkdir()
-            say(f"building the wheel for Python {version} from it")
-            wheel = repair(build_wheel(sdist, python, own), own)
+        print_message(
+            f"{sdist.name}: the {count} tracked files that it should hold, {sdist.stat().st_size / 1000:.0f} kB"
+        )
+        for version, python in interpreters.items():
+            version_folder = folder / version
+            version_folder.mkdir()
+            print_message(f"building the wheel for Python {version} from it")
+            wheel = repair(build_wheel(sdist, python, version_folder), version_folder)
             call(sys.executable, "-m", "twine", "check", "--strict", wheel)
             # Preserved even if the verification fails, because it takes long.
-            stored = Path(shutil.copy(wheel, UNPROVEN))
-            with_tests = not asked.quick and python == Path(sys.executable)
-            if prove(stored, python, with_tests=with_tests):
-                shutil.move(stored, DIST)
+            stored = Path(shutil.copy(wheel, UNPROVEN_FOLDER))
+            with_tests = not options.quick and python == Path(sys.executable)
+            if verify_wheel(stored, python, with_tests=with_tests):
+                shutil.move(stored, DIST_FOLDER)
             else:
                 failed.append(stored.name)
-        shutil.copy(sdist, DIST)
-    for made in sorted(DIST.iterdir()):
-        say(f"{made.relative_to(ROOT)}")
+        shutil.copy(sdist, DIST_FOLDER)
+    for archive in sorted(DIST_FOLDER.iterdir()):
+        print_message(f"{archive.relative_to(ROOT)}")
     if failed:
-        fail(f"not proven, and left in {UNPROVEN.relative_to(ROOT)}: {', '.join(failed)}")
-    RECORD.write_text(f"{commit()} {'without' if asked.quick else 'with'} the tests\n", encoding="utf-8")
+        fail(f"not proven, and left in {UNPROVEN_FOLDER.relative_to(ROOT)}: {', '.join(failed)}")
+    RECORD_FILE.write_text(
+        f"{describe_commit()} {'without' if options.quick else 'with'} the tests\n", encoding="utf-8"
+    )
 
 
-def missing(found: dict[str, Path]) -> str:
-    absent = [f"3.{minor}" for minor in range(OLDEST, NEWEST + 1) if f"3.{minor}" not in found]
+def describe_missing(found: dict[str, Path]) -> str:
+    absent = [f"3.{minor}" for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1) if f"3.{minor}" not in found]
     return f"not here: {', '.join(absent)}" if absent else "all that are supported"
 
 

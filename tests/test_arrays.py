@@ -1,4 +1,4 @@
-"""Tests of NumPy arrays with a spacing instead of profiles and surfaces, and of lengths as texts with units."""
+"""Test functions with NumPy arrays instead of profiles and surfaces, and with lengths as texts with units."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from stiction._caching import cached_property
 def test_cached_property_does_not_block_other_objects():
     begun, end = threading.Event(), threading.Event()
 
-    class Slow:
+    class SlowObject:
         waits = False
 
         @cached_property
@@ -18,7 +18,7 @@ def test_cached_property_does_not_block_other_objects():
                 assert end.wait(10)
             return object()
 
-    slow, quick = Slow(), Slow()
+    slow, quick = SlowObject(), SlowObject()
     slow.waits = True
     other = threading.Thread(target=lambda: slow.value)
     other.start()
@@ -31,4 +31,4 @@ def test_cached_property_does_not_block_other_objects():
     end.set()
     other.join()
     assert slow.value is slow.value
-    assert isinstance(Slow.value, cached_property)
+    assert isinstance(SlowObject.value, cached_property)

@@ -1,4 +1,4 @@
-"""Tests of `./dev claims`: each part is tested with data in which it is true, and data in which it is false."""
+"""Test `./dev claims`: each part of a claim is judged on data for which it is true and data for which it is false."""
 
 import importlib.util
 import math
@@ -20,7 +20,7 @@ _SPEC.loader.exec_module(claims)
 CLAIMS, PARTS, Outcome, Part, judge = claims.CLAIMS, claims.PARTS, claims.Outcome, claims.Part, claims.judge
 claims_markdown, variants_markdown, verdict_of = claims.claims_markdown, claims.variants_markdown, claims.verdict_of
 
-SMALL = claims.claims_study().with_changes(
+SMALL_CLAIMS_STUDY = claims.claims_study().with_changes(
     {
         "surfaces.fractal_dimension.count": 8,
         "surfaces.points": 10_000,
@@ -33,7 +33,7 @@ SMALL = claims.claims_study().with_changes(
 
 @pytest.fixture(scope="module")
 def result():
-    return run(SMALL).dataset
+    return run(SMALL_CLAIMS_STUDY).dataset
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def test_studies_of_claims_match_the_paper():
         assert (variant == claims.variant_study("default")) == (not changes)
 
 
-def test_resampled_ensemble_begins_with_that_of_the_maps(result, resampled):
+def test_first_resampled_ensemble_equals_friction_map(result, resampled):
     load = resampled.middle
     for what, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
@@ -67,7 +67,7 @@ def test_resampled_ensemble_begins_with_that_of_the_maps(result, resampled):
             assert np.allclose(ours, reference, rtol=1e-12, equal_nan=True)
 
 
-def test_resampled_intervals_agree_with_those_of_the_maps(result, resampled):
+def test_resampled_intervals_agree_with_friction_map(result, resampled):
     computed = resampled.at("friction", resampled.middle)[1:]
     lower, upper = np.quantile(computed, [0.025, 0.975], axis=0)
     theirs = friction_map(result, [resampled.middle], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
@@ -76,31 +76,33 @@ def test_resampled_intervals_agree_with_those_of_the_maps(result, resampled):
     assert ratio.max() < 1.5
 
 
-def test_loads_are_reached_at_every_dimension(result, resampled):
+def test_loads_of_claims_are_reached_at_every_dimension(result, resampled):
     elastic = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
     assert float(elastic.isel(approach=0).max()) < resampled.light < resampled.middle < resampled.heavy
     assert resampled.heavy < float(elastic.max("approach").min())
     assert resampled.middle**2 == pytest.approx((resampled.light * resampled.heavy), rel=1e-9)  # the middle in ratio
 
 
-def outcome(values, least, most):
-    class Fixed(claims.Resampled):
+def judge_values(values, least, most):
+    class ResampledStandIn(claims.Resampled):
         def __init__(self):
             self.left_out = set()
 
-    return Outcome.of(Part("1a", "a number", least, most, lambda _: np.asarray(values, dtype=float)), Fixed())
+    return Outcome.of(
+        Part("1a", "a number", least, most, lambda _: np.asarray(values, dtype=float)), ResampledStandIn()
+    )
 
 
 def test_verdict_of_part_follows_its_interval():
     values = np.concatenate([[1.0], np.linspace(0.5, 1.5, 400)])
-    assert outcome(values, 0.0, math.inf).verdict == "true"
-    assert outcome(values, 2.0, math.inf).verdict == "false"
-    assert outcome(values, 1.4, math.inf).verdict == "undecided"
-    assert outcome(values, -math.inf, 0.4).verdict == "false"
-    assert outcome(values, 0.6, 1.7).verdict == "undecided"
-    assert outcome(values, 0.4, 1.6).verdict == "true"
-    assert outcome(values, 0.4, 1.6).lower == pytest.approx(0.525, abs=0.003)
-    assert outcome([math.nan] * 401, 0.0, 1.0).verdict == "undefined"
+    assert judge_values(values, 0.0, math.inf).verdict == "true"
+    assert judge_values(values, 2.0, math.inf).verdict == "false"
+    assert judge_values(values, 1.4, math.inf).verdict == "undecided"
+    assert judge_values(values, -math.inf, 0.4).verdict == "false"
+    assert judge_values(values, 0.6, 1.7).verdict == "undecided"
+    assert judge_values(values, 0.4, 1.6).verdict == "true"
+    assert judge_values(values, 0.4, 1.6).lower == pytest.approx(0.525, abs=0.003)
+    assert judge_values([math.nan] * 401, 0.0, 1.0).verdict == "undefined"
 
 
 def test_verdict_of_claim_follows_its_parts():
@@ -120,9 +122,9 @@ def test_claims_have_parts_with_unique_names():
     assert all(part.least < part.most for part in PARTS)
 
 
-def made_up(**worlds):
+def create_result(**worlds):
     """Return a result with equal loads at every dimension D and amplitude a, and given sums over (D, a, load)."""
-    study = SMALL.with_changes({"ensemble.repetitions": 40})
+    study = SMALL_CLAIMS_STUDY.with_changes({"ensemble.repetitions": 40})
     result = empty_dataset(study)
     factor = np.random.default_rng(3).lognormal(0, 0.02, size=40)[:, np.newaxis]
     load = np.broadcast_to(1e3 * study.contact.steps() ** 1.5 * factor, result["normal_elastic"].shape)
@@ -136,47 +138,53 @@ def made_up(**worlds):
     return result
 
 
-def judged(name, result, **options):
+def judge_part(name, result, **options):
     """Return the outcome of one part."""
     (part,) = (part for part in PARTS if part.name == name)
     return Outcome.of(part, claims.Resampled(result, 0.1, **options))
 
 
-def friction(coefficient):
+def sums_with_friction(coefficient):
     return {"tangential_elastic": lambda d, a, f: coefficient(d, a, f) * f}
 
 
-def adhesion(coefficient):
+def sums_with_adhesion(coefficient):
     """Return sums in which tau0 = 1 GPa adds a given value to the coefficient."""
     return {"tangential_adhesive": lambda d, a, f: coefficient(d, a, f) * f}
 
 
-# Of each part: a world in which it is true and one in which it is false.
-WORLDS = {
+# Sums for which each part is true, and sums for which it is false.
+TRUE_AND_FALSE_DATA = {
     "1a": ({}, {"contact_area": lambda d, a, f: np.sqrt(f)}),
     "1b": ({}, {"contact_area": lambda d, a, f: f**0.7}),
-    "2a": (friction(lambda d, a, f: 0.3 * d), friction(lambda d, a, f: 0.3 / d)),
+    "2a": (sums_with_friction(lambda d, a, f: 0.3 * d), sums_with_friction(lambda d, a, f: 0.3 / d)),
     "2b": (
-        friction(lambda d, a, f: 0.3 * np.exp(4 * np.maximum(d - 1.5, 0))),
-        friction(lambda d, a, f: 0.3 * np.exp(4 * np.minimum(d - 1.5, 0))),
+        sums_with_friction(lambda d, a, f: 0.3 * np.exp(4 * np.maximum(d - 1.5, 0))),
+        sums_with_friction(lambda d, a, f: 0.3 * np.exp(4 * np.minimum(d - 1.5, 0))),
     ),
     "2c": (
         {"tangential_frictional": lambda d, a, f: 0.2 * d * f},
         {"tangential_frictional": lambda d, a, f: 0.4 / d * f},
     ),
-    "3a": (adhesion(lambda d, a, f: 0.5), adhesion(lambda d, a, f: np.where(d < 1.65, 0.5, -0.5))),
-    "3b": (adhesion(lambda d, a, f: 2 - d), adhesion(lambda d, a, f: d)),
-    "3c": (adhesion(lambda d, a, f: f**-0.2), adhesion(lambda d, a, f: f**0.2)),
-    "3d": (adhesion(lambda d, a, f: 1), adhesion(lambda d, a, f: 30)),
-    "4a": (adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), adhesion(lambda d, a, f: 2 + d)),
-    "4b": (adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), adhesion(lambda d, a, f: 4 - d)),
-    "4c": (adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), adhesion(lambda d, a, f: 2 + (d - 1.2) ** 2)),
-    "5": (friction(lambda d, a, f: 0.3 * f**-0.1), friction(lambda d, a, f: 0.3 * f**0.1)),
-    "6": (friction(lambda d, a, f: 0.3), friction(lambda d, a, f: 0.5)),
+    "3a": (sums_with_adhesion(lambda d, a, f: 0.5), sums_with_adhesion(lambda d, a, f: np.where(d < 1.65, 0.5, -0.5))),
+    "3b": (sums_with_adhesion(lambda d, a, f: 2 - d), sums_with_adhesion(lambda d, a, f: d)),
+    "3c": (sums_with_adhesion(lambda d, a, f: f**-0.2), sums_with_adhesion(lambda d, a, f: f**0.2)),
+    "3d": (sums_with_adhesion(lambda d, a, f: 1), sums_with_adhesion(lambda d, a, f: 30)),
+    "4a": (sums_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), sums_with_adhesion(lambda d, a, f: 2 + d)),
+    "4b": (sums_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), sums_with_adhesion(lambda d, a, f: 4 - d)),
+    "4c": (
+        sums_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2),
+        sums_with_adhesion(lambda d, a, f: 2 + (d - 1.2) ** 2),
+    ),
+    "5": (sums_with_friction(lambda d, a, f: 0.3 * f**-0.1), sums_with_friction(lambda d, a, f: 0.3 * f**0.1)),
+    "6": (sums_with_friction(lambda d, a, f: 0.3), sums_with_friction(lambda d, a, f: 0.5)),
     "7a": ({"contact_area": lambda d, a, f: f / a}, {"contact_area": lambda d, a, f: f * a}),
-    "7b": (adhesion(lambda d, a, f: 0.1 / a), adhesion(lambda d, a, f: 10 * a)),
-    "7c": (friction(lambda d, a, f: 0.3 * np.exp(10 * a * d)), friction(lambda d, a, f: 0.3 * np.exp(0.1 * d / a))),
-    "7d": (adhesion(lambda d, a, f: 0.1 / a), adhesion(lambda d, a, f: 10 * a)),
+    "7b": (sums_with_adhesion(lambda d, a, f: 0.1 / a), sums_with_adhesion(lambda d, a, f: 10 * a)),
+    "7c": (
+        sums_with_friction(lambda d, a, f: 0.3 * np.exp(10 * a * d)),
+        sums_with_friction(lambda d, a, f: 0.3 * np.exp(0.1 * d / a)),
+    ),
+    "7d": (sums_with_adhesion(lambda d, a, f: 0.1 / a), sums_with_adhesion(lambda d, a, f: 10 * a)),
     "8a": ({}, {"normal_frictional": lambda d, a, f: -0.4 * f}),
     "8b": ({}, {"normal_adhesive": lambda d, a, f: -2 * f}),
     "8c": ({}, {"normal_frictional": lambda d, a, f: -0.4 * f}),
@@ -184,35 +192,35 @@ WORLDS = {
 }
 
 
-@pytest.mark.parametrize("name", WORLDS)
-def test_verdict_is_true_in_true_worlds_and_false_in_false_worlds(name):
-    computed = [judged(name, made_up(**world)) for world in WORLDS[name]]
-    assert [(outcome.verdict, outcome.left_out) for outcome in computed] == [("true", ()), ("false", ())]
+@pytest.mark.parametrize("name", TRUE_AND_FALSE_DATA)
+def test_verdict_of_part_is_true_for_true_data_and_false_for_false_data(name):
+    computed = [judge_part(name, create_result(**world)) for world in TRUE_AND_FALSE_DATA[name]]
+    assert [(judge_values.verdict, judge_values.left_out) for judge_values in computed] == [("true", ()), ("false", ())]
 
 
-def test_numbers_of_parts_equal_those_of_the_world():
+def test_values_of_parts_equal_values_of_the_data():
     def number(name, **world):
-        return judged(name, made_up(**world)).value
+        return judge_part(name, create_result(**world)).value
 
     assert number("1b", contact_area=lambda d, a, f: f**0.7) == pytest.approx(0.7, abs=1e-3)
-    assert number("2b", **WORLDS["2b"][0]) == pytest.approx(4, rel=1e-6)
-    # 200 MPa add 0.2 (2 - D): at D = 1, 1.1, 1.2 and at 1.6, 1.7.
-    assert number("3b", **WORLDS["3b"][0]) == pytest.approx(0.2 * (0.9 - 0.35), rel=1e-9)
-    assert number("3d", **WORLDS["3d"][0]) == pytest.approx(0.001 / 0.3, rel=1e-9)
-    assert number("7a", **WORLDS["7a"][0]) == pytest.approx(0.25, rel=1e-9)
-    assert number("7d", **WORLDS["7d"][0]) == pytest.approx(0.2 * (2 - 0.5), rel=1e-9)
-    assert number("8d", **WORLDS["8d"][1]) > 0.25
+    assert number("2b", **TRUE_AND_FALSE_DATA["2b"][0]) == pytest.approx(4, rel=1e-6)
+    # 200 MPa add 0.2 (2 - D), averaged over D = 1, 1.1, 1.2 and over D = 1.6, 1.7.
+    assert number("3b", **TRUE_AND_FALSE_DATA["3b"][0]) == pytest.approx(0.2 * (0.9 - 0.35), rel=1e-9)
+    assert number("3d", **TRUE_AND_FALSE_DATA["3d"][0]) == pytest.approx(0.001 / 0.3, rel=1e-9)
+    assert number("7a", **TRUE_AND_FALSE_DATA["7a"][0]) == pytest.approx(0.25, rel=1e-9)
+    assert number("7d", **TRUE_AND_FALSE_DATA["7d"][0]) == pytest.approx(0.2 * (2 - 0.5), rel=1e-9)
+    assert number("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_worlds_exist_for_every_part():
-    assert list(WORLDS) == [part.name for part in PARTS]
+def test_true_and_false_data_exist_for_every_part():
+    assert list(TRUE_AND_FALSE_DATA) == [part.name for part in PARTS]
 
 
 def test_bands_contain_extremes_that_percentiles_miss():
-    # Nothing changes with D, but each D has its own noise: the least ratio of an ensemble falls with the noise.
+    # The friction is independent of D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
-    result = made_up(**friction(lambda d, a, f: 0.2 * noise))
-    bands, percentiles = (judged("6", result, ruling=ruling) for ruling in ("bands", "percentiles"))
+    result = create_result(**sums_with_friction(lambda d, a, f: 0.2 * noise))
+    bands, percentiles = (judge_part("6", result, ruling=ruling) for ruling in ("bands", "percentiles"))
     assert bands.lower < bands.value < bands.upper
     assert percentiles.upper - percentiles.value < 0.5 * (bands.upper - bands.value)
 
@@ -242,31 +250,31 @@ def test_columns_use_their_sliding_rule_and_mechanics():
         # F_N at mu0 = 0.4 is 0.96 of the load.
         assert computed["6"].value == pytest.approx(share / 0.96 / 0.4, rel=1e-9)
         assert computed["1b"].value == pytest.approx(0.9, rel=1e-9)
-        # Stiffness at equal F_N: F_N = c L and L = δ^1.5, so dF_N/dδ goes as c^(2/3), but for interpolation.
+        # F_N = c L and L = δ^1.5, so dF_N/dδ at equal F_N is proportional to c^(2/3), up to interpolation errors.
         assert computed["8c"].value == pytest.approx(1 - (0.9 / 0.99) ** (2 / 3), abs=0.01)
     with pytest.raises(ValueError, match="sliding"):
-        judge(made_up(), sliding="all")
+        judge(create_result(), sliding="all")
 
 
 def test_part_is_undefined_if_its_range_has_one_dimension():
-    result = made_up().sel(fractal_dimension=slice(1.0, 1.501))
-    computed = {outcome.part.name: outcome.verdict for outcome in judge(result)}
+    result = create_result().sel(fractal_dimension=slice(1.0, 1.501))
+    computed = {judge_values.part.name: judge_values.verdict for judge_values in judge(result)}
     assert {name for name, verdict in computed.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
-    # Friction that falls up to the last D has no minimum there.
-    result = made_up(**adhesion(lambda d, a, f: 3 - d)).sel(fractal_dimension=slice(1.0, 1.501))
-    assert judged("4c", result).verdict == "undefined"
+    # Friction that decreases up to the last D has no minimum.
+    result = create_result(**sums_with_adhesion(lambda d, a, f: 3 - d)).sel(fractal_dimension=slice(1.0, 1.501))
+    assert judge_part("4c", result).verdict == "undefined"
 
 
 def test_bands_reject_self_locked_dimensions():
-    assert judged("3b", made_up(), ruling="bands").verdict == "undefined"  # one D is left from 1.6 on
+    assert judge_part("3b", create_result(), ruling="bands").verdict == "undefined"  # one D is left from 1.6 on
     with pytest.raises(ValueError, match="ruling"):
-        judge(made_up(), ruling="means")
+        judge(create_result(), ruling="means")
 
 
 def test_part_is_undefined_over_less_than_half_of_its_range():
     # Friction locks where the normal load is negative: at all D above 1.45.
     world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
-    computed = {outcome.part.name: outcome for outcome in judge(made_up(**world))}
+    computed = {judge_values.part.name: judge_values for judge_values in judge(create_result(**world))}
     assert computed["5"].verdict == "undefined"
     assert computed["2a"].left_out == pytest.approx((1.5,))
     assert computed["2a"].verdict != "undefined"
@@ -279,7 +287,7 @@ def test_claims_reject_studies_with_too_few_values():
         ({"surfaces.amplitude": ["0.1 um"]}, "amplitudes of 0.05"),
     ):
         with pytest.raises(ValueError, match=match):
-            claims.check(SMALL.with_changes(change))
+            claims.check(SMALL_CLAIMS_STUDY.with_changes(change))
 
 
 def test_tables_contain_every_part(result):

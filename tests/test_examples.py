@@ -41,8 +41,8 @@ def test_docstring_examples_run(name):
 
 
 @pytest.fixture(scope="module")
-def printed(tmp_path_factory):
-    """printed(path): output of a script, which runs once in an empty directory."""
+def script_output(tmp_path_factory):
+    """Return a function that runs a script once in an empty directory, and returns its output."""
 
     @functools.cache
     def of(path):
@@ -56,8 +56,8 @@ def printed(tmp_path_factory):
 
 @pytest.mark.docs
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
-def test_example_scripts_run(path, printed):
-    assert printed(path)
+def test_example_scripts_run(path, script_output):
+    assert script_output(path)
 
 
 # ---- Pages ----------------------------------------------------------------------------------------------------------
@@ -68,9 +68,18 @@ PAGES = [
     if path.exists() and not {"generated", "built"} & set(path.parts)
 ]
 
-RUN_HERE = {"python", "sh"}
-RUN_BY_THE_DOCS = {"{code-cell} ipython3"}  # `./dev docs` runs them, and ends where one fails
-NO_CODE = {"text", "{eval-rst}", "{figure}", "{image}", "{include}", "{literalinclude}", "{toctree}", "{glossary}"}
+PAGES_RUN_BY_TESTS = {"python", "sh"}
+PAGES_RUN_BY_DOCS_BUILD = {"{code-cell} ipython3"}  # `./dev docs` runs them, and ends where one fails
+LANGUAGES_WITHOUT_CODE = {
+    "text",
+    "{eval-rst}",
+    "{figure}",
+    "{image}",
+    "{include}",
+    "{literalinclude}",
+    "{toctree}",
+    "{glossary}",
+}
 """What a page of another file shows is that file's business; text is a diagram."""
 
 
@@ -97,9 +106,13 @@ def named(pages):
 
 @named(PAGES)
 def test_page_has_only_blocks_that_are_run(page):
-    unknown = [block for block in blocks(page) if block.kind not in RUN_HERE | RUN_BY_THE_DOCS | NO_CODE]
+    unknown = [
+        block
+        for block in blocks(page)
+        if block.kind not in PAGES_RUN_BY_TESTS | PAGES_RUN_BY_DOCS_BUILD | LANGUAGES_WITHOUT_CODE
+    ]
     assert not unknown, f"nothing runs these blocks of {page.name}; make them python, sh or code cells"
-    if any(block.kind in RUN_BY_THE_DOCS for block in blocks(page)):
+    if any(block.kind in PAGES_RUN_BY_DOCS_BUILD for block in blocks(page)):
         assert page.is_relative_to(ROOT / "docs")
         assert "file_format: mystnb" in page.read_text(encoding="utf-8").split("---")[1], (
             "its cells would only be shown"
@@ -116,8 +129,8 @@ SMALL_STUDY = {
 }
 
 
-def made_small(command):
-    """Return the command with a small study; a larger number of repetitions stays larger."""
+def reduce_study(command):
+    """Return the command with a smaller study, in which relative sizes of repetitions are preserved."""
     match shlex.split(command)[1]:
         case "run" if shlex.split(command)[2] != "pair":
             changes = dict(SMALL_STUDY)
@@ -137,7 +150,7 @@ def run_command(line, cwd):
         case ["stiction", "app", *_]:
             pass  # tests/app drives it, and it would wait here for somebody to close its window
         case ["stiction", *_]:
-            words, _, to = made_small(line).partition(" > ")
+            words, _, to = reduce_study(line).partition(" > ")
             if re.search("--(cluster|scheduler)", words):  # processes of its own begin from an interpreter of its own
                 completed = subprocess.run(
                     [sys.executable, "-m", *shlex.split(words)], cwd=cwd, capture_output=True, text=True, timeout=240,
@@ -151,7 +164,7 @@ def run_command(line, cwd):
             for study in cwd.glob("*.toml"):
                 study.write_text(Study.from_toml(study).with_changes(SMALL_STUDY).to_toml(), encoding="utf-8")
         case ["./dev", command, *_]:
-            assert command in dev_commands() or not DEV.exists()
+            assert command in dev_commands() or not DEV_SCRIPT.exists()
         case ["pip", "install", what]:
             package = re.fullmatch(r"(?:stiction(?:-[\w.*-]+\.(?:whl|tar\.gz))?|\.)(?:\[(\w+(?:,\w+)*)\])?", what)
             assert package, line
@@ -163,12 +176,12 @@ def run_command(line, cwd):
             raise AssertionError(f"nothing tests the command {line!r}")
 
 
-DEV = ROOT / "dev"
+DEV_SCRIPT = ROOT / "dev"
 
 
 def dev_commands():
     """Return the commands in the usage of `dev`; none if the file is absent, as in an installed package."""
-    usage = ast.get_docstring(ast.parse(DEV.read_text(encoding="utf-8"))) if DEV.exists() else ""
+    usage = ast.get_docstring(ast.parse(DEV_SCRIPT.read_text(encoding="utf-8"))) if DEV_SCRIPT.exists() else ""
     return set(re.findall(r"^\./dev (\w+)", usage, re.MULTILINE))
 
 
@@ -187,7 +200,7 @@ def run_page(page, cwd):
 
 
 def has_code(page):
-    return any(block.kind in RUN_HERE for block in blocks(page))
+    return any(block.kind in PAGES_RUN_BY_TESTS for block in blocks(page))
 
 
 @pytest.mark.docs
@@ -218,16 +231,16 @@ def test_code_of_page_runs(page, tmp_path, monkeypatch):
 
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the documents are not here")
-def test_page_on_measured_surfaces_shows_output_of_its_example(printed):
-    table = printed(ROOT / "examples/characterise_profile.py")
+def test_page_on_measured_surfaces_shows_output_of_its_example(script_output):
+    table = script_output(ROOT / "examples/characterise_profile.py")
     shown = [block.text for block in blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
     # The command prints one line before the table: how it read the file.
     assert table in [text.partition("\n")[2] for text in shown]
 
 
-@pytest.mark.skipif(not DEV.exists(), reason="./dev is not here")
+@pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="./dev is not here")
 def test_dev_usage_lists_its_commands():
-    commands = set(re.findall(r'^    "(\w+)": ', DEV.read_text(encoding="utf-8"), re.MULTILINE))
+    commands = set(re.findall(r'^    "(\w+)": ', DEV_SCRIPT.read_text(encoding="utf-8"), re.MULTILINE))
     assert commands == dev_commands()
 
 
@@ -242,14 +255,14 @@ kill -- "-$1"
 
 
 SLURM_TASK = {"SLURM_CPUS_PER_TASK": "1", "SLURM_ARRAY_TASK_ID": "2", "SLURM_ARRAY_TASK_COUNT": "2", "SHARED": "shared"}
-"""What Slurm tells a task of an array, and a directory of the user's."""
+"""Environment variables of an array task in Slurm."""
 
 
 @pytest.mark.docs
 @named([page for page in PAGES if page.name == "cluster.md"])
-@pytest.mark.filterwarnings("ignore")  # distributed leaves sockets and loops to the collector
+@pytest.mark.filterwarnings("ignore")  # distributed closes sockets and event loops late
 def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
-    """The scheduler that runs somewhere runs here; Slurm starts a job at once, on this machine."""
+    """Run the page with a local Dask scheduler, and with a stand-in for Slurm that starts jobs on this machine."""
     distributed = pytest.importorskip("distributed")
     for name, script in (("sbatch", SBATCH), ("scancel", SCANCEL)):
         (tmp_path / name).write_text(script, encoding="utf-8")
@@ -258,7 +271,7 @@ def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
     computed = 0
     with distributed.LocalCluster(n_workers=1, processes=False, protocol="tcp", dashboard_address=None) as cluster:
 
-        def here(text):
+        def replace_paths(text):
             text = text.replace("tcp://head-node:8786", cluster.scheduler_address).replace("16GB", "1GB")
             for name, value in SLURM_TASK.items():  # as the shell would
                 text = text.replace(f"${name}", value)
@@ -267,9 +280,9 @@ def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
         for block in blocks(page):
             for part in lines_of(block) if block.kind == "sh" else [block.text]:
                 if block.kind == "sh":
-                    run_command(here(part), tmp_path)
+                    run_command(replace_paths(part), tmp_path)
                 elif block.kind == "python":
-                    (tmp_path / "page.py").write_text(here(part), encoding="utf-8")
+                    (tmp_path / "page.py").write_text(replace_paths(part), encoding="utf-8")
                     completed = subprocess.run(
                         [sys.executable, "page.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120,
                         check=False,
@@ -303,8 +316,8 @@ def script(name):
     return module
 
 
-LARGEST_DIFFERENCE = 5.0
-"""Root mean square of grey levels, of 255: for letters that lie a little elsewhere; 10 nm of approach are 13."""
+MAX_GREY_DIFFERENCE = 5.0
+"""Largest rms difference of grey levels (0 to 255); a change of the approach by 10 nm gives 13."""
 
 
 @pytest.mark.docs
@@ -313,14 +326,14 @@ def test_drawings_of_conventions_match_the_library(tmp_path, name):
     if not (ROOT / "docs/images").exists():
         pytest.skip("the pictures are not here")
     drawing = script(name)
-    drawing.save(tmp_path / "now.png")
-    difference = compare_images(str(drawing.IMAGE), str(tmp_path / "now.png"), LARGEST_DIFFERENCE)
+    drawing.save_figure(tmp_path / "now.png")
+    difference = compare_images(str(drawing.IMAGE), str(tmp_path / "now.png"), MAX_GREY_DIFFERENCE)
     assert difference is None, f"run docs/scripts/{name}.py and look at it: {difference}"
 
 
 def test_reference_lists_every_key_option_and_study():
     reference = script("reference")
-    pages = reference.pages(ROOT / "docs")
+    pages = reference.generate_pages(ROOT / "docs")
     tables = [
         item for table in Study.model_fields.values() for item in get_args(table.annotation) or [table.annotation]
     ]

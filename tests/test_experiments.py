@@ -9,41 +9,51 @@ import pytest
 from stiction import Surface, self_affine_surface
 
 pytestmark = pytest.mark.docs
-SCRIPT = runpy.run_path(str(Path(__file__).parents[1] / "docs/scripts/fractures.py"))
-DATA = os.environ.get("STICTION_FRACTURES")  # the folder that the script takes
-EXPONENT = 0.15  # of a spectrum of 200 points
-FOUND = {"vd1": ((37, 116), (48, 122)), "vd2": ((25, 127), (50, 131))}  # MPa/mm at 1 to 2 and 5 to 10 MPa
+FRACTURES_SCRIPT = runpy.run_path(str(Path(__file__).parents[1] / "docs/scripts/fractures.py"))
+DATA_FOLDER = os.environ.get("STICTION_FRACTURES")  # folder with the data of the script
+EXPONENT_TOLERANCE = 0.15
+DOCUMENTED_STIFFNESS = {
+    "vd1": ((37, 116), (48, 122)),
+    "vd2": ((25, 127), (50, 131)),
+}  # MPa/mm at 1 to 2 and 5 to 10 MPa: computed, measured
 
 
-def test_largest_square_is_in_disc_and_loading_is_first(tmp_path):
+def test_load_gap_and_load_test_read_files_of_the_experiment(tmp_path):
     spacing = 2000.0
     heights = np.add.outer(np.arange(64.0), np.arange(64.0))
     np.savez(tmp_path / "a.npz", gap_um=heights, spacing_um=spacing)
     (tmp_path / "a-closure.csv").write_text("Number,Disp,sigmaZ\n[-],[mm],[MPa]\n1,0,1\n2,0.1,3\n3,0.02,1\n")
-    square, disc = (SCRIPT["load_gap"](tmp_path, "a", square=square) for square in (True, False))
-    assert np.hypot(*square.extent) <= SCRIPT["DIAMETER"] < np.hypot(*square.extent) + 3 * spacing
-    assert (~disc.missing).sum() * spacing**2 == pytest.approx(np.pi / 4 * SCRIPT["DIAMETER"] ** 2, rel=0.02)
-    (load, stress), (back, falling) = SCRIPT["load_test"](tmp_path, "a")
-    assert SCRIPT["secant"](load, stress, (1.0, 3.0)) == pytest.approx(20)
+    square, disc = (FRACTURES_SCRIPT["load_gap"](tmp_path, "a", square=square) for square in (True, False))
+    assert np.hypot(*square.extent) <= FRACTURES_SCRIPT["DIAMETER"] < np.hypot(*square.extent) + 3 * spacing
+    assert (~disc.missing).sum() * spacing**2 == pytest.approx(np.pi / 4 * FRACTURES_SCRIPT["DIAMETER"] ** 2, rel=0.02)
+    (load, stress), (back, falling) = FRACTURES_SCRIPT["load_test"](tmp_path, "a")
+    assert FRACTURES_SCRIPT["secant_stiffness"](load, stress, (1.0, 3.0)) == pytest.approx(20)
     assert [*back, *falling] == [0.1, 0.02, 3, 1]
 
 
 @pytest.mark.parametrize("hurst", [0.5, 0.9])
-def test_added_wavelengths_continue_the_spectrum(hurst):
+def test_random_roughness_has_the_estimated_spectrum(hurst):
     gap = self_affine_surface(1, hurst_exponent=hurst, rms=20.0, shape=(256, 256), spacing=250.0)
-    result, density = SCRIPT["estimate_spectrum"](gap)
-    assert result == pytest.approx(hurst, abs=EXPONENT)
-    wave, created = 1 / 800.0, SCRIPT["random_waves"]((256, 256), 250.0, density, 10e3, 1)
-    again = SCRIPT["estimate_spectrum"](Surface(created, spacing=250.0))[1]
+    result, density = FRACTURES_SCRIPT["estimate_spectrum"](gap)
+    assert result == pytest.approx(hurst, abs=EXPONENT_TOLERANCE)
+    wave, created = 1 / 800.0, FRACTURES_SCRIPT["random_roughness"]((256, 256), 250.0, density, 10e3, 1)
+    again = FRACTURES_SCRIPT["estimate_spectrum"](Surface(created, spacing=250.0))[1]
     assert again(wave) == pytest.approx(density(wave), rel=0.3)
 
 
-@pytest.mark.skipif(DATA is None, reason="STICTION_FRACTURES names no folder with the data, which have no licence")
-@pytest.mark.parametrize("name", list(FOUND))
+@pytest.mark.skipif(
+    DATA_FOLDER is None, reason="STICTION_FRACTURES names no folder with the data, which have no licence"
+)
+@pytest.mark.parametrize("name", list(DOCUMENTED_STIFFNESS))
 def test_fixed_settings_reproduce_documented_numbers(name):
-    folder, steps = Path(DATA), np.array([1.0, 2.0, 5.0, 10.0])
-    closure, _ = SCRIPT["compute_closure"](SCRIPT["load_gap"](folder, name), steps)
-    (load, stress), _ = SCRIPT["load_test"](folder, name)
-    for of, (closures, at) in zip(FOUND[name], ((closure, steps), (load, stress)), strict=True):
-        result = [SCRIPT["secant"](closures, at, between) for between in (SCRIPT["LOW"], SCRIPT["HIGH"])]
-        assert result == pytest.approx(of, abs=1)
+    folder, steps = Path(DATA_FOLDER), np.array([1.0, 2.0, 5.0, 10.0])
+    closure, _ = FRACTURES_SCRIPT["compute_closure"](FRACTURES_SCRIPT["load_gap"](folder, name), steps)
+    (load, stress), _ = FRACTURES_SCRIPT["load_test"](folder, name)
+    for expected, (closures, stresses) in zip(
+        DOCUMENTED_STIFFNESS[name], ((closure, steps), (load, stress)), strict=True
+    ):
+        result = [
+            FRACTURES_SCRIPT["secant_stiffness"](closures, stresses, between)
+            for between in (FRACTURES_SCRIPT["LOW_STRESSES"], FRACTURES_SCRIPT["HIGH_STRESSES"])
+        ]
+        assert result == pytest.approx(expected, abs=1)

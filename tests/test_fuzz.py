@@ -1,4 +1,4 @@
-"""A few of the random inputs of `./dev soak fuzz`."""
+"""Test functions, files and stores with a few of the random inputs of `./dev soak fuzz`."""
 
 from collections import Counter
 
@@ -11,7 +11,7 @@ from support import fuzzing
 def test_random_arrays_are_accepted_or_raise_value_error():
     outcomes = Counter(type(fuzzing.fuzz_arrays(np.random.default_rng([1, i]))) for i in range(2000))
     assert set(outcomes) == {type(None), ValueError}
-    assert min(outcomes.values()) > 500  # neither kind is rare, or this would test little
+    assert min(outcomes.values()) > 500  # both outcomes must be frequent
 
 
 def test_random_study_files_run_or_are_rejected_in_one_message(tmp_path):
@@ -21,12 +21,12 @@ def test_random_study_files_run_or_are_rejected_in_one_message(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def pristine(tmp_path_factory):
+def stored_result(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pristine")
     run(fuzzing.small_study(), store=folder)
     return folder
 
 
-def test_damage_to_a_store_is_detected_or_harmless(tmp_path, pristine):
-    outcomes = Counter(fuzzing.fuzz_store(np.random.default_rng([3, i]), pristine, tmp_path) for i in range(12))
+def test_damage_to_a_store_is_detected_or_harmless(tmp_path, stored_result):
+    outcomes = Counter(fuzzing.fuzz_store(np.random.default_rng([3, i]), stored_result, tmp_path) for i in range(12))
     assert outcomes[2] > 2

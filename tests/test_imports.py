@@ -12,23 +12,23 @@ import typer
 from stiction.cli import application
 
 PACKAGE = Path(stiction.__file__).parent
-ROOMS = ("surfaces", "mechanics", "studies", "views", "app", "cli")
-"""Each may import from itself and from those before it."""
+LAYERS = ("surfaces", "mechanics", "studies", "views", "app", "cli")
+"""Layers from low to high; each may import from itself and from lower layers."""
 
-SHOWS_ITSELF = "studies/result.py"
-"""The one module with methods that import views: a result draws its figures and writes its report."""
+MODULE_WITH_VIEWS = "studies/result.py"
+"""Module below the views that may import views in methods, for figures and reports of a result."""
 
-LOADED = {
+LOADED_DEPENDENCIES = {
     "numpy",
     "pydantic", "pydantic_core", "annotated_types", "typing_extensions", "typing_inspection",
 }  # fmt: skip
-"""What all of its public names load of others; plots, files and clusters would take seconds."""
+"""Dependencies that loading all public names imports; plots, files and clusters are not among them."""
 
-LOADED_BY_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_extensions"}
-"""What `stiction --help` loads: no numbers, so that it answers at once."""
+DEPENDENCIES_OF_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_extensions"}
+"""Dependencies that `stiction --help` imports; numeric packages are not among them."""
 
 
-def imported(source):
+def imported_names(source):
     """Yield the full names that a module imports from the package, also inside functions."""
     for node in ast.walk(ast.parse((PACKAGE / source).read_text("utf-8"))):
         names = []
@@ -43,35 +43,35 @@ def imported(source):
         yield from (name for name in names if name.split(".")[0] == "stiction")
 
 
-@pytest.mark.parametrize("room", ["", *ROOMS])
+@pytest.mark.parametrize("room", ["", *LAYERS])
 def test_layers_import_only_from_lower_layers(room):
-    """Modules that serve all layers import from none."""
+    """Modules that all layers use must not import from a layer."""
     paths = (PACKAGE / room).rglob("*.py") if room else PACKAGE.glob("_*.py")
-    allowed = ROOMS[: ROOMS.index(room) + 1] if room else ()
+    allowed = LAYERS[: LAYERS.index(room) + 1] if room else ()
     for source in sorted(path.relative_to(PACKAGE) for path in paths):
-        for name in imported(source):
+        for name in imported_names(source):
             known = name.split(".")[1]
-            if source.as_posix() == SHOWS_ITSELF and known == "views":
+            if source.as_posix() == MODULE_WITH_VIEWS and known == "views":
                 continue
             assert known.startswith("_") or known in allowed or source.name == "__main__.py", f"{source}: {name}"
 
 
-COMPUTED = ("studies.store", "studies.intervals", "studies.runner", "studies.complete")
-"""Modules that read stored results, compute statistics or solve: a view takes what `Result` and `Summary` have."""
+COMPUTING_MODULES = ("studies.store", "studies.intervals", "studies.runner", "studies.complete")
+"""Modules that read stored results, compute statistics or solve; views use `Result` and `Summary` instead."""
 
-STILL_COMPUTED = {"views/report/result.py": "studies.intervals", "views/pair.py": "studies.complete"}
+VIEWS_THAT_COMPUTE = {"views/report/result.py": "studies.intervals", "views/pair.py": "studies.complete"}
 """Exceptions: a report with statistics of its own, and `stiction.pair`, which is no view."""
 
 
 def test_views_import_no_store_and_no_statistics():
     for source in sorted(path.relative_to(PACKAGE) for path in (PACKAGE / "views").rglob("*.py")):
-        for name in imported(source):
+        for name in imported_names(source):
             module = name.removeprefix("stiction.")
-            if STILL_COMPUTED.get(source.as_posix(), "nothing") not in module:
-                assert not module.startswith(COMPUTED), f"{source}: {name}"
+            if VIEWS_THAT_COMPUTE.get(source.as_posix(), "nothing") not in module:
+                assert not module.startswith(COMPUTING_MODULES), f"{source}: {name}"
 
 
-def loaded_of_others(code):
+def loaded_dependencies(code):
     code = f"import sys; before = set(sys.modules); {code}; print(*(set(sys.modules) - before))"
     message = subprocess.check_output([sys.executable, "-c", code], text=True).splitlines()[-1]
     loaded = {name.split(".")[0] for name in message.split()}
@@ -79,26 +79,26 @@ def loaded_of_others(code):
 
 
 def test_import_loads_no_dependencies():
-    assert loaded_of_others("import stiction") == set()
-    assert loaded_of_others("from stiction import *") <= LOADED
+    assert loaded_dependencies("import stiction") == set()
+    assert loaded_dependencies("from stiction import *") <= LOADED_DEPENDENCIES
 
 
 def test_package_imports_nothing_before_the_command():
-    """Imports of the package would run before the command can handle Ctrl-C."""
+    """Importing the package before the command starts would delay its handling of Ctrl-C."""
     body = ast.parse(Path(stiction.__file__).read_text("utf-8")).body
     assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
 
 
 def test_help_and_version_load_no_numeric_packages():
     for option in ("--help", "--version"):
-        assert loaded_of_others(
+        assert loaded_dependencies(
             f"sys.argv[1:] = ['{option}']; from stiction.cli.application import run_command_line; run_command_line()"
-        ) <= (LOADED_BY_HELP)
+        ) <= (DEPENDENCIES_OF_HELP)
 
 
 def test_studies_command_loads_no_tables_figures_or_readers():
     code = "sys.argv[1:] = ['studies']; from stiction.cli.application import run_command_line; run_command_line()"
-    assert loaded_of_others(code) <= LOADED | LOADED_BY_HELP
+    assert loaded_dependencies(code) <= LOADED_DEPENDENCIES | DEPENDENCIES_OF_HELP
 
 
 def test_stub_lists_each_public_name_with_the_module_that_package_imports():
@@ -107,7 +107,7 @@ def test_stub_lists_each_public_name_with_the_module_that_package_imports():
 
 
 def test_public_names_are_imported_from_their_modules():
-    """The stub names the defining module: type checkers and Python read the same list."""
+    """Check that the stub of the package names the defining module of each public name."""
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
     for name, module in {name.asname: node.module for node in tree.body for name in node.names}.items():
         assert name in stiction.__all__
@@ -133,6 +133,6 @@ def test_help_lists_every_command_with_its_module():
 
 @pytest.mark.parametrize("folder", ["python", "tests", "benchmarks", "docs", "examples"])
 def test_docstrings_do_not_begin_with_of(folder):
-    """A docstring is read without the line above it."""
+    """Docstrings must be understandable without the line above them."""
     paths = sorted((Path(__file__).parent.parent / folder).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

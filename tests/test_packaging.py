@@ -1,4 +1,4 @@
-"""Tests of facts that several packaging files repeat."""
+"""Test that packaging files agree with each other and with the sources."""
 
 import importlib.util
 import re
@@ -15,7 +15,7 @@ PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 SCANS = ROOT / "examples/scans"
 
 
-def module(path, monkeypatch):
+def load_script(path, monkeypatch):
     """Return a script outside of the package as a module."""
     monkeypatch.syspath_prepend(str(path.parent))
     for name in ("prove", "wheel", "release"):
@@ -28,10 +28,10 @@ def module(path, monkeypatch):
 
 @pytest.fixture
 def release(monkeypatch):
-    return module(ROOT / "packaging/release.py", monkeypatch)
+    return load_script(ROOT / "packaging/release.py", monkeypatch)
 
 
-def text(name):
+def read_file(name):
     if not (ROOT / name).exists():
         pytest.skip(f"{name} is not here")
     return (ROOT / name).read_text(encoding="utf-8")
@@ -43,28 +43,28 @@ def test_python_versions_agree_in_all_files():
     assert PYPROJECT["project"]["requires-python"] == f">=3.{minors[0]}"
     assert minors == list(range(minors[0], minors[-1] + 1))
     assert PYPROJECT["tool"]["cibuildwheel"]["build"].split() == [f"cp3{minor}-*" for minor in minors]
-    listed = re.search(r"^        python: (\[.*\])$", text(".github/workflows/tests.yml"), re.MULTILINE)
+    listed = re.search(r"^        python: (\[.*\])$", read_file(".github/workflows/tests.yml"), re.MULTILINE)
     assert listed[1] == str([f"3.{minor}" for minor in minors]).replace("'", '"')
 
 
 def test_hooks_have_versions_of_lint():
     pinned = dict(item.split("==") for item in PYPROJECT["dependency-groups"]["lint"])
     revisions = re.findall(
-        r"repo: \S+/(?:mirrors-)?([\w-]+?)(?:-pre-commit)?\n    rev: v(\S+)", text(".pre-commit-config.yaml")
+        r"repo: \S+/(?:mirrors-)?([\w-]+?)(?:-pre-commit)?\n    rev: v(\S+)", read_file(".pre-commit-config.yaml")
     )
     assert len(revisions) == 2
     assert all(pinned[name] == revision for name, revision in revisions)
 
 
 def test_conda_recipe_has_dependencies_of_package(release, monkeypatch):
-    assert list(release.recipe_lacks()) == []
+    assert list(release.missing_recipe_lines()) == []
     monkeypatch.setitem(release.PROJECT, "dependencies", [*release.PROJECT["dependencies"], "numpy>=99"])
-    assert list(release.recipe_lacks()) == ["- numpy >=99"]
+    assert list(release.missing_recipe_lines()) == ["- numpy >=99"]
 
 
 def test_documented_glibc_version_is_checked(release):
-    major, minor = sys.modules["prove"].NEWEST_GLIBC
-    assert f"glibc {major}.{minor} or newer" in text("docs/howto/installing.md")
+    major, minor = sys.modules["prove"].MAX_GLIBC
+    assert f"glibc {major}.{minor} or newer" in read_file("docs/howto/installing.md")
 
 
 @pytest.mark.parametrize(
@@ -90,12 +90,14 @@ def test_wheel_with_newer_glibc_is_rejected(release, name, passes, capsys):
 def test_release_checks_report_what_is_missing(release, tmp_path, monkeypatch):
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (unreleased)\n", encoding="utf-8")
     monkeypatch.setattr(release, "ROOT", tmp_path)
-    monkeypatch.setattr(release, "RELEASE", "1.2.3")
+    monkeypatch.setattr(release, "RELEASE_VERSION", "1.2.3")
     assert "## 1.2.3 (unreleased) should read" in release.changelog_is_dated()
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (2030-01-02)\n", encoding="utf-8")
     assert release.changelog_is_dated() is None
     (tmp_path / "CITATION.cff").write_text("version: 1.2.3\ndate-released: 2030-01-01\n", encoding="utf-8")
-    assert release.citation_agrees() == "CITATION.cff has no date-released: 2030-01-02, repository-code: http"
+    assert (
+        release.citation_matches_changelog() == "CITATION.cff has no date-released: 2030-01-02, repository-code: http"
+    )
     monkeypatch.setattr(release, "VERSION", "1.2.3.dev0")
     assert release.version_is_final() == "pyproject.toml says 1.2.3.dev0"
 
@@ -113,7 +115,7 @@ def test_release_writes_address_of_repository(release, tmp_path, monkeypatch):
         release.write_address("example.org/stiction")
     release.write_address("https://example.org/them/stiction")
     urls = tomllib.loads((tmp_path / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]
-    assert set(urls) == {"Paper", *release.ADDRESSES}
+    assert set(urls) == {"Paper", *release.URL_NAMES}
     assert "repository-code: https://example.org/them/stiction\n" in (tmp_path / "CITATION.cff").read_text(
         encoding="utf-8"
     )
@@ -126,12 +128,12 @@ def test_release_writes_address_of_repository(release, tmp_path, monkeypatch):
 
 # ---- The sample scans -----------------------------------------------------------------------------------------------
 
-STEPS = 1.0
-"""Steps of the instrument's converter by which a height may differ: another processor rounds the last bit otherwise."""
+MAX_STEP_DIFFERENCE = 1.0
+"""Largest difference of a height in converter steps; processors may round the last bit differently."""
 
 
 def test_sample_scans_match_their_script(tmp_path, monkeypatch):
-    make = module(SCANS / "make.py", monkeypatch)
+    make = load_script(SCANS / "make.py", monkeypatch)
     make.main(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
         path.name for path in SCANS.iterdir() if path.suffix in (".csv", ".x3p")
@@ -143,4 +145,4 @@ def test_sample_scans_match_their_script(tmp_path, monkeypatch):
         for side in make.SIDES:
             here, now = (read(folder / name.format(side)) for folder in (SCANS, tmp_path))
             assert here.spacing == now.spacing
-            np.testing.assert_allclose(here.heights, now.heights, rtol=0, atol=1.01 * STEPS * step)
+            np.testing.assert_allclose(here.heights, now.heights, rtol=0, atol=1.01 * MAX_STEP_DIFFERENCE * step)

@@ -1,4 +1,4 @@
-"""Tests of public names in notebooks: examples, signatures and reprs, and `pair` against the command."""
+"""Test the public interface: examples, signatures, reprs, conversions, and `pair` against the command."""
 
 import copy
 import doctest
@@ -36,13 +36,15 @@ from stiction.views.rows import point_record
 from support.command import call_stiction, check_stiction
 from support.studies_of_files import pair_study
 
-NAMES = [name for name in stiction.__all__ if name != "__version__"]
-ERRORS = [name for name in NAMES if inspect.isclass(value := getattr(stiction, name)) and issubclass(value, Exception)]
+PUBLIC_NAMES = [name for name in stiction.__all__ if name != "__version__"]
+PUBLIC_EXCEPTIONS = [
+    name for name in PUBLIC_NAMES if inspect.isclass(value := getattr(stiction, name)) and issubclass(value, Exception)
+]
 
-LONGEST_REPR = 2000  # characters: a screen
+MAX_REPR_LENGTH = 2000  # characters
 
 
-def surface(side, points=48):
+def create_surface(side, points=48):
     return self_affine_surface(
         3, hurst_exponent=0.8, rms=0.02, shape=(points, points + 8), spacing=(0.1, 0.2), shortest_wavelength=0.6,
         side=side,
@@ -51,12 +53,12 @@ def surface(side, points=48):
 
 @pytest.fixture(scope="module")
 def upper():
-    return surface("upper")
+    return create_surface("upper")
 
 
 @pytest.fixture(scope="module")
 def lower():
-    return surface("lower")
+    return create_surface("lower")
 
 
 @pytest.fixture(scope="module")
@@ -67,15 +69,15 @@ def curve(upper, lower):
 # ---- Every public name -----------------------------------------------------------------------------------------------
 
 
-def examples_of(name):
+def parse_examples(name):
     value = getattr(stiction, name)
     return doctest.DocTestParser().get_doctest(inspect.getdoc(value) or "", {}, name, None, None)
 
 
 def test_public_names_have_examples_and_full_signatures():
-    for name in NAMES:
-        if name not in ERRORS:
-            assert examples_of(name).examples, name
+    for name in PUBLIC_NAMES:
+        if name not in PUBLIC_EXCEPTIONS:
+            assert parse_examples(name).examples, name
             kinds = {item.kind for item in inspect.signature(getattr(stiction, name)).parameters.values()}
             assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}, name
 
@@ -89,7 +91,7 @@ def test_signatures_match_accepted_arguments(upper, lower):
         call(upper, lower, approach, **arguments | {"model": stiction.ContactModel()})
 
 
-OF_A_UNIT = {
+UNITS_BY_NAME = {
     **dict.fromkeys(("tau0", "effective_modulus", "hardness", "pressure"), "GPa"),
     **dict.fromkeys(("loads", "normal_load", "sliding_load", "force"), "mN"),
     **dict.fromkeys(
@@ -98,39 +100,49 @@ OF_A_UNIT = {
     ),
     **dict.fromkeys(("contact_area", "area"), "µm²"), "stiffness": "mN/µm", "angles": "degrees",
 }  # fmt: skip
-"""Names that mean one kind of quantity wherever they are a number or an array."""
+"""Units of arguments and attributes whose name always stands for the same quantity."""
 
 
 def test_docstrings_give_units_of_numbers():
-    text = "\n".join(inspect.getdoc(getattr(stiction, name)) or "" for name in NAMES)
+    text = "\n".join(inspect.getdoc(getattr(stiction, name)) or "" for name in PUBLIC_NAMES)
     for names, kind in re.findall(r"^ *([a-z]\w*(?:, \w+)*) : (.*)$", text, re.MULTILINE):
         for each in names.split(", "):
-            if each in OF_A_UNIT and re.search(r"\b(float|ndarray|array_like)\b", kind):
-                assert re.search(rf"\b{OF_A_UNIT[each]}(\W|$)", kind), f"{each} : {kind}"
+            if each in UNITS_BY_NAME and re.search(r"\b(float|ndarray|array_like)\b", kind):
+                assert re.search(rf"\b{UNITS_BY_NAME[each]}(\W|$)", kind), f"{each} : {kind}"
 
 
-AS_WRITTEN = {"Ball", "ContactModel", "FrictionTest", "HertzCylinder", "HertzSphere", "JacksonGreen", "Material"}
-"""Shown as the call that makes them, or with the sources of their values."""
+CLASSES_WITH_GENERATED_REPR = {
+    "Ball",
+    "ContactModel",
+    "FrictionTest",
+    "HertzCylinder",
+    "HertzSphere",
+    "JacksonGreen",
+    "Material",
+}
+"""Classes whose repr is the call that creates them, or lists the sources of their values."""
 
 
 def test_public_classes_define_repr():
-    for name in NAMES:
+    for name in PUBLIC_NAMES:
         if inspect.isclass(kind := getattr(stiction, name)):
             created = getattr(kind, "__dataclass_params__", None)
-            generated = created is not None and created.repr and kind.__repr__.__doc__ is None  # all of ours have words
-            assert kind.__repr__ is not object.__repr__ or name in ERRORS, name
-            assert not generated or name in AS_WRITTEN, name
+            generated = (
+                created is not None and created.repr and kind.__repr__.__doc__ is None
+            )  # a repr of the package has a docstring
+            assert kind.__repr__ is not object.__repr__ or name in PUBLIC_EXCEPTIONS, name
+            assert not generated or name in CLASSES_WITH_GENERATED_REPR, name
 
 
-def test_dir_lists_public_names_only():
+def test_dir_of_package_lists_public_names_only():
     assert set(dir(stiction)) >= set(stiction.__all__)
     assert [name for name in dir(stiction) if name not in stiction.__all__ and not name.startswith("__")] == []
 
 
-# ---- What shows itself -----------------------------------------------------------------------------------------------
+# ---- Representations ------------------------------------------------------------------------------------------------
 
 
-def shown(upper, lower, curve):
+def displayed_objects(upper, lower, curve):
     row, result = lower.row(0), press(upper, lower, [0.01, 0.02, 0.04])
     yield from (upper, row, power_spectrum(row), surface_parameters(lower), roughness_parameters(row))
     yield from (curve, curve.contact(1), curve.onset(1, mu0=0.3), result)
@@ -142,7 +154,7 @@ def levelled_row(body):
     return stiction.levelled(body.row(3), "line")
 
 
-def readable(upper, lower):
+def objects_with_repr(upper, lower):
     result = press(upper, lower, [0.02])
     spectrum = surface_spectrum(lower)
     yield from (result.validity, contacts(upper, lower, 0.02), candidates(upper, lower, deepest=0.02))
@@ -151,10 +163,10 @@ def readable(upper, lower):
     yield from (stiction.material("brass"), stiction.ContactModel(), stiction.Study.named("quick"))
 
 
-def test_reprs_are_short_without_arrays(upper, lower, curve):
-    for item in (*shown(upper, lower, curve), *readable(upper, lower)):
+def test_reprs_are_short_and_contain_no_arrays(upper, lower, curve):
+    for item in (*displayed_objects(upper, lower, curve), *objects_with_repr(upper, lower)):
         text = repr(item)
-        assert len(text) <= LONGEST_REPR
+        assert len(text) <= MAX_REPR_LENGTH
         assert "array(" not in text
         assert " object at 0x" not in text
         assert type(item).__name__ in text
@@ -171,7 +183,7 @@ def test_reprs_have_units(upper, lower, curve):
 
 
 def test_results_have_html_with_figure_or_table(upper, lower, curve):
-    for item in shown(upper, lower, curve):
+    for item in displayed_objects(upper, lower, curve):
         shows = item._repr_html_()
         assert "<img" in shows or "<table" in shows
         if hasattr(item, "plot"):
@@ -188,67 +200,77 @@ def test_curve_plot_draws_friction(curve):
 
 
 def test_plot_rejects_spectrum_of_zeros():
-    nothing = power_spectrum(Profile(np.zeros(16), spacing=1.0))
+    zero_spectrum = power_spectrum(Profile(np.zeros(16), spacing=1.0))
     with pytest.raises(ValueError, match="0 everywhere, so there is nothing to draw"):
-        nothing.plot(Figure().subplots())
-    assert "nothing to draw" in nothing._repr_html_()
+        zero_spectrum.plot(Figure().subplots())
+    assert "nothing to draw" in zero_spectrum._repr_html_()
 
 
 # ---- From and to other libraries -------------------------------------------------------------------------------------
 
 
 def test_surface_survives_xarray_round_trip(lower):
-    turned = flipped(lower)
-    for body in (turned, turned.row(3)):
+    flipped_surface = flipped(lower)
+    for body in (flipped_surface, flipped_surface.row(3)):
         array = body.to_xarray()
         assert array.attrs["units"] == array["x"].attrs["units"] == "um"
-        back = type(body).from_(array)
-        np.testing.assert_array_equal(back.heights, body.heights)
-        assert (back.spacing, back.history) == (body.spacing, body.history)
+        restored = type(body).from_(array)
+        np.testing.assert_array_equal(restored.heights, body.heights)
+        assert (restored.spacing, restored.history) == (body.spacing, body.history)
 
 
-TAKEN = {name for kind in (xarray.Dataset, xarray.DataArray) for name in dir(kind) if not name.startswith("_")}
+XARRAY_METHODS = {name for kind in (xarray.Dataset, xarray.DataArray) for name in dir(kind) if not name.startswith("_")}
 
-KEPT = {"load"}
-"""Asked for with brackets, ``result["load"]``, because ``result.load`` is xarray's method that reads a file. It keeps
-its name because that is the word of `Result.at`, of study files and of tables, and every stored result has it."""
+ACCEPTED_METHOD_NAMES = {"load"}
+"""Names that are also methods of xarray: ``result["load"]`` needs brackets, because ``result.load`` reads a file."""
 
 
-def datasets(upper, lower, by_function, folder):
+def create_datasets(upper, lower, function_result, folder):
     """Yield a dataset of every kind that public functions return or store."""
     options = {"mu0": 0.3, "effective_modulus": 10.0}
     areas = stiction.run(pair_study(upper, lower, load="1 mN", shifts=3, mechanics="asperities", **options))
     lines = stiction.run(pair_study(upper.row(0), lower.row(0), load="10 uN", positions=[0.0], **options))
     small = {"ensemble.repetitions": 2, "surfaces.points": 3000, "contact.approach": ["5 nm", "20 nm", "40 nm"]}
-    ran = stiction.run(stiction.Study.named("quick").with_changes(small)).dataset
+    generated_dataset = stiction.run(stiction.Study.named("quick").with_changes(small)).dataset
     loads = [1e-3, 2e-3]
-    created = [each for one in (areas, lines) for each in (one.at(), one.at(per_member=True))] + [ran]
-    created += [stiction.friction_map(ran, loads), stiction.area_map(ran, loads), stiction.stiffness_map(ran, loads)]
-    created += [stiction.nondimensional(ran), at_load(ran, loads), member_values(ran, loads)]
-    created += [stiction.resolution(upper, lower, [1.0], hardness=1.0, effective_modulus=10.0, cut_offs=[0.8])]
+    datasets = [each for one in (areas, lines) for each in (one.at(), one.at(per_member=True))] + [generated_dataset]
+    datasets += [
+        stiction.friction_map(generated_dataset, loads),
+        stiction.area_map(generated_dataset, loads),
+        stiction.stiffness_map(generated_dataset, loads),
+    ]
+    datasets += [
+        stiction.nondimensional(generated_dataset),
+        at_load(generated_dataset, loads),
+        member_values(generated_dataset, loads),
+    ]
+    datasets += [stiction.resolution(upper, lower, [1.0], hardness=1.0, effective_modulus=10.0, cut_offs=[0.8])]
     rough = stiction.scale_dependent_roughness(lower)
-    created += [stiction.spectral_resolution(rough, rough, pressure=0.01, hardness=1.0, mu0=0.3)]
-    created += [by_function.dataset, by_function.at("10 MPa"), member_values(by_function.source, [1.0])]
-    created += [contact_picture(by_function.source), xarray.load_dataset(folder / "onset.nc")]
-    return created
+    datasets += [stiction.spectral_resolution(rough, rough, pressure=0.01, hardness=1.0, mu0=0.3)]
+    datasets += [function_result.dataset, function_result.at("10 MPa"), member_values(function_result.source, [1.0])]
+    datasets += [contact_picture(function_result.source), xarray.load_dataset(folder / "onset.nc")]
+    return datasets
 
 
-def test_dataset_names_are_not_xarray_methods(upper, lower, where):
+def test_dataset_names_are_not_xarray_methods(upper, lower, surface_folder):
     stored = pair(
-        where / "upper.npy", where / "lower.npy", directory=where / "kept", **ASKED | {"onset": 2, "mu0": 0.2}
+        surface_folder / "upper.npy",
+        surface_folder / "lower.npy",
+        directory=surface_folder / "kept",
+        **PAIR_ARGUMENTS | {"onset": 2, "mu0": 0.2},
     )
     result = {
         str(name)
-        for dataset in datasets(upper, lower, stored, where / "kept")
+        for dataset in create_datasets(upper, lower, stored, surface_folder / "kept")
         for name in (*dataset.dims, *dataset.variables)
     }
     result |= set(QUANTITIES)
     array = lower.to_xarray()
-    assert (result | {*array.dims, array.name}) & TAKEN == KEPT
+    assert (result | {*array.dims, array.name}) & XARRAY_METHODS == ACCEPTED_METHOD_NAMES
 
 
-def test_contacts_of_result_are_a_frame(by_function):
-    result = by_function.contacts(["5 MPa", "10 MPa"], members=[0, 2])
+def test_contacts_of_result_are_a_data_frame(function_result):
+    result = function_result.contacts(["5 MPa", "10 MPa"], members=[0, 2])
     assert list(result.columns) == [
         "member", "cut_off_um", "load_mN", "x_um", "y_um", "force_mN", "area_um2", "mean_pressure_GPa", "slope_x",
         "slope_y", "at_edge",
@@ -257,50 +279,54 @@ def test_contacts_of_result_are_a_frame(by_function):
     assert len(loads) == 4
     np.testing.assert_allclose(loads, loads.index.get_level_values("load_mN"), rtol=1e-9)
     areas = result[result["load_mN"] == result["load_mN"].max()].groupby("member")["area_um2"].sum()
-    pressed = by_function.dataset["contact_area"].isel(cut_off=0).sel(load=result["load_mN"].max(), method="nearest")
+    pressed = (
+        function_result.dataset["contact_area"].isel(cut_off=0).sel(load=result["load_mN"].max(), method="nearest")
+    )
     np.testing.assert_allclose(areas, pressed.sel(repetition=[0, 2]), rtol=1e-9)
     np.testing.assert_array_equal(result["mean_pressure_GPa"], result["force_mN"] / result["area_um2"])
 
 
-def test_contacts_default_to_typical_member(by_function):
-    picture = contact_picture(by_function.source)
-    result = by_function.contacts()
+def test_contacts_default_to_typical_member(function_result):
+    picture = contact_picture(function_result.source)
+    result = function_result.contacts()
     assert set(result["member"]) == {picture.attrs["member"]}
     np.testing.assert_array_equal(result["force_mN"], picture["contact_force"])
     for members, words in ((3, "members must be indices of the 3"), ([], "members must be"), (0.5, "whole number")):
         with pytest.raises(ValueError, match=words):
-            by_function.contacts(members=members)
+            function_result.contacts(members=members)
     with pytest.raises(ValueError, match="load must be a force or a pressure with its unit"):
-        by_function.contacts("10 nm")
+        function_result.contacts("10 nm")
 
 
 def test_contacts_of_generated_result_equal_direct_call():
     small = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
     study = stiction.Study.named("quick").with_changes(small)
     result = stiction.run(study).contacts(1e-3, members=[0, 1])
-    one = result[(result["fractal_dimension"] == 1.4) & (result["member"] == 1)]
-    upper, lower = stiction.pair_of(study, 1, fractal_dimension=1.4, amplitude=float(one["amplitude_um"].iloc[0]))
+    member_contacts = result[(result["fractal_dimension"] == 1.4) & (result["member"] == 1)]
+    upper, lower = stiction.pair_of(
+        study, 1, fractal_dimension=1.4, amplitude=float(member_contacts["amplitude_um"].iloc[0])
+    )
     approach = float(stiction.approach_at_load(upper, lower, 1e-3, mu0=0.0))
-    listed = contacts(upper, lower, approach, sliding="all")
-    np.testing.assert_allclose(one["x_um"], listed.centre[:, 0], rtol=1e-9)
-    np.testing.assert_allclose(one["force_mN"].sum(), 1e-3, rtol=1e-9)
+    expected = contacts(upper, lower, approach, sliding="all")
+    np.testing.assert_allclose(member_contacts["x_um"], expected.centre[:, 0], rtol=1e-9)
+    np.testing.assert_allclose(member_contacts["force_mN"].sum(), 1e-3, rtol=1e-9)
 
 
 def test_surface_from_array_converts_units(lower):
     array = lower.to_xarray() * 1000
     array.attrs["units"] = "nm"
-    back = Surface.from_(array.transpose("x", "y"))
-    np.testing.assert_allclose(back.heights, lower.heights, rtol=1e-15)
-    assert back.spacing == lower.spacing
+    converted = Surface.from_(array.transpose("x", "y"))
+    np.testing.assert_allclose(converted.heights, lower.heights, rtol=1e-15)
+    assert converted.spacing == lower.spacing
 
 
 def test_surface_from_topography_preserves_heights(lower):
     topography = pytest.importorskip("SurfaceTopography")
     rows, columns = lower.heights.shape
     sizes = columns * lower.spacing[1] * 1000, rows * lower.spacing[0] * 1000
-    back = Surface.from_(topography.Topography(lower.heights.T * 1000, sizes, unit="nm"))
-    np.testing.assert_allclose(back.heights, lower.heights, rtol=1e-14)
-    np.testing.assert_allclose(back.spacing, lower.spacing, rtol=1e-14)
+    converted = Surface.from_(topography.Topography(lower.heights.T * 1000, sizes, unit="nm"))
+    np.testing.assert_allclose(converted.heights, lower.heights, rtol=1e-14)
+    np.testing.assert_allclose(converted.spacing, lower.spacing, rtol=1e-14)
     line = Profile.from_(topography.UniformLineScan(lower.heights[0], columns * 0.2), unit="um")
     np.testing.assert_array_equal(line.heights, lower.heights[0])
     masked = np.ma.masked_greater(lower.heights.T, 0.01)
@@ -308,17 +334,17 @@ def test_surface_from_topography_preserves_heights(lower):
         Surface.from_(topography.Topography(masked, sizes, unit="nm"))
 
 
-class Surfalize:
-    """Attributes of the Surface of surfalize: micrometres, and steps along x and y."""
+class SurfalizeStandIn:
+    """Object with the attributes of a surface of the package surfalize."""
 
     def __init__(self, data, step_x, step_y):
         self.data, self.step_x, self.step_y = data, step_x, step_y
 
 
 def test_surface_from_surfalize_preserves_heights(lower):
-    back = Surface.from_(Surfalize(lower.heights, 0.2, 0.1))
-    np.testing.assert_array_equal(back.heights, lower.heights)
-    assert back.spacing == (0.1, 0.2)
+    converted = Surface.from_(SurfalizeStandIn(lower.heights, 0.2, 0.1))
+    np.testing.assert_array_equal(converted.heights, lower.heights)
+    assert converted.spacing == (0.1, 0.2)
 
 
 def test_surface_from_rejects_other_objects(lower):
@@ -338,10 +364,10 @@ def test_surface_from_rejects_other_objects(lower):
             Surface.from_(bad)
 
 
-# ---- Quantities, moduli, and bodies that are one and the same --------------------------------------------------------
+# ---- Quantities, moduli and identical bodies -------------------------------------------------------------------------
 
 
-def test_text_with_unit_equals_number(upper, lower):
+def test_functions_accept_texts_with_units(upper, lower):
     np.testing.assert_array_equal(press(upper, lower, ["5 nm", "0.02 um"]).approach, [0.005, 0.02])
     area = float(np.prod(upper.extent))
     np.testing.assert_allclose(half_space(upper, lower, ["1 MPa", "3 mN"]).load, [0.001 * area, 3.0], rtol=1e-12)
@@ -355,7 +381,7 @@ def test_text_with_unit_equals_number(upper, lower):
 
 
 @pytest.fixture(scope="module")
-def scan(lower, tmp_path_factory):
+def scanned_surface(lower, tmp_path_factory):
     path = tmp_path_factory.mktemp("scan") / "scan.npy"
     write_surface(lower, path)
     result = read_surface(path)
@@ -364,43 +390,58 @@ def scan(lower, tmp_path_factory):
     return result
 
 
-def test_measured_surface_requires_modulus(upper, scan):
+def test_measured_surface_requires_modulus(upper, scanned_surface):
     for call in (
-        lambda: press(upper, scan, "10 nm"),
-        lambda: contacts(upper, scan, "10 nm"),
-        lambda: press(candidates(upper, scan, deepest=0.02), "10 nm"),
-        lambda: half_space(upper, scan, "1 mN"),
-        lambda: stiction.resolution(upper, scan, [1.0], hardness=None),
-        lambda: stiction.approach_at_load(upper, scan, "1 mN", mu0=0.3),
+        lambda: press(upper, scanned_surface, "10 nm"),
+        lambda: contacts(upper, scanned_surface, "10 nm"),
+        lambda: press(candidates(upper, scanned_surface, deepest=0.02), "10 nm"),
+        lambda: half_space(upper, scanned_surface, "1 mN"),
+        lambda: stiction.resolution(upper, scanned_surface, [1.0], hardness=None),
+        lambda: stiction.approach_at_load(upper, scanned_surface, "1 mN", mu0=0.3),
     ):
         with pytest.raises(ValueError, match=r"effective_modulus .* must be given, because a body was read from scan"):
             call()
     model = stiction.ContactModel(effective_modulus=10.0)
-    with_model, generated = press(upper, scan, "10 nm", model=model), Surface(scan.heights, spacing=scan.spacing)
+    with_model, generated = (
+        press(upper, scanned_surface, "10 nm", model=model),
+        Surface(scanned_surface.heights, spacing=scanned_surface.spacing),
+    )
     np.testing.assert_array_equal(with_model.normal_elastic, press(upper, generated, "10 nm").normal_elastic)
 
 
-def test_press_warns_about_surface_on_itself(scan, lower):
-    mirrored = Surface(0.3 - scan.heights, spacing=scan.spacing, history=(*scan.history, "turned over"))
+def test_press_warns_about_surface_on_itself(scanned_surface, lower):
+    mirrored = Surface(
+        0.3 - scanned_surface.heights,
+        spacing=scanned_surface.spacing,
+        history=(*scanned_surface.history, "turned over"),
+    )
     for call, words in (
-        (lambda: half_space(scan, scan, "1 mN", effective_modulus=10.0), "face the same way"),
+        (lambda: half_space(scanned_surface, scanned_surface, "1 mN", effective_modulus=10.0), "face the same way"),
         (lambda: half_space(lower, lower, "1 mN"), "fit into each other everywhere"),
-        (lambda: half_space(mirrored, scan, "1 mN", effective_modulus=10.0), "is the mirror image of lower"),
+        (lambda: half_space(mirrored, scanned_surface, "1 mN", effective_modulus=10.0), "is the mirror image of lower"),
         (lambda: press(flipped(lower), lower, "5 nm"), "slopes along y cancel"),
     ):
         with pytest.warns(UserWarning, match=words):
             call()
 
 
-def test_press_accepts_two_surfaces_without_warning(scan, upper, lower):
+def test_press_accepts_two_surfaces_without_warning(scanned_surface, upper, lower):
     with warnings.catch_warnings(action="error"):
         press(upper, lower, "5 nm")
-        press(flipped(scan), upper, "5 nm", effective_modulus=10.0)
-        stiction.pair(scan, scan, load="1 mN", mu0=0.3, effective_modulus=10.0, shifts=2, mechanics="asperities")
+        press(flipped(scanned_surface), upper, "5 nm", effective_modulus=10.0)
+        stiction.pair(
+            scanned_surface,
+            scanned_surface,
+            load="1 mN",
+            mu0=0.3,
+            effective_modulus=10.0,
+            shifts=2,
+            mechanics="asperities",
+        )
 
 
 def test_mirrored_surface_has_no_elastic_tangential_load(lower):
-    """Slopes of a body on its mirror image cancel: without a molecular coefficient nothing holds it."""
+    """The slopes of a surface in contact with its mirror image cancel."""
     mirrored = Surface(-lower.heights, spacing=lower.spacing)
     result = half_space(mirrored, lower, "1 mN", direction=[0, 90], sliding="all")
     assert np.abs(result.tangential_elastic).max() < 1e-6 * result.normal_elastic.max()
@@ -408,89 +449,106 @@ def test_mirrored_surface_has_no_elastic_tangential_load(lower):
 
 # ---- A pair ----------------------------------------------------------------------------------------------------------
 
-ASKED = {"load": "10 MPa", "mu0": [0.2, 0.3], "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
-OPTIONS = (
+PAIR_ARGUMENTS = {
+    "load": "10 MPa",
+    "mu0": [0.2, 0.3],
+    "tau0": "50 MPa",
+    "effective_modulus": "80 GPa",
+    "shifts": 3,
+    "onset": 0,
+}
+COMMAND_OPTIONS = (
     "--load", "10 MPa", "--mu0", "0.2,0.3", "--tau0", "50 MPa", "--effective-modulus", "80 GPa", "--shifts", "3",
     "--onset", "0", "--mechanics", "asperities",
 )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
-def where(tmp_path_factory):
+def surface_folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("notebook")
     for side in ("upper", "lower"):
-        write_surface(surface(side), folder / f"{side}.npy")
+        write_surface(create_surface(side), folder / f"{side}.npy")
     return folder
 
 
 @pytest.fixture(scope="module")
-def by_command(where):
+def command_result(surface_folder):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stiction.views.figures.draw_figures", lambda *_, **__: [])
-        completed = call_stiction("pair", "upper.npy", "lower.npy", *OPTIONS, "--output", "command", cwd=where)
+        completed = call_stiction(
+            "pair", "upper.npy", "lower.npy", *COMMAND_OPTIONS, "--output", "command", cwd=surface_folder
+        )
     assert completed.returncode == 0, completed
-    return open_result(where / "command")
+    return open_result(surface_folder / "command")
 
 
 @pytest.fixture(scope="module")
-def by_function(where):
-    return pair(where / "upper.npy", where / "lower.npy", mechanics="asperities", directory=where / "function", **ASKED)
+def function_result(surface_folder):
+    return pair(
+        surface_folder / "upper.npy",
+        surface_folder / "lower.npy",
+        mechanics="asperities",
+        directory=surface_folder / "function",
+        **PAIR_ARGUMENTS,
+    )
 
 
-def test_pair_function_equals_command(by_command, by_function, where):
-    assert by_function.study == by_command.study
-    xarray.testing.assert_identical(by_function.dataset, by_command.dataset)
-    assert by_function.to_dataframe().equals(by_command.to_dataframe())
-    assert repr(by_function) == repr(by_command)
-    records = [[point_record(point) for point in each.summary().points] for each in (by_function, by_command)]
+def test_pair_function_equals_command(command_result, function_result, surface_folder):
+    assert function_result.study == command_result.study
+    xarray.testing.assert_identical(function_result.dataset, command_result.dataset)
+    assert function_result.to_dataframe().equals(command_result.to_dataframe())
+    assert repr(function_result) == repr(command_result)
+    records = [
+        [point_record(point) for point in result.summary().points] for result in (function_result, command_result)
+    ]
     assert records[0] == records[1]
-    again = open_result(where / "function")
-    assert (again.value, again.verdict) == (by_function.value, by_function.verdict)
+    stored_result = open_result(surface_folder / "function")
+    assert (stored_result.value, stored_result.verdict) == (function_result.value, function_result.verdict)
 
 
-def test_at_command_reads_result_of_pair_function(by_function, where):
-    completed = check_stiction("at", "function", "--load", "10 MPa", cwd=where)
-    assert f"{by_function.value:.2f}" in completed.stdout
+def test_at_command_reads_result_of_pair_function(function_result, surface_folder):
+    completed = check_stiction("at", "function", "--load", "10 MPa", cwd=surface_folder)
+    assert f"{function_result.value:.2f}" in completed.stdout
 
 
-def test_pair_of_arrays_equals_pair_of_files(by_function):
-    """The same heights, and a history of one step less."""
-    load = float(by_function.study.friction.load[0])
-    options = ASKED | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
-    result = pair(surface("upper"), surface("lower"), mechanics="asperities", **options)
+def test_pair_of_arrays_equals_pair_of_files(function_result):
+    """Compare surfaces in memory with the same heights read from files."""
+    load = float(function_result.study.friction.load[0])
+    options = PAIR_ARGUMENTS | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
+    result = pair(create_surface("upper"), create_surface("lower"), mechanics="asperities", **options)
     for name in ("contact_area", "tangential_elastic"):
-        np.testing.assert_array_equal(result.dataset[name], by_function.dataset[name])
-    assert result.value == by_function.value
+        np.testing.assert_array_equal(result.dataset[name], function_result.dataset[name])
+    assert result.value == function_result.value
 
 
-def test_result_has_value_and_table(by_function, tmp_path):
-    first = by_function.summary().points[0]
-    assert by_function.value == first.value
-    assert by_function.interval == (first.lower, first.upper)
-    assert by_function.verdict in repr(by_function)
-    assert all(caveat.text in " ".join(repr(by_function).split()) for caveat in first.caveats)
-    table = by_function.to_dataframe()
+def test_result_has_value_and_table(function_result, tmp_path):
+    first = function_result.summary().points[0]
+    assert function_result.value == first.value
+    assert function_result.interval == (first.lower, first.upper)
+    assert function_result.verdict in repr(function_result)
+    assert all(caveat.text in " ".join(repr(function_result).split()) for caveat in first.caveats)
+    table = function_result.to_dataframe()
     assert {"verdict", "caveats", "coefficient of static friction"} <= set(table.columns)
-    assert "<pre" in (shows := by_function._repr_html_())
+    assert "<pre" in (shows := function_result._repr_html_())
     assert "<img" in shows
-    assert by_function.save_report(tmp_path / "page.html").stat().st_size > 1000
+    assert function_result.save_report(tmp_path / "page.html").stat().st_size > 1000
 
 
-def test_result_at_accepts_other_loads(by_function):
-    at = by_function.at(["5 MPa", "2 mN"], mu0=0.25, tau0="20 MPa")
-    np.testing.assert_allclose(at["load"], sorted([2.0, 0.005 * float(by_function.dataset["nominal_area"])]))
+def test_result_at_accepts_other_loads(function_result):
+    at = function_result.at(["5 MPa", "2 mN"], mu0=0.25, tau0="20 MPa")
+    np.testing.assert_allclose(at["load"], sorted([2.0, 0.005 * float(function_result.dataset["nominal_area"])]))
     assert (at["mu0"].item(), at["tau0"].item()) == (0.25, 0.02)
 
 
-def test_result_draws_every_figure(by_function):
-    for name in by_function.figures():
-        assert isinstance(figure := by_function.figure(name), Figure)
+def test_result_draws_every_figure(function_result):
+    for name in function_result.figures():
+        assert isinstance(figure := function_result.figure(name), Figure)
     assert figure._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match="name must be one of 'friction'"):
-        by_function.figure("picture")
+        function_result.figure("picture")
 
 
-BAD = [
+REJECTED_ARGUMENTS = [
     ({"load": "10 nm"}, "load must be a force or a pressure with its unit"),
     ({"load": []}, "load must have at least one value"),
     ({"tau0": "3 mN"}, "tau0 has the unit 'mN', which is not one of pressure"),
@@ -505,31 +563,38 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("changed", "words"), BAD)
-def test_pair_rejects_bad_input_in_one_sentence(upper, lower, changed, words):
-    arguments = {"first": upper, "second": lower} | ASKED | changed
-    with pytest.raises(ValueError, match=words) as refused:
+@pytest.mark.parametrize(("changes", "pattern"), REJECTED_ARGUMENTS)
+def test_pair_rejects_bad_input_in_one_sentence(upper, lower, changes, pattern):
+    arguments = {"first": upper, "second": lower} | PAIR_ARGUMENTS | changes
+    with pytest.raises(ValueError, match=pattern) as caught:
         pair(arguments.pop("first"), arguments.pop("second"), **arguments)
-    assert "--" not in str(refused.value)
-    assert "\n" not in str(refused.value)
+    assert "--" not in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_pair_warns_about_flipped_surface(upper, lower):
     with pytest.warns(UserWarning, match="first was turned over, and pair turns the first body over itself"):
-        pair(flipped(upper), lower, mechanics="asperities", **ASKED)
+        pair(flipped(upper), lower, mechanics="asperities", **PAIR_ARGUMENTS)
 
 
-def test_pair_replaces_other_result_only_on_request(by_function, where, tmp_path):
+def test_pair_replaces_other_result_only_on_request(function_result, surface_folder, tmp_path):
     folder = tmp_path / "result"
-    options = ASKED | {"mechanics": "asperities", "directory": folder}
-    pair(where / "upper.npy", where / "lower.npy", **options)
-    assert pair(where / "upper.npy", where / "lower.npy", **options | {"mu0": 0.1}).study.friction.mu0 == (0.1,)
+    options = PAIR_ARGUMENTS | {"mechanics": "asperities", "directory": folder}
+    pair(surface_folder / "upper.npy", surface_folder / "lower.npy", **options)
+    assert pair(
+        surface_folder / "upper.npy", surface_folder / "lower.npy", **options | {"mu0": 0.1}
+    ).study.friction.mu0 == (0.1,)
     other = options | {"effective_modulus": "70 GPa"}
-    with pytest.raises(ValueError, match="contains another study") as refused:
-        pair(where / "upper.npy", where / "lower.npy", **other)
-    assert "\n" not in str(refused.value)
-    assert pair(where / "upper.npy", where / "lower.npy", **other, replace=True).study.contact.effective_modulus == 70
+    with pytest.raises(ValueError, match="contains another study") as caught:
+        pair(surface_folder / "upper.npy", surface_folder / "lower.npy", **other)
+    assert "\n" not in str(caught.value)
+    assert (
+        pair(
+            surface_folder / "upper.npy", surface_folder / "lower.npy", **other, replace=True
+        ).study.contact.effective_modulus
+        == 70
+    )
 
 
-def test_copy_has_equal_repr(lower):
+def test_copy_of_surface_has_equal_repr(lower):
     assert repr(copy.deepcopy(lower)) == repr(lower)

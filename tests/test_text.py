@@ -1,4 +1,4 @@
-"""Tests of foreign text on a terminal, and of bounded reading of foreign files."""
+"""Test the printing of text from files, limits of reading files, and safe writing."""
 
 import os
 import re

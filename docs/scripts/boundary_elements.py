@@ -15,7 +15,7 @@ from scipy.stats import t as student
 DOCS = Path(__file__).parents[1]
 sys.path.insert(0, str(DOCS.parent / "tests"))
 
-from reference.boundary_elements import (  # noqa: E402  the tests repeat points of this page
+from reference.boundary_elements import (  # noqa: E402  also used by tests
     EFFECTIVE_MODULUS,
     PERIOD,
     RMS_SLOPE,
@@ -25,18 +25,18 @@ from reference.boundary_elements import (  # noqa: E402  the tests repeat points
     band_limited_profile,
 )
 
-HURST = (0.5, 0.75, 1.0)
+HURST_EXPONENTS = (0.5, 0.75, 1.0)
 BANDWIDTHS = {8: (64, 24), 32: (32, 24), 128: (16, 12)}
-"""Points per shortest wavelength and repetitions, by bandwidth; light contacts need more of both."""
+"""Points per shortest wavelength and number of repetitions, by bandwidth."""
 LOADS = np.geomspace(0.002, 0.2, 9)
-"""p̄ / (E* h'rms)."""
-SHOWN = (0, 4, 8)
+"""Mean pressures in units of E* times the rms slope."""
+TABLE_LOAD_INDICES = (0, 4, 8)
 SEED = 2016
-CHECKED = 3  # repetitions
+NUM_CHECKS = 3
 
 COLOURS, MARKERS = ("#0072B2", "#D55E00", "#009E73"), "os^"  # Okabe & Ito
-FRACTION, COUNT, STIFFNESS = range(3)
-THEORIES = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 / np.pi)}
+FRACTION_COLUMN, COUNT_COLUMN, STIFFNESS_COLUMN = range(3)
+KAPPA_OF_THEORIES = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 / np.pi)}
 
 
 def measure_profile(
@@ -53,7 +53,7 @@ def measure_profile(
     )
 
 
-def with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def mean_with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the geometric mean over axis 0, and the ends of its 95 % interval (Student's t); NaNs are ignored."""
     logs = np.log(ratios)
     n = np.isfinite(logs).sum(axis=0)
@@ -63,13 +63,13 @@ def with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
 
 def format_ratios(ratios: np.ndarray) -> str:
-    mean, low, high = (float(value) for value in with_interval(ratios))
+    mean, low, high = (float(value) for value in mean_with_interval(ratios))
     return f"{mean:.2f} ({low:.2f} to {high:.2f})"
 
 
-def curve(ax, h: int, values: np.ndarray, style: str, *, filled: bool) -> None:
+def draw_curve(ax, h: int, values: np.ndarray, style: str, *, filled: bool) -> None:
     """Draw means over profiles with error bars at each load; only the filled curve is labelled."""
-    mean, low, high = with_interval(values)
+    mean, low, high = mean_with_interval(values)
     ax.errorbar(
         LOADS * 1.06 ** (h - 1),
         mean,
@@ -82,19 +82,19 @@ def curve(ax, h: int, values: np.ndarray, style: str, *, filled: bool) -> None:
         mfc=COLOURS[h] if filled else "white",
         mew=0.6,
         color=COLOURS[h],
-        label=f"$H$ = {HURST[h]:g}" if filled else None,
+        label=f"$H$ = {HURST_EXPONENTS[h]:g}" if filled else None,
     )
 
 
-def ratio_figure(results: dict, quantity: int, label: str, name: str, wave, *, log: bool) -> None:
+def draw_ratios(results: dict, quantity: int, label: str, name: str, wave, *, log: bool) -> None:
     figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, sharey=True)
     for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
-        for h, hurst in enumerate(HURST):
+        for h, hurst in enumerate(HURST_EXPONENTS):
             values = results[bandwidth, hurst]
             for way, style in ((1, "-"), (2, ":")):
                 ratios = values[:, :, way, quantity] / values[:, :, 0, quantity]
-                curve(ax, h, ratios, style, filled=way == 1)
+                draw_curve(ax, h, ratios, style, filled=way == 1)
         fine = np.geomspace(LOADS[0] / 1.1, LOADS[-1] * 1.1, 100)
         ax.plot(fine, wave(fine * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="one wave, exact")
         ax.axhline(1, color="0.7", lw=0.6, zorder=0)
@@ -127,14 +127,14 @@ def ratio_figure(results: dict, quantity: int, label: str, name: str, wave, *, l
     figure.savefig(DOCS / "images" / name)
 
 
-def kappa_figure(results: dict) -> None:
+def draw_kappa(results: dict) -> None:
     figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, sharey=True)
     for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
-        for h, hurst in enumerate(HURST):
+        for h, hurst in enumerate(HURST_EXPONENTS):
             for way, style in ((0, "--"), (1, "-")):
-                curve(ax, h, results[bandwidth, hurst][:, :, way, FRACTION] / LOADS, style, filled=way == 1)
-        for (theory, value), style in zip(THEORIES.items(), ("-", "-."), strict=True):
+                draw_curve(ax, h, results[bandwidth, hurst][:, :, way, FRACTION_COLUMN] / LOADS, style, filled=way == 1)
+        for (theory, value), style in zip(KAPPA_OF_THEORIES.items(), ("-", "-."), strict=True):
             ax.axhline(value, color="0.5", lw=0.7, ls=style, zorder=0, label=f"2-D: {theory}")
         ax.set_title(f"longest / shortest wave {bandwidth}", fontsize=7, pad=2)
         ax.set_xscale("log")
@@ -166,18 +166,18 @@ def load_rows(results: dict) -> list[str]:
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for (bandwidth, hurst), values in results.items():
-        for k in SHOWN:
+        for k in TABLE_LOAD_INDICES:
             solid, model, interacting = (values[:, k, way] for way in range(3))
             cells = [
                 f"{bandwidth}",
                 f"{hurst:g}",
                 f"{LOADS[k]:g}",
-                f"{solid[:, FRACTION].mean():.3f}",
-                f"{solid[:, COUNT].mean():.3g}, {model[:, COUNT].mean():.3g}",
+                f"{solid[:, FRACTION_COLUMN].mean():.3f}",
+                f"{solid[:, COUNT_COLUMN].mean():.3g}, {model[:, COUNT_COLUMN].mean():.3g}",
                 *(
                     format_ratios(way[:, quantity] / solid[:, quantity])
                     for way in (model, interacting)
-                    for quantity in (FRACTION, STIFFNESS)
+                    for quantity in (FRACTION_COLUMN, STIFFNESS_COLUMN)
                 ),
             ]
             rows.append(f"| {' | '.join(cells)} |")
@@ -198,10 +198,12 @@ def count_rows(results: dict) -> list[str]:
         for way, (bandwidth, (_, repetitions)) in product((1, 2), BANDWIDTHS.items()):
             ratios = []
             for k in range(repetitions):
-                points = np.concatenate([results[bandwidth, hurst][k] for hurst in HURST])
-                points = points[(points[:, 0, COUNT] >= least) & (points[:, 0, COUNT] <= most)]
+                points = np.concatenate([results[bandwidth, hurst][k] for hurst in HURST_EXPONENTS])
+                points = points[(points[:, 0, COUNT_COLUMN] >= least) & (points[:, 0, COUNT_COLUMN] <= most)]
                 if len(points):
-                    ratios.append(np.exp(np.log(points[:, way, FRACTION] / points[:, 0, FRACTION]).mean()))
+                    ratios.append(
+                        np.exp(np.log(points[:, way, FRACTION_COLUMN] / points[:, 0, FRACTION_COLUMN]).mean())
+                    )
             cells.append(format_ratios(np.array(ratios)) if len(ratios) >= 6 else "")
         name = f"{most:g}" if most <= 2 else f"{np.ceil(least):g} to {most:g}" if most < 1000 else f"above {least:.0f}"
         rows.append(f"| {name} | {' | '.join(cells)} |")
@@ -217,21 +219,21 @@ def check_rows(results: dict, checks: dict) -> list[str]:
     for bandwidth, (points, _) in BANDWIDTHS.items():
         finer, tighter = np.zeros((LOADS.size, 3)), np.zeros((LOADS.size, 3))
         for name, changes in (("finer", finer), ("tighter", tighter)):
-            for hurst in HURST:
-                pair = results[bandwidth, hurst][:CHECKED], checks[name, bandwidth, hurst]
+            for hurst in HURST_EXPONENTS:
+                pair = results[bandwidth, hurst][:NUM_CHECKS], checks[name, bandwidth, hurst]
                 before, after = (np.log(values[:, :, 1] / values[:, :, 0]).mean(axis=0) for values in pair)
                 np.maximum(changes, np.abs(after - before), out=changes)
-        heavy = finer[SHOWN[1] :, FRACTION]
+        heavy = finer[TABLE_LOAD_INDICES[1] :, FRACTION_COLUMN]
         rows.append(
-            f"| {bandwidth} | {points} to {2 * points} | {100 * finer[:, FRACTION].max():.1f} % "
-            f"| {100 * heavy.max():.1f} % | {100 * finer[:, STIFFNESS].max():.1f} % "
-            f"| {100 * tighter[:, [FRACTION, STIFFNESS]].max():.0g} % |"
+            f"| {bandwidth} | {points} to {2 * points} | {100 * finer[:, FRACTION_COLUMN].max():.1f} % "
+            f"| {100 * heavy.max():.1f} % | {100 * finer[:, STIFFNESS_COLUMN].max():.1f} % "
+            f"| {100 * tighter[:, [FRACTION_COLUMN, STIFFNESS_COLUMN]].max():.0g} % |"
         )
     return rows
 
 
 def main() -> None:
-    pairs = list(product(BANDWIDTHS, HURST))
+    pairs = list(product(BANDWIDTHS, HURST_EXPONENTS))
     with ProcessPoolExecutor(2) as pool:
         jobs = {
             (bandwidth, hurst): [
@@ -241,37 +243,37 @@ def main() -> None:
         }
         options = {"finer": {"finer": 2}, "tighter": {"tolerance": 1e-12}}
         check_jobs = {
-            (check, *pair): [pool.submit(measure_profile, *pair, k, **arguments) for k in range(CHECKED)]
+            (check, *pair): [pool.submit(measure_profile, *pair, k, **arguments) for k in range(NUM_CHECKS)]
             for check, arguments in options.items()
             for pair in pairs
         }
         results = {pair: np.array([job.result() for job in jobs[pair]]) for pair in pairs}
         checks = {key: np.array([job.result() for job in values]) for key, values in check_jobs.items()}
     # Westergaard against cylinders, with r = p̄/p* and p* = E* h'rms / √2.
-    ratio_figure(
+    draw_ratios(
         results,
-        FRACTION,
+        FRACTION_COLUMN,
         "true contact area / boundary elements",
         "boundary_elements_area.png",
         lambda r: np.sqrt(r) / np.arcsin(np.sqrt(r)),
         log=False,
     )
-    ratio_figure(
+    draw_ratios(
         results,
-        STIFFNESS,
+        STIFFNESS_COLUMN,
         "normal stiffness / boundary elements",
         "boundary_elements_stiffness.png",
         lambda r: -np.log(r) / 4,
         log=True,
     )
-    kappa_figure(results)
+    draw_kappa(results)
     tables = (load_rows(results), count_rows(results), check_rows(results, checks))
     headings = (
         "Model, and model with interaction, over boundary elements, with 95 % intervals. Contact fraction by boundary "
         "elements; contacts per period of four longest waves.",
         "The same ratios of area by the number of contacts, over all H and loads, by longest / shortest wave; blank "
         "below 6 repetitions.",
-        f"How far the grid and the solver matter: largest change of a mean ratio of {CHECKED} profiles, over all H.",
+        f"How far the grid and the solver matter: largest change of a mean ratio of {NUM_CHECKS} profiles, over all H.",
     )
     text = "\n\n".join(f"{heading}\n\n" + "\n".join(rows) for heading, rows in zip(headings, tables, strict=True))
     (DOCS / "generated/boundary_elements.md").write_text(text + "\n", encoding="utf-8")

@@ -45,17 +45,17 @@ Verdict = Literal["true", "false", "undecided", "undefined"]
 ROOT = Path(__file__).resolve().parents[2]
 
 MIN_REPETITIONS = 20
-"""Repetitions that a verdict needs."""
+"""Minimum number of repetitions for a verdict."""
 
 MAX_BAND_DIMENSION = 1.65
 """Largest fractal dimension in bands of profiles with asperities."""
 
-RESAMPLES = 400
+NUM_RESAMPLES = 400
 
 FLATTER, STEEPER = 0.05, 0.2
 """Amplitudes (µm) of the claim about amplitudes."""
 
-_SUMS = (
+_SUM_NAMES = (
     "contact_area",
     *(f"{load}_{part}" for load in ("normal", "tangential") for part in ("elastic", "frictional", "adhesive")),
 )
@@ -110,32 +110,34 @@ class Column:
         return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": reduced})
 
 
-_AMPLITUDES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
-_AREAS = {**_AMPLITUDES, "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 15}}
-_HALF_PLANES = {
+_AMPLITUDE_CHANGES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
+_AREA_CHANGES = {**_AMPLITUDE_CHANGES, "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 15}}
+_HALF_PLANE_CHANGES = {
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.5, "count": 6},
     "surfaces.points": 65_536,
     "contact.load": {"start": "0.01 mN", "stop": "1 mN", "count": 5, "spacing": "geometric"},
 }
-_HALF_SPACES = {
-    **_AMPLITUDES,
+_HALF_SPACE_CHANGES = {
+    **_AMPLITUDE_CHANGES,
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 8},
     "surfaces.shape": [256, 256],
     "contact.mechanics": "half-space",
     "contact.load": {"start": "0.1 mN", "stop": "3 mN", "count": 5, "spacing": "geometric"},
 }
-_GAP_MINIMA = {"contact.detection": "gap-minimum"}
-_ALL_RUB = {**_GAP_MINIMA, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
+_GAP_MINIMUM_CHANGES = {"contact.detection": "gap-minimum"}
+_ALL_CONTACTS = {**_GAP_MINIMUM_CHANGES, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
 
 COLUMNS: Mapping[str, Column] = {
-    "profiles, asperities, gap minima": Column("figure7", _GAP_MINIMA, "opposing", 20, "gap-minima"),
-    "the same, friction at all contacts": Column("figure7", _ALL_RUB, "all", 20, "all-rub"),
-    "height maps, asperities": Column("figure6-areal", _AREAS, "opposing", 80, "areas"),
-    "height maps, asperities, friction at all contacts": Column("figure6-areal", _AREAS, "all", 80, "areas"),
-    "half-planes": Column("figure6-half-plane", _HALF_PLANES, "opposing", 100, "half-planes"),
-    "half-planes, friction at all contacts": Column("figure6-half-plane", _HALF_PLANES, "all", 100, "half-planes"),
-    "half-spaces": Column("figure6-areal", _HALF_SPACES, "opposing", 66, "half-spaces"),
-    "half-spaces, friction at all contacts": Column("figure6-areal", _HALF_SPACES, "all", 66, "half-spaces"),
+    "profiles, asperities, gap minima": Column("figure7", _GAP_MINIMUM_CHANGES, "opposing", 20, "gap-minima"),
+    "the same, friction at all contacts": Column("figure7", _ALL_CONTACTS, "all", 20, "all-rub"),
+    "height maps, asperities": Column("figure6-areal", _AREA_CHANGES, "opposing", 80, "areas"),
+    "height maps, asperities, friction at all contacts": Column("figure6-areal", _AREA_CHANGES, "all", 80, "areas"),
+    "half-planes": Column("figure6-half-plane", _HALF_PLANE_CHANGES, "opposing", 100, "half-planes"),
+    "half-planes, friction at all contacts": Column(
+        "figure6-half-plane", _HALF_PLANE_CHANGES, "all", 100, "half-planes"
+    ),
+    "half-spaces": Column("figure6-areal", _HALF_SPACE_CHANGES, "opposing", 66, "half-spaces"),
+    "half-spaces, friction at all contacts": Column("figure6-areal", _HALF_SPACE_CHANGES, "all", 66, "half-spaces"),
 }
 """Columns by title."""
 
@@ -165,7 +167,7 @@ def variant_study(name: str) -> Study:
     return claims_study().with_changes({"surfaces.fractal_dimension.count": 15, **VARIANTS[name]})
 
 
-# ---- Ensembles drawn again -------------------------------------------------------------------------------------------
+# ---- Resampled ensembles ---------------------------------------------------------------------------------------------
 
 
 def has_amplitudes(amplitudes: Floats) -> bool:
@@ -199,12 +201,12 @@ class Resampled:
         repetitions = data.sizes["repetition"]
         random = np.random.default_rng(study.ensemble.seed)
         even = np.full(repetitions, 1 / repetitions)
-        # Number of times that each repetition is drawn; small enough for a byte.
-        drawn = np.ones((1 + RESAMPLES, repetitions), np.uint8)
+        # The number of times that each repetition occurs in a resample fits in a byte.
+        drawn = np.ones((1 + NUM_RESAMPLES, repetitions), np.uint8)
         for resample in drawn[1:]:
             resample[:] = random.multinomial(repetitions, even)
         dims = ("repetition", "fractal_dimension", "amplitude", self._step)
-        names = (*_SUMS, "approach") if self._step == "load" else _SUMS
+        names = (*_SUM_NAMES, "approach") if self._step == "load" else _SUM_NAMES
         self._means: dict[str, Floats] = {}
         weights = drawn / repetitions
         for name in names:
@@ -262,7 +264,7 @@ class Resampled:
         amplitude: float | None = None,
     ) -> Floats:
         """Return a quantity (resample, D) at one load, or at a load for each D; NaN if it is not reached."""
-        pair: Any = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUMS})
+        pair: Any = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUM_NAMES})
         normal = friction.compute_load("normal", pair, mu0, tau0)
         match what:
             case "friction":
@@ -271,7 +273,7 @@ class Resampled:
                 values = pair.contact_area
             case "stiffness":
                 values = np.gradient(normal, self._steps, axis=-1, edge_order=2)
-                if self._step == "load":  # The half-space prescribes loads; approaches follow from them.
+                if self._step == "load":  # The half-space is solved at given loads.
                     approach = self.sums("approach", amplitude or self.amplitude)
                     values = values / np.gradient(approach, self._steps, axis=-1, edge_order=2)
         loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
@@ -331,17 +333,17 @@ def _mean(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
 
 def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Band:
     """Return the largest (fmax) or smallest (fmin) value over the D at which all quantities have a value."""
-    usable = r.usable(np.sum(arrays, axis=0), r.within(*_ALL))
+    usable = r.usable(np.sum(arrays, axis=0), r.within(*_ALL_DIMENSIONS))
     stored = np.concatenate([values[:, usable] for values in arrays], axis=1)
     if r.ruling == "percentiles" or not stored.size:
         return np.asarray(pick.reduce(stored, axis=1, initial=np.nan))
-    # Number of standard deviations within which all values are in 95 of 100 resamples.
+    # Simultaneous 95 % band: the number of standard deviations that contain all values in 95 % of the resamples.
     spread = np.nanstd(stored[1:], axis=0)
-    known = spread > 0
-    off = np.abs(stored[1:, known] - stored[0, known]) / spread[known]
-    reach = float(np.quantile(np.fmax.reduce(off, axis=1, initial=0.0), 0.95)) * spread
+    has_spread = spread > 0
+    deviations = np.abs(stored[1:, has_spread] - stored[0, has_spread]) / spread[has_spread]
+    half_band = float(np.quantile(np.fmax.reduce(deviations, axis=1, initial=0.0), 0.95)) * spread
     least = 0.0 if (stored[0] >= 0).all() else -math.inf
-    ends = [float(pick.reduce(stored[0] + side * reach)) for side in (-1, 1)]
+    ends = [float(pick.reduce(stored[0] + side * half_band)) for side in (-1, 1)]
     return Band(float(pick.reduce(stored[0])), max(ends[0], least), ends[1])
 
 
@@ -355,9 +357,14 @@ def _slope(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
 
 
 # Ranges of fractal dimensions.
-_LOW, _MIDDLE, _UPPER, _HIGH = (1.0, 1.2), (1.3, 1.5), (1.4, 1.5), (1.6, 1.7)
-_ALL = (1.0, 1.7)
-_MINIMUM = (1.25, 1.55)
+_LOW_DIMENSIONS, _MIDDLE_DIMENSIONS, _UPPER_DIMENSIONS, _HIGH_DIMENSIONS = (
+    (1.0, 1.2),
+    (1.3, 1.5),
+    (1.4, 1.5),
+    (1.6, 1.7),
+)
+_ALL_DIMENSIONS = (1.0, 1.7)
+_MINIMUM_DIMENSIONS = (1.25, 1.55)
 
 
 def _linearity(r: Resampled) -> Floats | Band:
@@ -373,30 +380,28 @@ def _exponent(r: Resampled) -> Floats:
     load, area = np.where(known, load, 0.0), np.where(known, area, 0.0)
     load -= np.where(known, load.sum(axis=2, keepdims=True) / known.sum(axis=2, keepdims=True), 0.0)
     exponents = (area * load).sum(axis=2) / (load * load).sum(axis=2)
-    stored = exponents[:, r.usable(exponents, r.within(*_ALL))]
+    stored = exponents[:, r.usable(exponents, r.within(*_ALL_DIMENSIONS))]
     if not stored.size:
         return np.full(exponents.shape[0], np.nan)
-    return np.asarray(
-        stored[:, np.argmax(np.abs(stored[0] - 1))]
-    )  # the D at which the ensemble is farthest from linear
+    return np.asarray(stored[:, np.argmax(np.abs(stored[0] - 1))])  # the least linear D of the ensemble
 
 
-def _growth(r: Resampled) -> Floats:
+def _friction_ratio_of_dimensions(r: Resampled) -> Floats:
     logarithm = np.log(r.at("friction", r.middle))
-    return np.exp(_mean(r, logarithm, *_UPPER) - _mean(r, logarithm, *_LOW))
+    return np.exp(_mean(r, logarithm, *_UPPER_DIMENSIONS) - _mean(r, logarithm, *_LOW_DIMENSIONS))
 
 
-def _steepening(r: Resampled) -> Floats:
+def _slope_difference(r: Resampled) -> Floats:
     logarithm = np.log(r.at("friction", r.middle))
     return _slope(r, logarithm, 1.5, 1.7) - _slope(r, logarithm, 1.0, 1.5)
 
 
-def _amplification(r: Resampled) -> Floats:
+def _rise_by_mu0(r: Resampled) -> Floats:
     gained = r.at("friction", r.middle, mu0=1.0) - r.at("friction", r.middle, mu0=0.1)
-    return _mean(r, gained, *_UPPER) - _mean(r, gained, *_LOW)
+    return _mean(r, gained, *_UPPER_DIMENSIONS) - _mean(r, gained, *_LOW_DIMENSIONS)
 
 
-def _by_adhesion(r: Resampled, load: float | Floats, amplitude: float | None = None) -> Floats:
+def _friction_added_by_adhesion(r: Resampled, load: float | Floats, amplitude: float | None = None) -> Floats:
     return r.at("friction", load, tau0=0.2, amplitude=amplitude) - r.at("friction", load, amplitude=amplitude)
 
 
@@ -405,187 +410,195 @@ def _ratios(r: Resampled, tau0: float) -> list[Floats]:
     return [r.at("friction", load, tau0=tau0) / r.at("friction", load) for load in (r.light, r.middle, r.heavy)]
 
 
-def _raised(r: Resampled) -> Floats | Band:
+def _smallest_rise(r: Resampled) -> Floats | Band:
     return _extreme(r, _ratios(r, 0.2), np.fmin)
 
 
-def _raised_at_low_dimensions(r: Resampled) -> Floats:
-    raised = _by_adhesion(r, r.middle)
-    return _mean(r, raised, *_LOW) - _mean(r, raised, *_HIGH)
+def _rise_at_low_dimensions(r: Resampled) -> Floats:
+    raised = _friction_added_by_adhesion(r, r.middle)
+    return _mean(r, raised, *_LOW_DIMENSIONS) - _mean(r, raised, *_HIGH_DIMENSIONS)
 
 
-def _raised_at_low_load(r: Resampled) -> Floats:
-    return _mean(r, _by_adhesion(r, r.light) - _by_adhesion(r, r.heavy), *_ALL)
+def _rise_at_low_load(r: Resampled) -> Floats:
+    return _mean(r, _friction_added_by_adhesion(r, r.light) - _friction_added_by_adhesion(r, r.heavy), *_ALL_DIMENSIONS)
 
 
-def _of_weak_adhesion(r: Resampled) -> Floats | Band:
+def _largest_change_by_weak_adhesion(r: Resampled) -> Floats | Band:
     return _extreme(r, [np.abs(ratio - 1) for ratio in _ratios(r, 0.001)], np.fmax)
 
 
-def _dip_from(start: float, stop: float) -> Measure:
+def _measure_dip(start: float, stop: float) -> Measure:
     def measure(r: Resampled) -> Floats:
         logarithm = np.log(r.at("friction", r.middle, tau0=0.2))
-        return np.exp(_mean(r, logarithm, start, stop) - _mean(r, logarithm, *_MIDDLE))
+        return np.exp(_mean(r, logarithm, start, stop) - _mean(r, logarithm, *_MIDDLE_DIMENSIONS))
 
     return measure
 
 
-def _minimum(r: Resampled) -> Floats:
+def _dimension_of_minimum(r: Resampled) -> Floats:
     values = r.at("friction", r.middle, tau0=0.2)
-    stored = r.usable(values, r.within(*_ALL))
+    stored = r.usable(values, r.within(*_ALL_DIMENSIONS))
     if not stored.any():
         return np.full(values.shape[0], np.nan)
     least = np.argmin(np.where(np.isfinite(values[:, stored]), values[:, stored], np.inf), axis=1)
     result = np.asarray(r.dimensions[stored][least])
     # A smallest value at the last D is not a minimum: friction may fall further within the range of the claim.
     end = r.dimensions[stored][-1]
-    return np.full(result.shape, np.nan) if result[0] == end < _MINIMUM[1] else result
+    return np.full(result.shape, np.nan) if result[0] == end < _MINIMUM_DIMENSIONS[1] else result
 
 
-def _light_over_heavy(r: Resampled) -> Floats:
+def _ratio_of_light_to_heavy_load(r: Resampled) -> Floats:
     logarithm = np.log(r.at("friction", r.light) / r.at("friction", r.heavy))
     return np.exp(_mean(r, logarithm, 1.5, 1.7))
 
 
-def _below_mu0(r: Resampled) -> Floats | Band:
+def _smallest_ratio_to_mu0(r: Resampled) -> Floats | Band:
     return _extreme(r, [r.at("friction", r.middle) / 0.4], np.fmin)
 
 
-def _steeper_over_flatter(what: Quantity, tau0: float) -> Measure:
+def _measure_ratio_of_amplitudes(what: Quantity, tau0: float) -> Measure:
     def measure(r: Resampled) -> Floats:
         loads = r.middle_of_all_amplitudes()
         if loads is None:
             return np.array([math.nan])
         steeper, flatter = (r.at(what, loads, tau0=tau0, amplitude=a) for a in (STEEPER, FLATTER))
-        return np.exp(_mean(r, np.log(steeper / flatter), *_ALL))
+        return np.exp(_mean(r, np.log(steeper / flatter), *_ALL_DIMENSIONS))
 
     return measure
 
 
-def _rise_of_flatter(r: Resampled) -> Floats:
+def _rise_ratio_of_amplitudes(r: Resampled) -> Floats:
     loads = r.middle_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
     ratio = np.log(r.at("friction", loads, amplitude=FLATTER) / r.at("friction", loads, amplitude=STEEPER))
-    return np.exp(_mean(r, ratio, 1.5, 1.6) - _mean(r, ratio, *_LOW))
+    return np.exp(_mean(r, ratio, 1.5, 1.6) - _mean(r, ratio, *_LOW_DIMENSIONS))
 
 
-def _adhesion_of_flatter(r: Resampled) -> Floats:
+def _adhesion_difference_of_amplitudes(r: Resampled) -> Floats:
     loads = r.middle_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
-    return _mean(r, _by_adhesion(r, loads, FLATTER) - _by_adhesion(r, loads, STEEPER), *_LOW)
+    return _mean(
+        r,
+        _friction_added_by_adhesion(r, loads, FLATTER) - _friction_added_by_adhesion(r, loads, STEEPER),
+        *_LOW_DIMENSIONS,
+    )
 
 
-def _change(what: Quantity, one: dict[str, float], other: dict[str, float]) -> Measure:
+def _measure_change(what: Quantity, one: dict[str, float], other: dict[str, float]) -> Measure:
     def measure(r: Resampled) -> Floats | Band:
         return _extreme(r, [np.abs(r.at(what, r.middle, **one) / r.at(what, r.middle, **other) - 1)], np.fmax)
 
     return measure
 
 
-_BY_MU0 = ({"mu0": 1.0}, {"mu0": 0.1})
-_BY_TAU0 = ({"tau0": 0.2}, {"tau0": 0.0})
+_MU0_CHANGE = ({"mu0": 1.0}, {"mu0": 0.1})
+_TAU0_CHANGE = ({"tau0": 0.2}, {"tau0": 0.0})
 _LARGEST_CHANGE = "largest relative change of the"
 
 PARTS = (
     Part("1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _linearity),
     Part("1b", "exponent p of A ∝ F_N^p at the D with the largest deviation from 1", 0.9, 1.1, _exponent),
-    Part("2a", "mu_s at D = 1.4 to 1.5 divided by mu_s at D = 1 to 1.2", 1.0, math.inf, _growth),
-    Part("2b", "slope of ln mu_s with D above D = 1.5 minus slope below", 0.0, math.inf, _steepening),
+    Part("2a", "mu_s at D = 1.4 to 1.5 divided by mu_s at D = 1 to 1.2", 1.0, math.inf, _friction_ratio_of_dimensions),
+    Part("2b", "slope of ln mu_s with D above D = 1.5 minus slope below", 0.0, math.inf, _slope_difference),
     Part(
         "2c",
         "increase of mu_s from D ≤ 1.2 to D = 1.4 to 1.5, at mu0 = 1 minus at mu0 = 0.1",
         0.0,
         math.inf,
-        _amplification,
+        _rise_by_mu0,
     ),
     Part(
-        "3a", "smallest ratio of mu_s at tau0 = 200 MPa to mu_s at 0, for all D and three loads", 1.0, math.inf, _raised
-    ),
-    Part(
-        "3b",
-        "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, minus at D ≥ 1.6",
-        0.0,
+        "3a",
+        "smallest ratio of mu_s at tau0 = 200 MPa to mu_s at 0, for all D and three loads",
+        1.0,
         math.inf,
-        _raised_at_low_dimensions,
+        _smallest_rise,
     ),
     Part(
-        "3c",
-        "increase of mu_s by tau0 = 200 MPa at light load, minus at heavy load",
-        0.0,
-        math.inf,
-        _raised_at_low_load,
+        "3b", "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, minus at D ≥ 1.6", 0.0, math.inf, _rise_at_low_dimensions
+    ),
+    Part(
+        "3c", "increase of mu_s by tau0 = 200 MPa at light load, minus at heavy load", 0.0, math.inf, _rise_at_low_load
     ),
     Part(
         "3d",
         "largest relative change of mu_s by tau0 = 1 MPa, for all D and three loads",
         -math.inf,
         0.05,
-        _of_weak_adhesion,
+        _largest_change_by_weak_adhesion,
     ),
     Part(
-        "4a", "mu_s at tau0 = 200 MPa, D = 1 to 1.2, divided by mu_s at D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_LOW)
+        "4a",
+        "mu_s at tau0 = 200 MPa, D = 1 to 1.2, divided by mu_s at D = 1.3 to 1.5",
+        1.0,
+        math.inf,
+        _measure_dip(*_LOW_DIMENSIONS),
     ),
     Part(
         "4b",
         "mu_s at tau0 = 200 MPa, D = 1.6 to 1.7, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
-        _dip_from(*_HIGH),
+        _measure_dip(*_HIGH_DIMENSIONS),
     ),
-    Part("4c", "D with the smallest mu_s at tau0 = 200 MPa", *_MINIMUM, _minimum),
-    Part("5", "mu_s at light load divided by mu_s at heavy load, D ≥ 1.5", 1.0, math.inf, _light_over_heavy),
-    Part("6", "smallest mu_s/mu0 for any D, mu0 = 0.4", -math.inf, 1.0, _below_mu0),
-    Part("7a", "A/F_N at 0.2 µm divided by A/F_N at 0.05 µm", -math.inf, 1.0, _steeper_over_flatter("area", 0.0)),
+    Part("4c", "D with the smallest mu_s at tau0 = 200 MPa", *_MINIMUM_DIMENSIONS, _dimension_of_minimum),
+    Part(
+        "5", "mu_s at light load divided by mu_s at heavy load, D ≥ 1.5", 1.0, math.inf, _ratio_of_light_to_heavy_load
+    ),
+    Part("6", "smallest mu_s/mu0 for any D, mu0 = 0.4", -math.inf, 1.0, _smallest_ratio_to_mu0),
+    Part(
+        "7a", "A/F_N at 0.2 µm divided by A/F_N at 0.05 µm", -math.inf, 1.0, _measure_ratio_of_amplitudes("area", 0.0)
+    ),
     Part(
         "7b",
         "mu_s at tau0 = 200 MPa, 0.2 µm, divided by mu_s at 0.05 µm",
         -math.inf,
         1.0,
-        _steeper_over_flatter("friction", 0.2),
+        _measure_ratio_of_amplitudes("friction", 0.2),
     ),
     Part(
         "7c",
         "increase of mu_s up to D = 1.5 to 1.6 at 0.05 µm divided by increase at 0.2 µm",
         -math.inf,
         1.0,
-        _rise_of_flatter,
+        _rise_ratio_of_amplitudes,
     ),
     Part(
         "7d",
         "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, at 0.05 µm minus at 0.2 µm",
         0.0,
         math.inf,
-        _adhesion_of_flatter,
+        _adhesion_difference_of_amplitudes,
     ),
     Part(
         "8a",
         f"{_LARGEST_CHANGE} area for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _change("area", *_BY_MU0),
+        _measure_change("area", *_MU0_CHANGE),
     ),
     Part(
         "8b",
         f"{_LARGEST_CHANGE} area for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _change("area", *_BY_TAU0),
+        _measure_change("area", *_TAU0_CHANGE),
     ),
     Part(
         "8c",
         f"{_LARGEST_CHANGE} stiffness for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _change("stiffness", *_BY_MU0),
+        _measure_change("stiffness", *_MU0_CHANGE),
     ),
     Part(
         "8d",
         f"{_LARGEST_CHANGE} stiffness for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _change("stiffness", *_BY_TAU0),
+        _measure_change("stiffness", *_TAU0_CHANGE),
     ),
 )
 """Parts of all claims, at mu0 = 0.4, tau0 = 0 and the middle load unless stated otherwise."""
@@ -679,22 +692,22 @@ def claims_markdown(outcomes: list[Outcome]) -> str:
     """Render a table with a row for each part."""
     lines = ["| | verdict | claim, and its numbers | value [95 %] | criterion |", "|---|---|---|---|---|"]
     for claim, statement in CLAIMS.items():
-        lines.append(f"| **{claim}** | {_chip(verdict_of(claim, outcomes))} | **{statement}** | | |")
-        for outcome in _parts(claim, outcomes):
+        lines.append(f"| **{claim}** | {_verdict_badge(verdict_of(claim, outcomes))} | **{statement}** | | |")
+        for outcome in _outcomes_of_claim(claim, outcomes):
             part = outcome.part
             lines.append(
-                f"| {part.name} | {outcome.verdict} | {part.statement}{_left_out(outcome)} | {_value(outcome)} "
-                f"| {_wanted(part)} |"
+                f"| {part.name} | {outcome.verdict} | {part.statement}{_exclusions(outcome)} | {_format(outcome)} "
+                f"| {_format_range(part)} |"
             )
-    return _in_letters("\n".join(lines) + "\n")
+    return _replace_symbols("\n".join(lines) + "\n")
 
 
-def _chip(verdict: str) -> str:
+def _verdict_badge(verdict: str) -> str:
     """Render a verdict with its colour."""
     return f'<span class="verdict verdict-{verdict}">{verdict}</span>'
 
 
-def _in_letters(text: str) -> str:
+def _replace_symbols(text: str) -> str:
     """Return a text with mu0, tau0 and F_N as mathematical symbols."""
     for plain, letters in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
         text = text.replace(plain, letters)
@@ -703,7 +716,9 @@ def _in_letters(text: str) -> str:
 
 def variants_markdown(variants: Mapping[str, list[Outcome]]) -> str:
     """Render a table of parts by variants; a star marks numbers that exclude some D."""
-    return _side_by_side(variants, lambda part: part.name, lambda outcome: f"{_starred(outcome)}, {outcome.verdict}")
+    return _render_side_by_side(
+        variants, lambda part: part.name, lambda outcome: f"{_format_number_with_star(outcome)}, {outcome.verdict}"
+    )
 
 
 def columns_markdown(columns: Mapping[str, list[Outcome]]) -> str:
@@ -713,12 +728,12 @@ def columns_markdown(columns: Mapping[str, list[Outcome]]) -> str:
         if not math.isfinite(outcome.value):
             return "not applicable"
         star = r"\*" if outcome.left_out else ""
-        return f"{_value(outcome)}{star} {outcome.verdict}"
+        return f"{_format(outcome)}{star} {outcome.verdict}"
 
-    return _side_by_side(columns, lambda part: f"{part.name} {part.statement}; {_wanted(part)}", cell)
+    return _render_side_by_side(columns, lambda part: f"{part.name} {part.statement}; {_format_range(part)}", cell)
 
 
-def _side_by_side(
+def _render_side_by_side(
     columns: Mapping[str, list[Outcome]], head: Callable[[Part], str], cell: Callable[[Outcome], str]
 ) -> str:
     first = next(iter(columns.values()))
@@ -726,43 +741,43 @@ def _side_by_side(
     for claim in CLAIMS:
         verdicts = [f"**{verdict_of(claim, outcomes)}**" for outcomes in columns.values()]
         lines.append(f"| **{claim}** | {' | '.join(verdicts)} |")
-        for row in [index for index, outcome in enumerate(first) if outcome in _parts(claim, first)]:
+        for row in [index for index, outcome in enumerate(first) if outcome in _outcomes_of_claim(claim, first)]:
             cells = [cell(outcomes[row]) for outcomes in columns.values()]
             lines.append(f"| {head(first[row].part)} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
-def _parts(claim: int, outcomes: list[Outcome]) -> list[Outcome]:
+def _outcomes_of_claim(claim: int, outcomes: list[Outcome]) -> list[Outcome]:
     return [outcome for outcome in outcomes if outcome.part.claim == claim]
 
 
-def _number(value: float) -> str:
+def _format_number(value: float) -> str:
     return f"{value:.3g}" if math.isfinite(value) else "none"
 
 
-def _starred(outcome: Outcome) -> str:
-    return _number(outcome.value) + (r"\*" if outcome.left_out else "")
+def _format_number_with_star(outcome: Outcome) -> str:
+    return _format_number(outcome.value) + (r"\*" if outcome.left_out else "")
 
 
-def _value(outcome: Outcome) -> str:
+def _format(outcome: Outcome) -> str:
     if not math.isfinite(outcome.value):
         return "none"
-    return f"{_number(outcome.value)} [{_number(outcome.lower)}, {_number(outcome.upper)}]"
+    return f"{_format_number(outcome.value)} [{_format_number(outcome.lower)}, {_format_number(outcome.upper)}]"
 
 
-def _wanted(part: Part) -> str:
+def _format_range(part: Part) -> str:
     if math.isinf(part.most):
         return f"above {part.least:g}"
     return f"below {part.most:g}" if math.isinf(part.least) else f"{part.least:g} to {part.most:g}"
 
 
-def _left_out(outcome: Outcome) -> str:
+def _exclusions(outcome: Outcome) -> str:
     if not outcome.left_out:
         return ""
     return f" (without D = {', '.join(f'{dimension:.2f}' for dimension in outcome.left_out)})"
 
 
-# ---- The tables of the documents -------------------------------------------------------------------------------------
+# ---- Tables of the documentation ------------------------------------------------------------------------------------
 
 
 def main() -> None:
@@ -787,27 +802,29 @@ def write_tables(
 
     result = result_of(claims_study(), "figure7")
     outcomes = judge(result)
-    others = {}
+    outcomes_by_variant = {}
     for name in VARIANTS:
         dataset = result_of(variant_study(name), f"variants/{name}")
-        others[name] = judge(dataset)
+        outcomes_by_variant[name] = judge(dataset)
         if name == "default":
-            others["amplitude 0.05 µm"] = judge(dataset, amplitude=FLATTER)
+            outcomes_by_variant["amplitude 0.05 µm"] = judge(dataset, amplitude=FLATTER)
     (tables / "claims.md").write_text(claims_markdown(outcomes), encoding="utf-8")
-    (tables / "variants.md").write_text(variants_markdown(others), encoding="utf-8")
+    (tables / "variants.md").write_text(variants_markdown(outcomes_by_variant), encoding="utf-8")
     if not columns:
         return
-    beside = {f"profiles, {result.sizes['repetition']} repetitions": outcomes}
-    most = repetitions or result.sizes["repetition"]
+    outcomes_by_column = {f"profiles, {result.sizes['repetition']} repetitions": outcomes}
+    max_repetitions = repetitions or result.sizes["repetition"]
     if repetitions is not None:
-        result = result_of(claims_study().with_changes({"ensemble.repetitions": most}), "columns/lines")
-        beside[f"profiles, {most} repetitions"] = judge(result)
-    beside["the same by bands"] = judge(result, ruling="bands")
+        result = result_of(claims_study().with_changes({"ensemble.repetitions": max_repetitions}), "columns/lines")
+        outcomes_by_column[f"profiles, {max_repetitions} repetitions"] = judge(result)
+    outcomes_by_column["the same by bands"] = judge(result, ruling="bands")
     for name, column in COLUMNS.items():
-        study = column.to_study(most)
+        study = column.to_study(max_repetitions)
         dataset = result_of(study, f"columns/{column.directory}")
-        beside[f"{name}, {study.ensemble.repetitions}"] = judge(dataset, sliding=column.sliding, ruling="bands")
-    (tables / "columns.md").write_text(columns_markdown(beside), encoding="utf-8")
+        outcomes_by_column[f"{name}, {study.ensemble.repetitions}"] = judge(
+            dataset, sliding=column.sliding, ruling="bands"
+        )
+    (tables / "columns.md").write_text(columns_markdown(outcomes_by_column), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -40,9 +40,9 @@ from stiction.mechanics.friction import compute_load
 from stiction.mechanics.patches import patch_sums, slopes
 
 DOCS = Path(__file__).parents[1]
-DONE = DOCS.parent / "build/collapse.jsonl"
-DATA = Path(os.environ.get("STICTION_TEST_DATA", DOCS.parents[1] / "shared/data"))
-"""Directory of the measured maps, if there is one."""
+RESULTS_FILE = DOCS.parent / "build/collapse.jsonl"
+DATA_FOLDER = Path(os.environ.get("STICTION_TEST_DATA", DOCS.parents[1] / "shared/data"))
+"""Directory of measured maps; cases without their file are left out."""
 
 MODULUS = 10.0
 SEED = 13
@@ -50,10 +50,10 @@ MU0 = 0.4
 TAU0 = {"0": 0.0, "2": 0.02 * MODULUS}
 """Adhesive shear strength in GPa, by its percentage of E*."""
 RULES = ("opposing", "all")
-LIGHT = 0.01
-"""p̄/(E* h'): a contact fraction near 0.02."""
-LOADS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0)
-SIDE, EXTENT = 256, 10.0
+LIGHT_PRESSURE = 0.01
+"""Mean pressure in units of E* h', for a contact fraction of about 0.02."""
+PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0)
+NUM_POINTS, EXTENT = 256, 10.0
 
 Pair = tuple[Surface, Surface] | tuple[Profile, Profile]
 
@@ -61,7 +61,7 @@ Pair = tuple[Surface, Surface] | tuple[Profile, Profile]
 # ---- Cases -----------------------------------------------------------------------------------------------------------
 
 
-def cases() -> Iterator[dict]:
+def list_cases() -> Iterator[dict]:
     """Yield every case of the figures: surfaces and contact model."""
     dimensions = [round(1 + d / 10, 1) for d in range(10)]
     for dimension, height, (scale, waves) in product(
@@ -81,9 +81,9 @@ def cases() -> Iterator[dict]:
     for hurst, shortest, gradient in product((0.3, 0.5, 0.7, 0.9), (0.16, 0.04), (0.05, 0.15, 0.4, 0.8)):
         yield {"family": "self-affine line", "H": hurst, "longest": 5.0, "shortest": shortest, "h": gradient}
     band = {"longest": 5.0, "shortest": 0.3125}
-    for hurst, gradient, load in product((0.5, 0.8), (0.1, 0.4), LOADS):
+    for hurst, gradient, load in product((0.5, 0.8), (0.1, 0.4), PRESSURES):
         yield {"family": "load", "H": hurst, **band, "h": gradient, "load": load}
-    for ratio, share, load in product((1.0, 2.0, 4.0, None), (0.0, 0.5, 1.0), (LIGHT, 0.1)):
+    for ratio, share, load in product((1.0, 2.0, 4.0, None), (0.0, 0.5, 1.0), (LIGHT_PRESSURE, 0.1)):
         yield {"family": "unequal", "H": 0.8, **band, "h": 0.3, "ratio": ratio, "share": share, "load": load}
     for hursts, share in product(((0.3, 0.9), (0.9, 0.3)), (0.0, 0.5, 1.0)):
         yield {"family": "other spectra", "H": hursts[0], "H_lower": hursts[1], **band, "h": 0.3, "share": share}
@@ -94,28 +94,31 @@ def cases() -> Iterator[dict]:
     yield {"family": "measured line", "file": "dektak-1.csv"}
 
 
-def pairs(case: dict) -> tuple[list[Pair], str]:
+def generate_pairs(case: dict) -> tuple[list[Pair], str]:
     """Return the pairs of a case and their boundary condition."""
     match case["family"]:
         case "WM area" | "WM line" as family:
-            return [fractal(case, repetition, family) for repetition in range(6 if family == "WM area" else 10)], "free"
+            return [
+                generate_fractal_pair(case, repetition, family)
+                for repetition in range(6 if family == "WM area" else 10)
+            ], "free"
         case "measured area":
-            return measured_areas(case), "free"
+            return load_area_pairs(case), "free"
         case "measured line":
-            return measured_lines(case), "free"
+            return load_line_pairs(case), "free"
         case "self-affine line":
-            return [random_pair(case, repetition) for repetition in range(10)], "periodic"
+            return [generate_self_affine_pair(case, repetition) for repetition in range(10)], "periodic"
         case _:
-            return [random_pair(case, repetition) for repetition in range(6)], "periodic"
+            return [generate_self_affine_pair(case, repetition) for repetition in range(6)], "periodic"
 
 
-def fractal(case: dict, repetition: int, family: str) -> Pair:
+def generate_fractal_pair(case: dict, repetition: int, family: str) -> Pair:
     bodies = []
     for side in ("upper", "lower"):
         phases = random_phases(SEED, repetition=repetition, side=side, frequencies=case["n"])
         if family == "WM area":
             body = weierstrass_mandelbrot_surface(
-                phases, case["D"], shape=(SIDE, SIDE), extent=EXTENT, length_scale=case["L"]
+                phases, case["D"], shape=(NUM_POINTS, NUM_POINTS), extent=EXTENT, length_scale=case["L"]
             )
             bodies.append(body.with_amplitude(case["height"]))
         else:
@@ -124,7 +127,7 @@ def fractal(case: dict, repetition: int, family: str) -> Pair:
     return tuple(bodies)
 
 
-def random_pair(case: dict, repetition: int) -> Pair:
+def generate_self_affine_pair(case: dict, repetition: int) -> Pair:
     """Return two self-affine surfaces, one flatter by a ratio, scaled to a common gradient of the gap."""
     line = case["family"] == "self-affine line"
     bodies = []
@@ -137,7 +140,9 @@ def random_pair(case: dict, repetition: int) -> Pair:
         if line:
             bodies.append(self_affine(SEED, points=8192, spacing=20 / 8192, periodic=True, **keywords))
         else:
-            bodies.append(self_affine_surface(SEED, shape=(SIDE, SIDE), spacing=EXTENT / SIDE, **keywords))
+            bodies.append(
+                self_affine_surface(SEED, shape=(NUM_POINTS, NUM_POINTS), spacing=EXTENT / NUM_POINTS, **keywords)
+            )
     spacing = bodies[0].spacing
     if stretch := case.get("stretch"):
         spacing = (spacing[0] * stretch, spacing[1])
@@ -149,8 +154,8 @@ def random_pair(case: dict, repetition: int) -> Pair:
     return tuple(type(bodies[0])(factor * height, spacing=spacing) for height in heights)
 
 
-class Loads:
-    """Sums of a curve as attributes."""
+class LoadSums:
+    """Load sums as attributes, for `compute_load`."""
 
     def __init__(self, columns: dict) -> None:
         vars(self).update(columns)
@@ -161,9 +166,9 @@ def gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
     return float(np.sqrt(sum(np.square(slope).mean() for slope in slopes(heights, steps, periodic=periodic))))
 
 
-def measured_areas(case: dict) -> list[Pair]:
+def load_area_pairs(case: dict) -> list[Pair]:
     """Return pairs of quarters of a map; the upper one is flipped."""
-    surface = levelled(read_surface(DATA / case["file"]), "plane")
+    surface = levelled(read_surface(DATA_FOLDER / case["file"]), "plane")
     half = [size // 2 for size in surface.heights.shape]
     corners = product((0, half[0]), (0, half[1]))
     pieces = [
@@ -173,9 +178,9 @@ def measured_areas(case: dict) -> list[Pair]:
     return [(flipped(one), other) for one, other in permutations(pieces, 2)]
 
 
-def measured_lines(case: dict) -> list[Pair]:
+def load_line_pairs(case: dict) -> list[Pair]:
     """Return pairs of quarters of a profile; the upper one is flipped."""
-    line = levelled(read_profile(DATA / case["file"]), "line")
+    line = levelled(read_profile(DATA_FOLDER / case["file"]), "line")
     length = len(line) // 4
     pieces = [Profile(line.heights[k * length : (k + 1) * length], spacing=line.spacing) for k in range(4)]
     return [(flipped(one), other) for one, other in permutations(pieces, 2)]
@@ -186,11 +191,11 @@ def measured_lines(case: dict) -> list[Pair]:
 
 def measure_pairs(case: dict) -> dict:
     """Return slopes, κ, contact counts and friction of each pair by both models, averaged over both directions."""
-    together, boundary = pairs(case)
-    return {"case": case, "pairs": [of_pair(case, *pair, boundary) for pair in together]}
+    together, boundary = generate_pairs(case)
+    return {"case": case, "pairs": [measure_pair(case, *pair, boundary) for pair in together]}
 
 
-def of_pair(case: dict, upper, lower, boundary: str) -> dict:
+def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
     periodic = boundary == "periodic"
     spacing = upper.spacing if isinstance(upper, Surface) else (upper.spacing,)
     heights = upper.heights - lower.heights
@@ -206,8 +211,8 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
     fourth = np.mean([np.square(item).mean() for item in curved])
     second = np.mean([np.square(item).mean() for item in along])
     bodies = [gradient(body.heights, spacing, periodic=periodic) for body in (upper, lower)]
-    nominal = float(np.prod(spacing)) * heights.size  # a line is 1 µm thick
-    load = case.get("load", LIGHT) * MODULUS * steep * nominal
+    nominal = float(np.prod(spacing)) * heights.size  # profiles have a thickness of 1 µm
+    load = case.get("load", LIGHT_PRESSURE) * MODULUS * steep * nominal
     row = {
         "rms_gradient": steep,
         "rms_slope": float(np.sqrt(np.square(forward).mean())),
@@ -238,20 +243,20 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
             item.friction_coefficient(mu0=MU0, tau0=tau0) for item in (curve.with_sliding(rule) for curve in curves)
         ]
         row[f"mu {rule} {name}"] = float(np.mean(values))
-    # The same with opposing points instead of opposing patches.
+    # Repeat with each grid point judged by its own slope, instead of each contact patch.
     senses = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
     alone = np.arange(1, area.size + 1, dtype=np.int32)
-    each = Loads(patch_sums(pressure[touching] * cell, area, leaning, alone, senses).total("opposing"))
+    each = LoadSums(patch_sums(pressure[touching] * cell, area, leaning, alone, senses).total("opposing"))
     for name, tau0 in TAU0.items():
         row[f"mu points {name}"] = float(
             np.mean(compute_load("tangential", each, MU0, tau0) / compute_load("normal", each, MU0, tau0))
         )
-    for name, keywords in asperities(upper):
-        row |= by_asperities(upper, lower, load, ways, name, keywords, steep)
+    for name, keywords in asperity_models(upper):
+        row |= solve_asperities(upper, lower, load, ways, name, keywords, steep)
     return row
 
 
-def asperities(upper) -> list[tuple[str, dict]]:
+def asperity_models(upper) -> list[tuple[str, dict]]:
     """Return the names of the asperity models that apply to a pair."""
     if isinstance(upper, Surface):
         return [("asperities", {})]
@@ -259,7 +264,7 @@ def asperities(upper) -> list[tuple[str, dict]]:
     return [("cylinders", signed), ("spheres", {})]
 
 
-def by_asperities(upper, lower, load: float, ways, name: str, keywords: dict, steep: float) -> dict:
+def solve_asperities(upper, lower, load: float, ways, name: str, keywords: dict, steep: float) -> dict:
     common = {"effective_modulus": MODULUS, **keywords}
     approach = approach_at_load(upper, lower, [load], mu0=0.0, **common)
     row = {}
@@ -279,19 +284,19 @@ def by_asperities(upper, lower, load: float, ways, name: str, keywords: dict, st
 
 def load_results() -> dict[str, dict]:
     """Return the stored results by the text of their case."""
-    if not DONE.exists():
+    if not RESULTS_FILE.exists():
         return {}
-    rows = [json.loads(line) for line in DONE.read_text(encoding="utf-8").splitlines() if line.endswith("}")]
+    rows = [json.loads(line) for line in RESULTS_FILE.read_text(encoding="utf-8").splitlines() if line.endswith("}")]
     return {json.dumps(row["case"]): row for row in rows}
 
 
 def compute_cases() -> list[dict]:
     """Return the result of every case whose data exist, from storage or computed."""
-    DONE.parent.mkdir(exist_ok=True)
+    RESULTS_FILE.parent.mkdir(exist_ok=True)
     completed = load_results()
-    everything = [case for case in cases() if "file" not in case or (DATA / case["file"]).exists()]
+    everything = [case for case in list_cases() if "file" not in case or (DATA_FOLDER / case["file"]).exists()]
     missing = [case for case in everything if json.dumps(case) not in completed]
-    with DONE.open("a", encoding="utf-8") as file, ProcessPoolExecutor(2) as pool:
+    with RESULTS_FILE.open("a", encoding="utf-8") as file, ProcessPoolExecutor(2) as pool:
         for index, row in enumerate(pool.map(measure_pairs, missing), start=1):
             completed[json.dumps(row["case"])] = row
             file.write(json.dumps(row) + "\n")
@@ -300,17 +305,21 @@ def compute_cases() -> list[dict]:
     return [completed[json.dumps(case)] for case in everything]
 
 
-# ---- What came out ---------------------------------------------------------------------------------------------------
+# ---- Tables and figures ----------------------------------------------------------------------------------------------
 
-FAMILIES = {
+FAMILY_TITLES = {
     "WM area": "Weierstrass-Mandelbrot maps", "self-affine area": "self-affine maps",
     "stretched area": "stretched maps", "WM line": "Weierstrass-Mandelbrot profiles",
     "self-affine line": "self-affine profiles", "measured area": "AFM map", "measured line": "stylus profile",
 }  # fmt: skip
 COLOURS = ("#0072B2", "#009E73", "#56B4E9", "#D55E00", "#E69F00", "#CC79A7", "0.2")
-EDGES = (0.0, 0.1, 0.3, 0.6, 1.0, 4.0)
-"""Values of h' for the table."""
-SUMMED = {"points": "opposing, point by point", "opposing": "opposing, by patches", "all": "friction at all contacts"}
+GRADIENT_BINS = (0.0, 0.1, 0.3, 0.6, 1.0, 4.0)
+"""Edges of the ranges of h' in the table."""
+RULE_TITLES = {
+    "points": "opposing, point by point",
+    "opposing": "opposing, by patches",
+    "all": "friction at all contacts",
+}
 
 
 def closed_form(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float | None = None) -> float:
@@ -324,14 +333,14 @@ def closed_form(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: fl
     )  # fmt: skip
 
 
-def summary(row: dict) -> dict:
+def summarise_case(row: dict) -> dict:
     """Return means over the pairs of a case, and their ratios to the closed form with standard errors."""
     together = row["pairs"]
     names = ("rms_gradient", "rms_slope", "nayak", "slope_ratio", "fraction", "kappa", "contacts")
     result = {name: float(np.mean([pair[name] for pair in together])) for name in names}
     result |= {"family": row["case"]["family"], "case": row["case"], "pairs": len(together)}
     result["kappa_error"] = float(np.std([pair["kappa"] for pair in together], ddof=1) / np.sqrt(len(together)))
-    models = {f"mu {rule}": rule for rule in SUMMED} | {
+    models = {f"mu {rule}": rule for rule in RULE_TITLES} | {
         f"{name} {rule}": rule for name in ("asperities", "cylinders", "spheres") for rule in RULES
     }
     for (model, rule), (key, tau0) in product(models.items(), TAU0.items()):
@@ -354,14 +363,14 @@ def per_cent(points: list[dict], name: str) -> str:
     return f"{residuals.mean():+.1f} ({residuals[np.abs(residuals).argmax()]:+.1f})"
 
 
-def table(points: list[dict]) -> list[str]:
+def family_rows(points: list[dict]) -> list[str]:
     rows = [
         "| bodies | h' | points | κ | contacts | by points: τ0 = 0 | 2 % of E* | by patches: τ0 = 0 | 2 % of E* "
         "| friction at all contacts: τ0 = 0 | 2 % of E* | asperities, opposing: τ0 = 0 | 2 % of E* | standard error |",
         "|" + "---|" * 14,
     ]
-    for family, words in FAMILIES.items():
-        for low, high in pairwise(EDGES):
+    for family, words in FAMILY_TITLES.items():
+        for low, high in pairwise(GRADIENT_BINS):
             some = [point for point in points if point["family"] == family and low <= point["rms_gradient"] < high]
             if not some:
                 continue
@@ -370,7 +379,7 @@ def table(points: list[dict]) -> list[str]:
             cells = [
                 words, f"{low:g} to {high:g}", f"{len(some)}", f"{min(kappas):.2f} to {max(kappas):.2f}",
                 f"{min(counts):.0f} to {max(counts):.0f}",
-                *(per_cent(some, f"mu {rule} {key}") for rule, key in product(SUMMED, TAU0)),
+                *(per_cent(some, f"mu {rule} {key}") for rule, key in product(RULE_TITLES, TAU0)),
                 *(per_cent(some, f"{model} opposing {key}") for key in TAU0),
                 f"{100 * np.mean([each['mu points 0 error'] for each in some]):.1f}",
             ]  # fmt: skip
@@ -378,7 +387,7 @@ def table(points: list[dict]) -> list[str]:
     return rows
 
 
-def limits(points: list[dict]) -> list[str]:
+def limit_rows(points: list[dict]) -> list[str]:
     """Render the limits of the curve: a row for each secondary case."""
     rows = [
         "| bodies | h' | p̄/(E* h') | true area | κ | by points | by patches | friction at all contacts |",
@@ -386,7 +395,7 @@ def limits(points: list[dict]) -> list[str]:
     ]  # fmt: skip
     for point in points:
         case, family = point["case"], point["family"]
-        if family in FAMILIES:
+        if family in FAMILY_TITLES:
             continue
         words = f"H = {case['H']:g}"
         if family == "unequal":
@@ -395,8 +404,8 @@ def limits(points: list[dict]) -> list[str]:
         elif family == "other spectra":
             words += f" on H = {case['H_lower']:g}, c_l = {case['share']:g}"
         cells = [
-            words, f"{point['rms_gradient']:.2g}", f"{case.get('load', LIGHT):g}", f"{point['fraction']:.2g}",
-            f"{point['kappa']:.2f}", *(per_cent([point], f"mu {rule} 0").split(" ")[0] for rule in SUMMED),
+            words, f"{point['rms_gradient']:.2g}", f"{case.get('load', LIGHT_PRESSURE):g}", f"{point['fraction']:.2g}",
+            f"{point['kappa']:.2f}", *(per_cent([point], f"mu {rule} 0").split(" ")[0] for rule in RULE_TITLES),
         ]  # fmt: skip
         rows.append(f"| {' | '.join(cells)} |")
     return rows
@@ -406,7 +415,7 @@ def draw(points: list[dict]) -> None:
     figure = Figure(figsize=(6.9, 5.6), dpi=200, layout="constrained")
     axes = figure.subplots(2, 2).ravel()
     slope = np.geomspace(0.01, 3, 200)
-    for family, colour in zip(FAMILIES, COLOURS, strict=True):
+    for family, colour in zip(FAMILY_TITLES, COLOURS, strict=True):
         some = [point for point in points if point["family"] == family]
         if not some:
             continue
@@ -418,7 +427,7 @@ def draw(points: list[dict]) -> None:
         get = lambda name: np.array([item.get(name, np.nan) for item in some])  # noqa: E731, B023
         axes[0].plot(mean_slope, get(f"{model} opposing 0"), ls="", marker="x", ms=2, color="0.75", zorder=0)
         axes[0].plot(mean_slope, get("mu opposing 0"), **mark | {"mfc": "white", "ms": 2.2})
-        axes[0].plot(mean_slope, get("mu points 0"), **mark, label=FAMILIES[family])
+        axes[0].plot(mean_slope, get("mu points 0"), **mark, label=FAMILY_TITLES[family])
         if not line:
             axes[1].plot(gradient, get(f"{model} opposing 2"), ls="", marker="x", ms=2, color="0.75", zorder=0)
             axes[1].plot(gradient, get("mu points 2"), **mark)
@@ -482,15 +491,15 @@ def draw_limits(points: list[dict]) -> None:
                 load, [item["kappa"] for item in some], [item["kappa_error"] for item in some],
                 **mark | {"label": f"H = {hurst:g}"},
             )  # fmt: skip
-    fine = np.geomspace(LOADS[0], LOADS[-1], 200)
+    fine = np.geomspace(PRESSURES[0], PRESSURES[-1], 200)
     kappas.axhline(np.sqrt(2 * np.pi), color="0.5", lw=0.8, ls="-.", label="Bush-Gibson-Thomas")
     kappas.plot(fine, erf(np.sqrt(2) * fine) / fine, color="0.3", lw=0.9, ls="--", label="Persson")
     kappas.plot(fine, np.minimum(1 / fine, 3), color="0.8", lw=0.7, zorder=0)
-    for family, colour in list(zip(FAMILIES, COLOURS, strict=True))[:5]:
+    for family, colour in list(zip(FAMILY_TITLES, COLOURS, strict=True))[:5]:
         some = [point for point in points if point["family"] == family]
         spectra.plot(
             [item["nayak"] for item in some], [item["kappa"] for item in some], ls="", color=colour, ms=2.4,
-            marker="s" if family.endswith("line") else "o", label=FAMILIES[family],
+            marker="s" if family.endswith("line") else "o", label=FAMILY_TITLES[family],
         )  # fmt: skip
     for value, dash in ((np.sqrt(2 * np.pi), "-."), (np.sqrt(8 / np.pi), "--")):
         spectra.axhline(value, color="0.5", lw=0.8, ls=dash)
@@ -514,28 +523,29 @@ def write_numbers(points: list[dict]) -> None:
         writer = csv.DictWriter(file, keys, lineterminator="\n")
         writer.writeheader()
         for point in points:
-            of = "; ".join(f"{key} {value}" for key, value in point["case"].items() if key != "family")
+            case_text = "; ".join(f"{key} {value}" for key, value in point["case"].items() if key != "family")
             numbers = {key: f"{value:.5g}" for key, value in point.items() if isinstance(value, float)}
-            writer.writerow({"family": point["family"], "of": of, "pairs": point["pairs"], **numbers})
+            writer.writerow({"family": point["family"], "of": case_text, "pairs": point["pairs"], **numbers})
 
 
 def main() -> None:
     rows = compute_cases()
-    points = [summary(row) | {"together": row["pairs"]} for row in rows]
+    points = [summarise_case(row) | {"together": row["pairs"]} for row in rows]
     draw(points)
     draw_limits(points)
     write_numbers(points)
-    main_points = sum(point["family"] in FAMILIES for point in points)
+    main_points = sum(point["family"] in FAMILY_TITLES for point in points)
     pressed = sum(point["pairs"] for point in points)
     text = [
         f"{main_points} points, with the {len(points) - main_points} of the next table {pressed} pairs. μ0 = 0.4; p̄ is "
-        f"{LIGHT:g} E* h' but for the measured ones, where it is 0.003 and 0.02 on the map. Friction over that of the "
+        f"{LIGHT_PRESSURE:g} E* h' but for the measured ones, where it is 0.003 and 0.02 on the map. "
+        "Friction over that of the "
         "closed form (second order, each pair's own κ, nothing fitted), less 1, in per cent: mean of the points, and "
         "the one that is farthest off.",
-        "\n".join(table(points)),
+        "\n".join(family_rows(points)),
         "Where it ends, at τ0 = 0, in per cent: loads up to full contact; bodies of different roughness, stiffness and "
         "spectra; steep slopes.",
-        "\n".join(limits(points)),
+        "\n".join(limit_rows(points)),
     ]
     (DOCS / "generated/collapse.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
 

@@ -13,14 +13,12 @@ from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
 
 IMAGE = Path(__file__).parents[1] / "images/conventions_areas.png"
 
-DIRECTION = 30.0
-"""Degrees from +x towards +y."""
-APPROACH = 0.9
-"""µm"""
-OPPOSING, OTHER, INK, BODY = "#d55e00", "#0072b2", "0.15", "#e3d5bb"
+DIRECTION = 30.0  # degrees from +x towards +y
+APPROACH = 0.9  # µm
+OPPOSING_COLOUR, ASSISTING_COLOUR, INK_COLOUR, BODY_COLOUR = "#d55e00", "#0072b2", "0.15", "#e3d5bb"
 
 
-def pair():
+def create_pair():
     """Return two maps of 4 µm with small slopes, and their contacts."""
     lower, upper = (
         self_affine_surface(
@@ -32,68 +30,76 @@ def pair():
     return lower, contacts(upper, lower, APPROACH, effective_modulus=10.0, direction=DIRECTION)
 
 
-def arrow(axes, start, vector, colour, text, length=0.8, beyond=1.15):
+def draw_arrow(axes, start, vector, colour, text, length=0.8, beyond=1.15):
     """Draw an arrow from a point along a vector, with a label at its end."""
     axes.quiver(*start, *(length * np.asarray(vector)), color=colour, linewidth=1.2, arrow_length_ratio=0.18)
     axes.text(*(start + beyond * length * np.asarray(vector)), text, color=colour, ha="center", va="center")
 
 
-def bare(axes, heights=1.0, zoom=1.0):
+def hide_axes(axes, heights=1.0, zoom=1.0):
     """Set equal proportions and remove the box of the axes."""
     axes.set_box_aspect((1, 1, heights), zoom=zoom)
     axes.set_axis_off()
 
 
-def draw_overview(axes, lower, found):
+def draw_overview(axes, lower, contact_list):
     """Draw the lower surface, its contacts with normals, the axes, and the direction of motion."""
     y, x = np.mgrid[: lower.heights.shape[0], : lower.heights.shape[1]] / 12
-    axes.plot_surface(x, y, lower.heights, color=BODY, rstride=2, cstride=2, linewidth=0.15, edgecolor="0.7", zorder=0)
-    for centre, normal, opposes in zip(found.centre, found.normal, found.opposing, strict=True):
+    axes.plot_surface(
+        x, y, lower.heights, color=BODY_COLOUR, rstride=2, cstride=2, linewidth=0.15, edgecolor="0.7", zorder=0
+    )
+    for centre, normal, opposes in zip(contact_list.centre, contact_list.normal, contact_list.opposing, strict=True):
         axes.quiver(
-            *centre, *(0.9 * normal), color=OPPOSING if opposes else OTHER, linewidth=1.1, arrow_length_ratio=0.2
+            *centre,
+            *(0.9 * normal),
+            color=OPPOSING_COLOUR if opposes else ASSISTING_COLOUR,
+            linewidth=1.1,
+            arrow_length_ratio=0.2,
         )
-        axes.plot(*centre[:, None], "o", color=OPPOSING if opposes else OTHER, markersize=3)
+        axes.plot(*centre[:, None], "o", color=OPPOSING_COLOUR if opposes else ASSISTING_COLOUR, markersize=3)
     corner = np.array([0.0, 0.0, lower.heights.min()])
     for vector, name in (((1, 0, 0), "x"), ((0, 1, 0), "y"), ((0, 0, 1), "z")):
-        arrow(axes, corner, vector, "0.45", f"${name}$", length=1.0)
+        draw_arrow(axes, corner, vector, "0.45", f"${name}$", length=1.0)
     phi = np.radians(DIRECTION)
     start = np.array([0.4, 0.4, 1.3])
-    arrow(axes, start, (np.cos(phi), np.sin(phi), 0), INK, r"$\mathbf{s}$", length=1.4)
+    draw_arrow(axes, start, (np.cos(phi), np.sin(phi), 0), INK_COLOUR, r"$\mathbf{s}$", length=1.4)
     around = np.linspace(0, phi, 20)
-    axes.plot(0.4 + 0.8 * np.cos(around), 0.4 + 0.8 * np.sin(around), np.full(20, 1.3), color=INK, linewidth=0.6)
-    axes.plot([0.4, 1.5], [0.4, 0.4], [1.3, 1.3], color=INK, linewidth=0.5, linestyle=":")
+    axes.plot(0.4 + 0.8 * np.cos(around), 0.4 + 0.8 * np.sin(around), np.full(20, 1.3), color=INK_COLOUR, linewidth=0.6)
+    axes.plot([0.4, 1.5], [0.4, 0.4], [1.3, 1.3], color=INK_COLOUR, linewidth=0.5, linestyle=":")
     axes.text(1.45, 0.62, 1.3, r"$\varphi$", ha="center", va="center")
     axes.set(xlim=(0, 4), ylim=(0, 4), zlim=(-0.5, 1.2))
     axes.text2D(0.5, 0.86, "(a) the lower body and its contacts", transform=axes.transAxes, ha="center")
-    bare(axes, 0.45, zoom=0.97)
+    hide_axes(axes, 0.45, zoom=0.97)
     axes.view_init(elev=28, azim=-62)
 
 
 def draw_contact(axes, normal, tangent):
-    """Draw one opposing contact: tangent plane, vectors, and forces on the upper surface."""
+    """Draw an opposing contact with its tangent plane, and the directions of its forces."""
     phi = np.radians(DIRECTION)
     s = np.array([np.cos(phi), np.sin(phi), 0.0])
     side = np.cross(normal, tangent)
     u, v = np.meshgrid([-1, 1], [-1, 1])
     corners = 0.9 * (u[..., None] * tangent + v[..., None] * side)
-    axes.plot_surface(*np.moveaxis(corners, -1, 0), color=BODY, alpha=0.55, linewidth=0)
+    axes.plot_surface(*np.moveaxis(corners, -1, 0), color=BODY_COLOUR, alpha=0.55, linewidth=0)
     level = 0.9 * (u[..., None] * s + v[..., None] * np.cross([0, 0, 1.0], s))
     axes.plot_wireframe(*np.moveaxis(level, -1, 0), color="0.6", linewidth=0.5, linestyle=":")
     origin = np.zeros(3)
-    arrow(axes, origin, normal, OPPOSING, r"$\mathbf{n}$, along $F$", length=1.3)
-    arrow(axes, origin, tangent, OPPOSING, r"$\mathbf{t}$, along $\mu_0 F + \tau_0 A$", length=1.0, beyond=1.3)
-    arrow(axes, origin, s, INK, r"$\mathbf{s}$", length=1.2)
+    draw_arrow(axes, origin, normal, OPPOSING_COLOUR, r"$\mathbf{n}$, along $F$", length=1.3)
+    draw_arrow(
+        axes, origin, tangent, OPPOSING_COLOUR, r"$\mathbf{t}$, along $\mu_0 F + \tau_0 A$", length=1.0, beyond=1.3
+    )
+    draw_arrow(axes, origin, s, INK_COLOUR, r"$\mathbf{s}$", length=1.2)
     axes.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-0.8, 1.2))
     axes.text2D(
         0.5, 0.93, r"(b) one that opposes, $\mathbf{s}\cdot\mathbf{n} < 0$", transform=axes.transAxes, ha="center"
     )
-    bare(axes)
+    hide_axes(axes)
     axes.view_init(elev=14, azim=-75)
 
 
-def save(path):
-    """Write the figure."""
-    lower, result = pair()
+def save_figure(path):
+    """Draw the figure, and write it to a file."""
+    lower, result = create_pair()
     steepest = int(np.argmax(np.where(result.opposing, np.hypot(result.normal[:, 0], result.normal[:, 1]), -1)))
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(160 * MILLIMETRE, 74 * MILLIMETRE))
@@ -107,4 +113,4 @@ def save(path):
 
 
 if __name__ == "__main__":
-    save(IMAGE)
+    save_figure(IMAGE)

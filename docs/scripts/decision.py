@@ -8,13 +8,13 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
-WIDTH, HEIGHT = 170.0, 84.0  # mm
+FIGURE_WIDTH, FIGURE_HEIGHT = 170.0, 84.0  # mm
 BOX_HEIGHT = 12.0  # mm
-LIGHT = {"text": "0.1", "line": "0.35", "question": "#e8eef5", "answer": "#dcefe6"}
-DARK = {"text": "0.92", "line": "0.7", "question": "#26323f", "answer": "#1f3a30"}
+LIGHT_COLOURS = {"text": "0.1", "line": "0.35", "question": "#e8eef5", "answer": "#dcefe6"}
+DARK_COLOURS = {"text": "0.92", "line": "0.7", "question": "#26323f", "answer": "#1f3a30"}
 
-# name: (x of the centre, y of the centre, width, text, kind), in mm
-BOXES = {
+# Centre x, centre y and width in mm, text and kind of each box, by name.
+FLOWCHART_BOXES = {
     "data": (85, 76, 54, "What was measured?", "question"),
     "maps": (22, 55, 38, "two height maps", "question"),
     "profiles": (82, 55, 42, "two profiles", "question"),
@@ -25,7 +25,7 @@ BOXES = {
     "isotropic": (101, 12, 34, "--lay isotropic:\nrandom areas", "answer"),
     "lines": (142, 12, 40, "lines of the map,\n128 pairs", "answer"),
 }
-ARROWS = [
+FLOWCHART_ARROWS = [
     ("data", "maps", ""),
     ("data", "profiles", ""),
     ("data", "other", ""),
@@ -39,15 +39,15 @@ ARROWS = [
 
 def draw(dark: bool) -> Figure:
     """Return the decision tree, for a light or a dark page."""
-    colours = DARK if dark else LIGHT
+    colours = DARK_COLOURS if dark else LIGHT_COLOURS
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(WIDTH * MILLIMETRE, HEIGHT * MILLIMETRE))
+        figure = Figure(figsize=(FIGURE_WIDTH * MILLIMETRE, FIGURE_HEIGHT * MILLIMETRE))
         ax = figure.add_axes((0, 0, 1, 1))
-        ax.set(xlim=(0, WIDTH), ylim=(0, HEIGHT))
+        ax.set(xlim=(0, FIGURE_WIDTH), ylim=(0, FIGURE_HEIGHT))
         ax.axis("off")
-        for start, end, text in ARROWS:
-            x0, y0, *_ = BOXES[start]
-            x1, y1, *_ = BOXES[end]
+        for start, end, text in FLOWCHART_ARROWS:
+            x0, y0, *_ = FLOWCHART_BOXES[start]
+            x1, y1, *_ = FLOWCHART_BOXES[end]
             tail, head = (x0, y0 - BOX_HEIGHT / 2), (x1, y1 + BOX_HEIGHT / 2)
             ax.add_patch(
                 FancyArrowPatch(tail, head, arrowstyle="-|>", mutation_scale=8, color=colours["line"], linewidth=0.8)
@@ -55,7 +55,7 @@ def draw(dark: bool) -> Figure:
             if text:
                 side = -3.0 if x1 < x0 else 3.0
                 ax.text((x0 + x1) / 2 + side, (tail[1] + head[1]) / 2, text, ha="center", color=colours["text"])
-        for x, y, width, text, kind in BOXES.values():
+        for x, y, width, text, kind in FLOWCHART_BOXES.values():
             corner = (x - width / 2, y - BOX_HEIGHT / 2)
             style = {"facecolor": colours[kind], "edgecolor": colours["line"], "linewidth": 0.6}
             box = FancyBboxPatch(corner, width, BOX_HEIGHT, boxstyle="round,pad=0,rounding_size=2", **style)

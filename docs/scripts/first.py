@@ -25,16 +25,16 @@ from stiction.views.style import (
 ROOT = Path(__file__).resolve().parents[2]
 SCANS = ROOT / "examples/scans"
 INPUTS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
-"""Inputs of README's example except for its load, as options of `pair`."""
-LOADS = np.geomspace(1.0, 100.0, 9)
+"""Options of `pair` in the example of README, without the load."""
+CURVE_LOADS = np.geomspace(1.0, 100.0, 9)
 HALF_WIDTH = 20.0
 """Half of the width of the left plot, µm."""
-LOAD = 10.0
-WIDTH, HEIGHT = 124.0, 56.0
+MARKED_LOAD = 10.0
+FIGURE_WIDTH, FIGURE_HEIGHT = 124.0, 56.0
 """Size in mm; the width is 470 px at 96 dots per inch."""
-REACH = 150.0
+MAX_DISTANCE = 150.0
 """Largest distance of the shown contacts from the middle of the profile, µm."""
-DARK = {
+DARK_STYLE = {
     "text.color": "0.9",
     "axes.edgecolor": "0.6",
     "axes.labelcolor": "0.9",
@@ -43,13 +43,13 @@ DARK = {
 }
 
 
-def friction_against_load():
+def compute_friction():
     """Return value and ends of the combined interval at every load, by sliding rule."""
     with tempfile.TemporaryDirectory() as folder:
         result = pair(
             SCANS / "lapped_upper.csv",
             SCANS / "lapped_lower.csv",
-            load=LOADS.tolist(),
+            load=CURVE_LOADS.tolist(),
             onset=0,
             directory=folder,
             **INPUTS,
@@ -59,59 +59,71 @@ def friction_against_load():
         return {rule: np.transpose([one[rule] for one in rules]) for rule in RULE_COLOURS}
 
 
-def faces():
-    """Return x and heights of the lower profile, and the contact of one pair under LOAD."""
+def solve_contact():
+    """Return x and heights of the lower profile, and the contact of one pair under MARKED_LOAD."""
     upper, lower = (levelled(read_profile(SCANS / f"lapped_{side}.csv"), "line") for side in ("upper", "lower"))
-    curve = half_space(flipped(upper), lower, [LOAD], effective_modulus=78.7, hardness=1.27, boundary="free")
+    curve = half_space(flipped(upper), lower, [MARKED_LOAD], effective_modulus=78.7, hardness=1.27, boundary="free")
     return lower.x, lower.heights, curve.contact(0)
 
 
 def draw(curves, dark):
-    figure = Figure(figsize=(WIDTH * MILLIMETRE, HEIGHT * MILLIMETRE), facecolor="none" if dark else "white")
+    figure = Figure(
+        figsize=(FIGURE_WIDTH * MILLIMETRE, FIGURE_HEIGHT * MILLIMETRE), facecolor="none" if dark else "white"
+    )
     left = figure.add_axes((0.125, 0.2, 0.37, 0.66))
     right = figure.add_axes((0.62, 0.2, 0.36, 0.66))
     for ax in (left, right):
         ax.set_facecolor("none")
 
-    x, lower, contact = faces()
-    touching = contact.pressure > 0
+    x, lower, contact = solve_contact()
+    in_contact = contact.pressure > 0
     # Show the opposing contact that is nearest to another contact.
-    climbing, leaning = (
-        x[touching & which & (np.abs(x - x.mean()) < REACH)] for which in (contact.opposing, ~contact.opposing)
+    opposing_x, assisting_x = (
+        x[in_contact & is_selected & (np.abs(x - x.mean()) < MAX_DISTANCE)]
+        for is_selected in (contact.opposing, ~contact.opposing)
     )
-    apart = np.abs(np.subtract.outer(climbing, leaning))
-    middle = climbing[np.unravel_index(apart.argmin(), apart.shape)[0]]
+    distances = np.abs(np.subtract.outer(opposing_x, assisting_x))
+    middle = opposing_x[np.unravel_index(distances.argmin(), distances.shape)[0]]
     left.fill_between(x, 1000 * lower, -1e4, color=LOWER_COLOUR, linewidth=0)
     left.fill_between(x, 1000 * (lower + contact.gap.clip(0)), 1e4, color=UPPER_COLOUR, linewidth=0)
-    for which, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
-        here = touching & which
-        left.plot(x[here], 1000 * lower[here], "o", markersize=2.5, color=colour)
+    for is_selected, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
+        selected_points = in_contact & is_selected
+        left.plot(x[selected_points], 1000 * lower[selected_points], "o", markersize=2.5, color=colour)
     inside = np.abs(x - middle) < HALF_WIDTH
     heights = 1000 * lower[inside]
     left.set(xlim=(middle - HALF_WIDTH, middle + HALF_WIDTH), ylim=(heights.min() - 10, heights.max() + 130))
     left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
 
-    for rule, words in (("all", "friction at all contacts"), ("opposing", "at opposing contacts only")):
+    for rule, text in (("all", "friction at all contacts"), ("opposing", "at opposing contacts only")):
         (mean, low, high), colour = curves[rule], RULE_COLOURS[rule] if not dark or rule != "all" else "#a99cf0"
-        right.fill_between(LOADS, low, high, color=colour, alpha=0.3, linewidth=0)
-        right.semilogx(LOADS, mean, color=colour)
-        at = float(np.interp(np.log(LOAD), np.log(LOADS), mean))
-        right.plot(LOAD, at, "o", color=colour, markersize=4)
+        right.fill_between(CURVE_LOADS, low, high, color=colour, alpha=0.3, linewidth=0)
+        right.semilogx(CURVE_LOADS, mean, color=colour)
+        coefficient = float(np.interp(np.log(MARKED_LOAD), np.log(CURVE_LOADS), mean))
+        right.plot(MARKED_LOAD, coefficient, "o", color=colour, markersize=4)
         right.annotate(
-            f"{at:.2f}", (LOAD, at), (0, 5), textcoords="offset points", ha="center", weight="bold", color=colour
+            f"{coefficient:.2f}",
+            (MARKED_LOAD, coefficient),
+            (0, 5),
+            textcoords="offset points",
+            ha="center",
+            weight="bold",
+            color=colour,
         )
-        right.annotate(words, (LOADS[0], at), (2, -11), textcoords="offset points", color=colour)
+        right.annotate(text, (CURVE_LOADS[0], coefficient), (2, -11), textcoords="offset points", color=colour)
     right.set(
-        ylim=(0, 0.35), xlim=(LOADS[0], LOADS[-1]), xlabel=axis_label("load"), title="coefficient of static friction"
+        ylim=(0, 0.35),
+        xlim=(CURVE_LOADS[0], CURVE_LOADS[-1]),
+        xlabel=axis_label("load"),
+        title="coefficient of static friction",
     )
     right.set(ylabel=axis_label("friction_coefficient"), xticks=[1, 10, 100], xticklabels=["1", "10", "100"])
     return figure
 
 
 def main():
-    curves = friction_against_load()
+    curves = compute_friction()
     for dark, name in ((False, "first.png"), (True, "first_dark.png")):
-        with mpl.rc_context(MATPLOTLIB_STYLE | {"font.size": 7.5} | (DARK if dark else {})):
+        with mpl.rc_context(MATPLOTLIB_STYLE | {"font.size": 7.5} | (DARK_STYLE if dark else {})):
             save_figure(draw(curves, dark), ROOT / "docs/images" / name)
 
 

@@ -26,10 +26,10 @@ from stiction.views.style import (
 IMAGE = Path(__file__).resolve().parents[1] / "images/fractures.png"
 DIAMETER = 122e3  # µm
 YOUNG, POISSON = 11.0, 0.33  # Young's modulus in GPa (measured: 10 to 12) and Poisson's ratio (assumed by the authors)
-LOW, HIGH = (1.0, 2.0), (5.0, 10.0)  # MPa: ends of the ranges of the secant stiffness
-STEP = 4.0  # µm: error of heights that were digitised
-FITTED = 1e3, 10e3  # µm: wavelengths of the fit of the Hurst exponent
-LEAST = 0.2  # MPa, lowest measured stress
+LOW_STRESSES, HIGH_STRESSES = (1.0, 2.0), (5.0, 10.0)  # MPa; stresses between which the secant stiffness is computed
+DIGITISING_STEP = 4.0  # µm; resolution of the digitised heights
+FIT_WAVELENGTHS = 1e3, 10e3  # µm; range of wavelengths for the fit of the Hurst exponent
+MIN_STRESS = 0.2  # MPa; lowest measured stress
 
 
 def load_gap(folder, name, *, square=True):
@@ -71,7 +71,7 @@ def compute_closure(gap, stress, *, young=YOUNG, poisson=POISSON, boundary="free
     return curve.closure / 1e3, curve
 
 
-def secant(closure, stress, between):
+def secant_stiffness(closure, stress, between):
     """Return the secant stiffness (MPa/mm) between two stresses, by linear interpolation."""
     return float(np.diff(between)[0] / np.diff(np.interp(between, stress, closure))[0])
 
@@ -82,12 +82,15 @@ def estimate_spectrum(gap):
     heights = heights * np.hanning(gap.heights.shape[1])
     wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, gap.spacing[0]) for n in gap.heights.shape), indexing="ij"))
     power = np.abs(np.fft.fft2(heights)) ** 2 * np.prod(gap.spacing) / heights.size / (9 / 64)
-    present = (wave > 1 / FITTED[1]) & (wave < 1 / FITTED[0])
+    present = (wave > 1 / FIT_WAVELENGTHS[1]) & (wave < 1 / FIT_WAVELENGTHS[0])
     slope, level = np.polyfit(np.log(wave[present]), np.log(power[present]), 1)
-    return -slope / 2 - 1, lambda wave: np.exp(level + np.euler_gamma) * wave**slope  # mean of the log of a power
+    return (
+        -slope / 2 - 1,
+        lambda wave: np.exp(level + np.euler_gamma) * wave**slope,
+    )  # corrects the mean of the logarithm of a power
 
 
-def random_waves(shape, spacing, density, longest, seed):
+def random_roughness(shape, spacing, density, longest, seed):
     """Return random heights (µm) with a given spectrum at wavelengths below `longest` (µm)."""
     wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in shape), indexing="ij"))
     wave[0, 0] = np.inf
@@ -101,22 +104,22 @@ def refine_gap(gap, factor, seed=1):
     _, density = estimate_spectrum(gap)
     spacing = gap.spacing[0] / factor
     smooth = zoom(gap.heights, factor, order=1)
-    return Surface(smooth + random_waves(smooth.shape, spacing, density, 2 * gap.spacing[0], seed), spacing=spacing)
+    return Surface(smooth + random_roughness(smooth.shape, spacing, density, 2 * gap.spacing[0], seed), spacing=spacing)
 
 
 def shift_gap(gap, by, seed=1):
     """Return the gap after one surface moved along x; it is independent and has the spectrum of the gap."""
     _, density = estimate_spectrum(gap)
-    face = random_waves(gap.heights.shape, gap.spacing[0], density, FITTED[1], seed)
+    face = random_roughness(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTHS[1], seed)
     return Surface(gap.heights + by * np.gradient(face, gap.spacing[0], axis=1), spacing=gap.spacing)
 
 
-def with_heights(gap, change):
+def change_heights(gap, change):
     """Return a gap with changed heights."""
     return Surface(change(gap.heights), spacing=gap.spacing)
 
 
-def variants(folder, name):
+def list_variants(folder, name):
     """Return the variants: label, kind of uncertainty or None, gap, and arguments of `compute_closure`."""
     gap, random = load_gap(folder, name), np.random.default_rng(1)
     yield "frozen settings", "", gap, {}
@@ -127,14 +130,14 @@ def variants(folder, name):
     yield "tilt fixed after a plane is removed", "tilt", levelled(gap, "plane"), {"tilt": "fixed"}
     yield "tilt fixed, periodic", "tilt", gap, {"tilt": "fixed", "boundary": "periodic"}
     yield "whole disc", "tilt", load_gap(folder, name, square=False), {}
-    yield "heights random within 4 µm", "digitising", with_heights(
-        gap, lambda z: z + random.uniform(-STEP / 2, STEP / 2, z.shape)
+    yield "heights random within 4 µm", "digitising", change_heights(
+        gap, lambda z: z + random.uniform(-DIGITISING_STEP / 2, DIGITISING_STEP / 2, z.shape)
     ), {}  # fmt: skip
-    yield "blurred by one point", "digitising", with_heights(gap, lambda z: gaussian_filter(z, 1.0)), {}
+    yield "blurred by one point", "digitising", change_heights(gap, lambda z: gaussian_filter(z, 1.0)), {}
     yield (
         "points clipped at 1 mm set to 1.5 mm",
         "digitising",
-        with_heights(gap, lambda z: np.where(z >= 1e3, 1.5e3, z)),
+        change_heights(gap, lambda z: np.where(z >= 1e3, 1.5e3, z)),
         {},
     )
     for hardness in (1.0, 0.5):
@@ -146,10 +149,10 @@ def variants(folder, name):
 
 
 def main(folder, names):
-    shown = {}
+    results = {}
     for name in names:
         (load, stress), (back, falling) = load_test(folder, name)
-        wanted = [secant(load, stress, between) for between in (LOW, HIGH)]
+        measured_stiffness = [secant_stiffness(load, stress, between) for between in (LOW_STRESSES, HIGH_STRESSES)]
         hurst, _ = estimate_spectrum(load_gap(folder, name))
         clipped = float((load_gap(folder, name).heights >= 1e3).mean())
         print(
@@ -157,33 +160,47 @@ def main(folder, names):
         )
         print("| change | stiffness 1 to 2 MPa, MPa/mm | difference | 5 to 10 MPa | difference | area at 10 MPa, % |")
         print("|-|-|-|-|-|-|")
-        print(f"| measured, loading | {wanted[0]:.0f} | | {wanted[1]:.0f} | | |")
-        returned = [secant(back[::-1], falling[::-1], between) for between in (LOW, HIGH)]
+        print(f"| measured, loading | {measured_stiffness[0]:.0f} | | {measured_stiffness[1]:.0f} | | |")
+        returned = [secant_stiffness(back[::-1], falling[::-1], between) for between in (LOW_STRESSES, HIGH_STRESSES)]
         print(f"| measured, unloading | {returned[0]:.0f} | | {returned[1]:.0f} | | |")
-        steps = np.unique(np.concatenate([stress, LOW, HIGH]))
+        steps = np.unique(np.concatenate([stress, LOW_STRESSES, HIGH_STRESSES]))
         bands = {}
-        for words, kind, gap, how in variants(folder, name):
-            closure, curve = compute_closure(gap, steps, **how)
-            found = [secant(closure, steps, between) for between in (LOW, HIGH)]
-            off = [100 * (value / is_ - 1) for value, is_ in zip(found, wanted, strict=True)]
+        for label, kind, gap, options in list_variants(folder, name):
+            closure, curve = compute_closure(gap, steps, **options)
+            computed_stiffness = [
+                secant_stiffness(closure, steps, between) for between in (LOW_STRESSES, HIGH_STRESSES)
+            ]
+            deviations = [
+                100 * (value / is_ - 1) for value, is_ in zip(computed_stiffness, measured_stiffness, strict=True)
+            ]
             area = 100 * curve.contact_area[-1] * stress[-1] / 1e3 / curve.load[-1]
-            cells = (f"{found[0]:.0f}", f"{off[0]:+.0f} %", f"{found[1]:.0f}", f"{off[1]:+.0f} %", f"{area:.1f}")
-            print(f"| {words} |", " | ".join(cells), "|", flush=True)
-            both = np.interp(stress, steps, closure), 1e6 * np.interp(stress, steps, curve.closure_stiffness)
-            bands.setdefault(kind, []).append(both) if kind or words.startswith("frozen") else None
-        shown[name] = (load, stress, back, falling, bands)
-    draw(shown)
+            cells = (
+                f"{computed_stiffness[0]:.0f}",
+                f"{deviations[0]:+.0f} %",
+                f"{computed_stiffness[1]:.0f}",
+                f"{deviations[1]:+.0f} %",
+                f"{area:.1f}",
+            )
+            print(f"| {label} |", " | ".join(cells), "|", flush=True)
+            curves = np.interp(stress, steps, closure), 1e6 * np.interp(stress, steps, curve.closure_stiffness)
+            bands.setdefault(kind, []).append(curves) if kind or label.startswith("frozen") else None
+        results[name] = (load, stress, back, falling, bands)
+    draw(results)
 
 
 def combine_variants(bands):
     """Return the ends of closure and stiffness: root sum of squares of the largest deviation of each kind."""
     ends = []
-    for which in (0, 1):
-        middle = bands[""][0][which]
-        middle = middle - middle[0] if which == 0 else middle
+    for quantity in (0, 1):
+        middle = bands[""][0][quantity]
+        middle = middle - middle[0] if quantity == 0 else middle
         sums = np.zeros((2, middle.size))
         for kind, result in bands.items():
-            others = [item[which] - (item[which][0] if which == 0 else 0) - middle for item in result] if kind else []
+            others = (
+                [item[quantity] - (item[quantity][0] if quantity == 0 else 0) - middle for item in result]
+                if kind
+                else []
+            )
             if others:
                 sums += np.square([np.minimum(0, np.min(others, axis=0)), np.maximum(0, np.max(others, axis=0))])
         ends.append((middle, middle - np.sqrt(sums[0]), middle + np.sqrt(sums[1])))
@@ -212,7 +229,7 @@ def draw(shown):
             lower.plot((falling[1:] + falling[:-1])[rising] / 2, unloading, "x", color=FORCE_COLOUR, markersize=3)
             upper.set_title(name, fontsize=7)
             lower.set(xlabel="nominal stress (MPa)", xlim=(0, None), ylim=(0, 400))
-        axes[0, 0].set(ylabel=f"closure since {LEAST + 0.06:.2f} MPa (mm)", ylim=(0, None))
+        axes[0, 0].set(ylabel=f"closure since {MIN_STRESS + 0.06:.2f} MPa (mm)", ylim=(0, None))
         axes[1, 0].set(ylabel="stiffness (MPa/mm)")
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
         save_figure(figure, IMAGE)

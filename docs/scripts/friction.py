@@ -15,32 +15,35 @@ from stiction.studies import store
 DOCS = Path(__file__).parents[1]
 RESULTS = DOCS.parent / "build/claims/columns"
 MU0, TAU0, AMPLITUDE = 0.4, 0.2, 0.1
-SIDE, EXTENT = 256, 10.0
-STYLES = {"lines": ("#D55E00", "s", "profiles, spheres"), "half-spaces": ("#0072B2", "o", "height maps, half-space")}
+MAP_SIZE, EXTENT = 256, 10.0
+CURVE_STYLES = {
+    "lines": ("#D55E00", "s", "profiles, spheres"),
+    "half-spaces": ("#0072B2", "o", "height maps, half-space"),
+}
 
 
-def gradients(dimensions: np.ndarray) -> np.ndarray:
-    """Return h' of the gap of two maps of the study: exact slopes of Eq. 1 over the mean height of ten maps."""
+def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
+    """Return the rms gradient of the gap of two maps of the study, from the exact slopes of Eq. 1."""
     values = []
     for dimension in dimensions:
         heights = [
             np.ptp(
                 weierstrass_mandelbrot_surface(
-                    random_phases(2016, repetition=repetition), dimension, shape=(SIDE, SIDE), extent=EXTENT,
+                    random_phases(2016, repetition=repetition), dimension, shape=(MAP_SIZE, MAP_SIZE), extent=EXTENT,
                     band_limit="nyquist",
                 ).heights
             )
             for repetition in range(10)
         ]  # fmt: skip
-        moments = weierstrass_mandelbrot_moments(dimension, shortest_wavelength=2 * EXTENT / SIDE)
-        # Twice for x and y, and twice for two bodies.
+        moments = weierstrass_mandelbrot_moments(dimension, shortest_wavelength=2 * EXTENT / MAP_SIZE)
+        # The factor 4 is for two directions and two bodies.
         values.append(AMPLITUDE * np.mean(1 / np.array(heights)) * np.sqrt(4 * moments.slope))
     return np.array(values)
 
 
 def draw_curve(ax: Axes, result: Resampled, values: np.ndarray, name: str, *, hollow: bool = False) -> None:
     """Draw the values of the ensemble over D, with a 95 % band where the resamples have values."""
-    colour, marker, label = STYLES[name]
+    colour, marker, label = CURVE_STYLES[name]
     known = np.isfinite(values).mean(axis=0) > 0.975
     lower, upper = np.nanquantile(values[1:, known], [0.025, 0.975], axis=0)
     x = result.dimensions[known]
@@ -51,7 +54,7 @@ def draw_curve(ax: Axes, result: Resampled, values: np.ndarray, name: str, *, ho
     )  # fmt: skip
 
 
-def exponents(result: Resampled) -> np.ndarray:
+def area_exponents(result: Resampled) -> np.ndarray:
     """Return exponents of the area as a function of load, (resample, D)."""
     load = np.log(result.sums("normal_elastic", AMPLITUDE))
     area = np.log(result.sums("contact_area", AMPLITUDE))
@@ -59,17 +62,17 @@ def exponents(result: Resampled) -> np.ndarray:
     return np.asarray((area * load).sum(axis=2) / (load * load).sum(axis=2))
 
 
-def panels(axes: np.ndarray, result: Resampled, name: str) -> None:
-    friction, sticky = (result.at("friction", result.middle, tau0=tau0) for tau0 in (0.0, TAU0))
+def draw_panels(axes: np.ndarray, result: Resampled, name: str) -> None:
+    friction, adhesive_friction = (result.at("friction", result.middle, tau0=tau0) for tau0 in (0.0, TAU0))
     loads = result.middle_of_all_amplitudes()
     steeper, flatter = (result.at("friction", loads, tau0=TAU0, amplitude=a) for a in (STEEPER, FLATTER))
-    rubbed, smooth = (result.at("area", result.middle, mu0=mu0) for mu0 in (1.0, 0.1))
+    area_at_high_mu0, area_at_low_mu0 = (result.at("area", result.middle, mu0=mu0) for mu0 in (1.0, 0.1))
     for ax, values in zip(
         axes,
         (
-            exponents(result), friction, sticky - friction, sticky,
+            area_exponents(result), friction, adhesive_friction - friction, adhesive_friction,
             result.at("friction", result.light) / result.at("friction", result.heavy),
-            friction / MU0, steeper / flatter, np.abs(rubbed / smooth - 1),
+            friction / MU0, steeper / flatter, np.abs(area_at_high_mu0 / area_at_low_mu0 - 1),
         ),
         strict=True,
     ):  # fmt: skip
@@ -79,18 +82,18 @@ def panels(axes: np.ndarray, result: Resampled, name: str) -> None:
 def main() -> None:
     figure = Figure(figsize=(7.2, 4.1), dpi=200, layout="constrained")
     axes = figure.subplots(2, 4, sharex=True).ravel()
-    for name in STYLES:
+    for name in CURVE_STYLES:
         data = store.read(RESULTS / name)
         sliding = "opposing" if "sliding" in data.dims else None
         with np.errstate(divide="ignore", invalid="ignore"):
             result = Resampled(data, AMPLITUDE, sliding=sliding)
-            panels(axes, result, name)
+            draw_panels(axes, result, name)
             if name == "half-spaces":
                 result = Resampled(data, AMPLITUDE, sliding="all")
                 draw_curve(axes[5], result, result.at("friction", result.middle) / MU0, name, hollow=True)
                 draw_curve(axes[3], result, result.at("friction", result.middle, tau0=TAU0), name, hollow=True)
         del data
-    slopes = gradients(result.dimensions)
+    slopes = gap_gradients(result.dimensions)
     for ax, tau0 in ((axes[1], 0.0), (axes[3], TAU0)):
         ax.plot(
             result.dimensions, gentle_friction(MU0, tau0, rms_gradient=slopes, order=2), color="0.1", lw=1, ls="--",

@@ -11,18 +11,18 @@ from stiction.studies.intervals import PowerSums
 from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE, PAGE_WIDTH, dimension_colours, save_figure
 
 DOCS = Path(__file__).parents[1]
-POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
-DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
+NUMBERS_OF_POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
+FRACTAL_DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
 MU0 = 0.4
 
 
 def measure_grids(detection: str) -> dict[str, np.ndarray]:
     """Return loads (mN) and area (µm²) at an approach of 10 nm, (dimension, points, repetition)."""
     columns: dict[str, list[np.ndarray]] = {"load": [], "normal": [], "tangential": [], "area": [], "below": []}
-    for points in POINTS:
+    for points in NUMBERS_OF_POINTS:
         study = Study().with_changes(
             {
-                "surfaces.fractal_dimension": DIMENSIONS,
+                "surfaces.fractal_dimension": FRACTAL_DIMENSIONS,
                 "surfaces.points": points,
                 "contact.detection": detection,
                 "contact.approach": ["10 nm"],
@@ -81,11 +81,13 @@ def draw() -> None:
             ratio_of_means(sums["tangential"], sums["normal"]),
         )
         friction = ratios[2][0]
-        for d, (dimension, colour) in enumerate(zip(DIMENSIONS, dimension_colours(DIMENSIONS), strict=True)):
+        for d, (dimension, colour) in enumerate(
+            zip(FRACTAL_DIMENSIONS, dimension_colours(FRACTAL_DIMENSIONS), strict=True)
+        ):
             for column, (values, lower, upper) in enumerate(ratios):
                 ax = axes[row, column]
-                ax.fill_between(POINTS, lower[d], upper[d], color=colour, alpha=0.18, linewidth=0)
-                ax.plot(POINTS, values[d], "o-", ms=2, lw=0.9, color=colour, label=f"{dimension:.1f}")
+                ax.fill_between(NUMBERS_OF_POINTS, lower[d], upper[d], color=colour, alpha=0.18, linewidth=0)
+                ax.plot(NUMBERS_OF_POINTS, values[d], "o-", ms=2, lw=0.9, color=colour, label=f"{dimension:.1f}")
             shown = [f"{load[d, k]:.3g}" for k in (0, 2, 4)] + [
                 f"{friction[d, k]:.3f}" if normal[d, k] > 0 else "locked" for k in (0, 2, 4)
             ]
@@ -97,7 +99,7 @@ def draw() -> None:
     for ax in axes.flat:
         ax.set_xscale("log")
         ax.set_yscale("log")
-        ax.xaxis.set_ticks(POINTS, labels=["37.5", "75", "150", "300", "600"])
+        ax.xaxis.set_ticks(NUMBERS_OF_POINTS, labels=["37.5", "75", "150", "300", "600"])
         ax.minorticks_off()
     for ax in axes[:, :2].flat:
         ticks = (0.5, 1, 2, 5, 10, 30, 100)

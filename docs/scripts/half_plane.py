@@ -17,15 +17,15 @@ from stiction.studies import store
 
 DOCS = Path(__file__).parents[1]
 
-LOADS = (0.05, 0.25)
-"""Loads of the figure, mN."""
+FIGURE_LOADS = (0.05, 0.25)
+"""Loads of the panels, in mN."""
 MU0 = 0.4
-STRENGTHS = (0.0, 0.2)
+TAU0_VALUES = (0.0, 0.2)
 """tau0 in GPa."""
 COLOURS = {0.0: "#0072B2", 0.2: "#D55E00"}  # Okabe & Ito
 
 
-def results(directory: Path) -> dict:
+def load_results(directory: Path) -> dict:
     exact = Study.named("figure6-half-plane")
     cylinders = Study().with_changes(
         {
@@ -48,22 +48,22 @@ def results(directory: Path) -> dict:
 
 
 def main(directory: Path) -> None:
-    computed = results(directory)
+    computed = load_results(directory)
     figure = Figure(figsize=(6.7, 4.8), dpi=200, layout="constrained")
     axes = figure.subplots(2, 2, sharex=True, sharey="row")
     for name, result in computed.items():
-        shown = friction_map(result, LOADS, mu0=[MU0], tau0=STRENGTHS).squeeze()
+        friction = friction_map(result, FIGURE_LOADS, mu0=[MU0], tau0=TAU0_VALUES).squeeze()
         for row, rule in enumerate(("opposing", "all")):
-            for ax, load in zip(axes[row], LOADS, strict=True):
-                for strength in STRENGTHS:
-                    one = shown.sel(sliding=rule, tau0=strength).sel(load=load, method="nearest")
-                    dimension, mean = one["fractal_dimension"].values, one["friction_coefficient"].values
+            for ax, load in zip(axes[row], FIGURE_LOADS, strict=True):
+                for strength in TAU0_VALUES:
+                    curve = friction.sel(sliding=rule, tau0=strength).sel(load=load, method="nearest")
+                    dimension, mean = curve["fractal_dimension"].values, curve["friction_coefficient"].values
                     exact = name == "half-plane"
                     ax.plot(
                         dimension, mean, "-" if exact else "--", lw=1.1, color=COLOURS[strength],
                         label=f"{name}, $\\tau_0$ = {1000 * strength:g} MPa",
                     )  # fmt: skip
-                    low, high = (one[end].values for end in ("lower", "upper"))
+                    low, high = (curve[end].values for end in ("lower", "upper"))
                     ax.fill_between(dimension, low, high, color=COLOURS[strength], alpha=0.25 if exact else 0.12, lw=0)
                 ax.set_title(f"{rule}, $F_N$ = {load:g} mN", fontsize=8)
                 ax.tick_params(labelsize=7)

@@ -17,47 +17,55 @@ from stiction import HertzCylinder, Profile, Surface, half_space, press, self_af
 DOCS = Path(__file__).parents[1]
 
 MODULUS = 10.0
-SLOPE = 0.1
+RMS_SLOPE = 0.1
 """Root-mean-square slope of each body, along the profile or in all directions."""
 MU0 = 0.4
-STRENGTHS = (0.0, 0.02)
+TAU0_FRACTIONS = (0.0, 0.02)
 """tau0 in units of E*."""
-LOADS = (0.002, 0.02, 0.1)
-"""Mean pressure in units of E* h', h' being the rms slope or gradient of the gap."""
-HURST = (0.5, 0.8)
-CASES = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
+PRESSURES = (0.002, 0.02, 0.1)
+"""Mean pressures in units of E* times the rms slope of the gap."""
+HURST_EXPONENTS = (0.5, 0.8)
+NUM_PAIRS = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
 """Number of pairs by kind and bandwidth (longest over shortest wavelength)."""
-WAVES = {"lines": 4, "surfaces": 2}
+NUM_LONGEST_WAVES = {"lines": 4, "surfaces": 2}
 """Length in units of the longest wavelength."""
-POINTS = {"lines": 16, "surfaces": 8}
+POINTS_PER_SHORTEST_WAVE = {"lines": 16, "surfaces": 8}
 """Points per shortest wavelength."""
-RULES = ("opposing", "all")
+SLIDING_RULES = ("opposing", "all")
 SEED = 2016
 COLOURS, MARKERS = {8: "#0072B2", 32: "#D55E00", 128: "#009E73"}, {0.5: "o", 0.8: "s"}  # Okabe & Ito
 
 # Columns of the results of a pair at a load: area, stiffness, then friction by rule and strength.
-AREA, STIFFNESS, FRICTION = 0, 1, 2
-NAMES = ["area", "stiffness", *(f"{rule}, {strength:g}" for rule, strength in product(RULES, STRENGTHS))]
+AREA_COLUMN, STIFFNESS_COLUMN, FRICTION_COLUMN = 0, 1, 2
+COLUMN_NAMES = [
+    "area",
+    "stiffness",
+    *(f"{rule}, {strength:g}" for rule, strength in product(SLIDING_RULES, TAU0_FRACTIONS)),
+]
 
 
-def body(kind: str, hurst: float, band: int, repetition: int, side: str) -> Profile | Surface:
-    """Return one surface of a pair: periodic on unit length, with rms slope SLOPE."""
-    n = WAVES[kind] * band * POINTS[kind]
+def create_body(kind: str, hurst: float, band: int, repetition: int, side: str) -> Profile | Surface:
+    """Return one surface of a pair: periodic on unit length, with rms slope RMS_SLOPE."""
+    n = NUM_LONGEST_WAVES[kind] * band * POINTS_PER_SHORTEST_WAVE[kind]
     common = {"hurst_exponent": hurst, "repetition": repetition, "side": side, "rms": 1.0, "spacing": 1 / n}
-    common |= {"longest_wavelength": 1 / WAVES[kind], "shortest_wavelength": 1 / (WAVES[kind] * band)}
-    one = (
+    common |= {
+        "longest_wavelength": 1 / NUM_LONGEST_WAVES[kind],
+        "shortest_wavelength": 1 / (NUM_LONGEST_WAVES[kind] * band),
+    }
+    surface = (
         self_affine(SEED, points=n, periodic=True, **common)
         if kind == "lines"
         else self_affine_surface(SEED, shape=(n, n), **common)
     )
     steps = [
-        np.diff(one.heights, axis=axis, append=np.take(one.heights, [0], axis)) * n for axis in range(one.heights.ndim)
+        np.diff(surface.heights, axis=axis, append=np.take(surface.heights, [0], axis)) * n
+        for axis in range(surface.heights.ndim)
     ]
-    scale = SLOPE / math.sqrt(sum(float(np.mean(step**2)) for step in steps))
-    return type(one)(one.heights * scale, spacing=one.spacing)
+    scale = RMS_SLOPE / math.sqrt(sum(float(np.mean(step**2)) for step in steps))
+    return type(surface)(surface.heights * scale, spacing=surface.spacing)
 
 
-def friction(sums: dict[str, np.ndarray], strength: float) -> np.ndarray:
+def friction_coefficient(sums: dict[str, np.ndarray], strength: float) -> np.ndarray:
     tangential, normal = (
         sums[f"{way}_elastic"] + MU0 * sums[f"{way}_frictional"] + strength * MODULUS * sums[f"{way}_adhesive"]
         for way in ("tangential", "normal")
@@ -69,22 +77,22 @@ def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
     """Return results (load, column) of the half-space; friction is the mean of both directions along x."""
     curves = [half_space(upper, lower, loads, boundary="periodic", direction=way) for way in ("+x", "-x")]
     columns = [curves[0].contact_area, curves[0].stiffness]
-    for rule in RULES:
+    for rule in SLIDING_RULES:
         both = [curve.with_sliding(rule) for curve in curves]
         columns += [
             np.mean([one.friction_coefficient(mu0=MU0, tau0=strength * MODULUS) for one in both], axis=0)
-            for strength in STRENGTHS
+            for strength in TAU0_FRACTIONS
         ]
     return np.array(columns).T
 
 
-def asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndarray:
+def solve_asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndarray:
     """Return the results of the asperity model where its elastic load first reaches that of the half-space."""
     law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
     approaches = np.geomspace(1e-5, 1.0, 400) * deepest
     names = [f"{way}_{part}" for way in ("tangential", "normal") for part in ("elastic", "frictional", "adhesive")]
     columns: list[np.ndarray] = []
-    for rule in RULES:
+    for rule in SLIDING_RULES:
         both = [press(upper, lower, approaches, sliding=rule, direction=way, **law) for way in ("+x", "-x")]
         load = both[0].normal_elastic
         first = np.array([int(np.argmax(load >= expected)) for expected in loads])
@@ -96,65 +104,69 @@ def asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndarray:
 
         if not columns:
             columns = [between(both[0].contact_area), between(np.gradient(load, approaches))]
-        for strength in STRENGTHS:
-            each = [friction({name: between(getattr(one, name)) for name in names}, strength) for one in both]
+        for strength in TAU0_FRACTIONS:
+            each = [
+                friction_coefficient({name: between(getattr(one, name)) for name in names}, strength) for one in both
+            ]
             columns.append(np.mean(each, axis=0))
     return np.array(columns).T
 
 
 def measure_pair(kind: str, band: int, hurst: float, repetition: int) -> np.ndarray:
     """Return results (load, model, column) of a pair: half-space, asperities."""
-    upper, lower = (body(kind, hurst, band, repetition, side) for side in ("upper", "lower"))
-    slope = SLOPE * math.sqrt(2)
-    loads = np.array(LOADS) * MODULUS * slope  # mN on 1 µm²
+    upper, lower = (create_body(kind, hurst, band, repetition, side) for side in ("upper", "lower"))
+    slope = RMS_SLOPE * math.sqrt(2)
+    loads = np.array(PRESSURES) * MODULUS * slope  # mN on 1 µm²
     gap = upper.heights - lower.heights
     return np.stack(
-        [solve_half_space(upper, lower, loads), asperities(upper, lower, loads, float(np.ptp(gap)))], axis=1
+        [solve_half_space(upper, lower, loads), solve_asperities(upper, lower, loads, float(np.ptp(gap)))], axis=1
     )
 
 
-def interval(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def mean_and_half_width(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the mean over axis 0 and half of its 95 % interval (Student's t)."""
     n = len(values)
     return values.mean(axis=0), student.ppf(0.975, n - 1) * values.std(axis=0, ddof=1) / math.sqrt(n)
 
 
-def ratio(values: np.ndarray, column: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def ratio_with_interval(values: np.ndarray, column: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the geometric mean (load,) of asperities over half-space, and the ends of its interval."""
-    mean, half = interval(np.log(values[:, :, 1, column] / values[:, :, 0, column]))
+    mean, half = mean_and_half_width(np.log(values[:, :, 1, column] / values[:, :, 0, column]))
     return np.exp(mean), np.exp(mean - half), np.exp(mean + half)
 
 
 def draw(results: dict) -> None:
     figure = Figure(figsize=(6.7, 7.6), dpi=200, layout="constrained")
     rows = [
-        (AREA, "true area"),
-        (STIFFNESS, "normal stiffness"),
-        (FRICTION, r"friction, $\tau_0 = 0$" + "\nopposing"),
-        (FRICTION + 1, r"friction, $\tau_0 = 0.02\,E^*$" + "\nopposing"),
-        (FRICTION + 3, r"friction, $\tau_0 = 0.02\,E^*$" + "\nall"),
+        (AREA_COLUMN, "true area"),
+        (STIFFNESS_COLUMN, "normal stiffness"),
+        (FRICTION_COLUMN, r"friction, $\tau_0 = 0$" + "\nopposing"),
+        (FRICTION_COLUMN + 1, r"friction, $\tau_0 = 0.02\,E^*$" + "\nopposing"),
+        (FRICTION_COLUMN + 3, r"friction, $\tau_0 = 0.02\,E^*$" + "\nall"),
     ]
     axes = figure.subplots(len(rows), 2, sharex=True, sharey="row")
-    for (column, words), pair in zip(rows, axes, strict=True):
-        for kind, ax in zip(WAVES, pair, strict=True):
-            for k, ((of, band), hurst) in enumerate((case, h) for case in CASES if case[0] == kind for h in HURST):
-                mean, low, high = ratio(results[of, band, hurst], column)
+    for (column, label), pair in zip(rows, axes, strict=True):
+        for kind, ax in zip(NUM_LONGEST_WAVES, pair, strict=True):
+            for k, ((body_kind, band), hurst) in enumerate(
+                (case, h) for case in NUM_PAIRS if case[0] == kind for h in HURST_EXPONENTS
+            ):
+                mean, low, high = ratio_with_interval(results[body_kind, band, hurst], column)
                 ax.errorbar(
-                    np.array(LOADS) * 1.05 ** (k - 2), mean, (mean - low, high - mean), lw=0.9, elinewidth=0.7,
+                    np.array(PRESSURES) * 1.05 ** (k - 2), mean, (mean - low, high - mean), lw=0.9, elinewidth=0.7,
                     marker=MARKERS[hurst], ms=3, color=COLOURS[band], mfc="white" if hurst == 0.5 else COLOURS[band],
                 )  # fmt: skip
             ax.axhline(1, color="0.6", lw=0.6, zorder=0)
             ax.set_xscale("log")
             ax.xaxis.minorticks_off()
             ax.tick_params(labelsize=7)
-        pair[0].set_ylabel(words, fontsize=8)
-    for kind, ax in zip(WAVES, axes[0], strict=True):
+        pair[0].set_ylabel(label, fontsize=8)
+    for kind, ax in zip(NUM_LONGEST_WAVES, axes[0], strict=True):
         ax.set_title({"lines": "profiles: cylinders", "surfaces": "surfaces: ellipses"}[kind], fontsize=9)
     axes[1, 0].set_yscale("log")
     axes[1, 0].yaxis.set_ticks((0.3, 0.5, 1, 2), labels=["0.3", "0.5", "1", "2"])
     axes[1, 0].yaxis.minorticks_off()
     for ax in axes[-1]:
-        ax.xaxis.set_ticks(LOADS, labels=[f"{load:g}" for load in LOADS])
+        ax.xaxis.set_ticks(PRESSURES, labels=[f"{load:g}" for load in PRESSURES])
         ax.set_xlabel(r"$\bar p\,/\,E^* h'$", fontsize=8)
     ax = axes[0, 0]
     marks = [ax.plot([], [], color=c, label=f"longest / shortest wave {band}")[0] for band, c in COLOURS.items()]
@@ -166,13 +178,13 @@ def draw(results: dict) -> None:
     figure.savefig(DOCS / "images/half_space.png")
 
 
-def tables(results: dict) -> str:
-    def written(values: np.ndarray, column: int, load: int) -> str:
-        mean, low, high = (item[load] for item in ratio(values, column))
+def format_tables(results: dict) -> str:
+    def format_ratio(values: np.ndarray, column: int, load: int) -> str:
+        mean, low, high = (item[load] for item in ratio_with_interval(values, column))
         return f"{mean:.2f} ({low:.2f} to {high:.2f})"
 
-    def both(values: np.ndarray, column: int, load: int) -> str:
-        mean, half = interval(values[:, load, :, column])
+    def format_friction(values: np.ndarray, column: int, load: int) -> str:
+        mean, half = mean_and_half_width(values[:, load, :, column])
         return f"{mean[1]:.3f} ± {half[1]:.3f}, {mean[0]:.3f} ± {half[0]:.3f}"
 
     head = "| | longest / shortest wave | H | p̄ / (E* h') |"
@@ -182,11 +194,16 @@ def tables(results: dict) -> str:
         "|---|---|---|---|---|---|---|---|",
     ]
     for (kind, band, hurst), values in results.items():
-        for load, pressure in enumerate(LOADS):
+        for load, pressure in enumerate(PRESSURES):
             start = f"| {kind} | {band} | {hurst:g} | {pressure:g} |"
-            share = values[:, load, 0, AREA].mean()
-            first.append(f"{start} {share:.3f} | {written(values, AREA, load)} | {written(values, STIFFNESS, load)} |")
-            second.append(f"{start} {' | '.join(both(values, FRICTION + k, load) for k in range(4))} |")
+            share = values[:, load, 0, AREA_COLUMN].mean()
+            first.append(
+                f"{start} {share:.3f} | {format_ratio(values, AREA_COLUMN, load)} "
+                f"| {format_ratio(values, STIFFNESS_COLUMN, load)} |"
+            )
+            second.append(
+                f"{start} {' | '.join(format_friction(values, FRICTION_COLUMN + k, load) for k in range(4))} |"
+            )
     return "\n".join(
         [
             "Asperities over half-space at equal elastic load, geometric means over pairs with 95 % intervals.\n",
@@ -199,12 +216,12 @@ def tables(results: dict) -> str:
 
 
 def main(workers: int = 1) -> None:
-    keys = [(kind, band, hurst) for (kind, band), hurst in product(CASES, HURST)]
+    keys = [(kind, band, hurst) for (kind, band), hurst in product(NUM_PAIRS, HURST_EXPONENTS)]
     with ProcessPoolExecutor(workers) as pool:
-        jobs = {key: [pool.submit(measure_pair, *key, k) for k in range(CASES[key[:2]])] for key in keys}
+        jobs = {key: [pool.submit(measure_pair, *key, k) for k in range(NUM_PAIRS[key[:2]])] for key in keys}
         results = {key: np.array([job.result() for job in item]) for key, item in jobs.items()}
     draw(results)
-    (DOCS / "generated/half_space.md").write_text(tables(results), encoding="utf-8")
+    (DOCS / "generated/half_space.md").write_text(format_tables(results), encoding="utf-8")
 
 
 if __name__ == "__main__":

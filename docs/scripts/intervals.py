@@ -10,22 +10,22 @@ from stiction.studies.intervals import neighbors_mean
 DOCS = Path(__file__).parent.parent
 sys.path.insert(0, str(DOCS.parent / "tests"))
 
-from reference.neighbours import DISTRIBUTION_NAMES, estimate_truth, measure_coverage, simulate_traverses  # noqa: E402  the tests repeat some of it
+from reference.neighbours import DISTRIBUTION_NAMES, estimate_truth, measure_coverage, simulate_traverses  # noqa: E402
 
-TRIALS = 2000
-POSITIONS = (8, 16, 32, 64, 200)
+NUM_TRIALS = 2000
+NUMBERS_OF_POSITIONS = (8, 16, 32, 64, 200)
 CORRELATIONS = (0.0, 0.4, 0.8)
-COVERED, WIDEST = 0.94, 1.5
-"""Coverage below the first and width above the second are printed bold; 2000 trials scatter by 0.5 %."""
+MIN_COVERAGE, MAX_WIDTH_RATIO = 0.94, 1.5
+"""Values outside these limits are printed bold; the standard error of a coverage is 0.005."""
 
 
-def independent(values):
+def independent_interval(values):
     """Return Student's interval, which assumes uncorrelated values."""
     half_width = stdtrit(values.size - 1, 0.975) * values.std(ddof=1) / np.sqrt(values.size)
     return values.mean(), values.mean() - half_width, values.mean() + half_width
 
 
-def lag_one(values):
+def lag_one_interval(values):
     """Return Student's interval, corrected for the estimated correlation of neighbours."""
     count, deviations = values.size, values - values.mean()
     correlation = deviations[1:] @ deviations[:-1] / (deviations @ deviations) + 1 / count
@@ -35,7 +35,7 @@ def lag_one(values):
     return values.mean(), values.mean() - half_width, values.mean() + half_width
 
 
-def cosines(values):
+def cosine_interval(values):
     """Return Student's interval from the first cosine coefficients, which are nearly independent."""
     count = values.size
     most = max(4, round(0.41 * count ** (2 / 3)))
@@ -44,29 +44,38 @@ def cosines(values):
     return values.mean(), values.mean() - stdtrit(most, 0.975) * error, values.mean() + stdtrit(most, 0.975) * error
 
 
-METHODS = {"taken": neighbors_mean, "independent": independent, "lag one": lag_one, "cosines": cosines}
+INTERVAL_METHODS = {
+    "taken": neighbors_mean,
+    "independent": independent_interval,
+    "lag one": lag_one_interval,
+    "cosines": cosine_interval,
+}
 
 
 def main():
-    lines = ["| values | positions | correlation | " + " | ".join(METHODS) + " |", "|" + "---|" * (3 + len(METHODS))]
+    lines = [
+        "| values | positions | correlation | " + " | ".join(INTERVAL_METHODS) + " |",
+        "|" + "---|" * (3 + len(INTERVAL_METHODS)),
+    ]
     for quantity in DISTRIBUTION_NAMES:
-        for positions in POSITIONS:
+        for positions in NUMBERS_OF_POSITIONS:
             for correlation in CORRELATIONS:
                 random = np.random.default_rng([positions, int(10 * correlation), DISTRIBUTION_NAMES.index(quantity)])
                 truth, best = estimate_truth(quantity, positions, correlation, random)
-                values = simulate_traverses(quantity, TRIALS, positions, correlation, random)
+                values = simulate_traverses(quantity, NUM_TRIALS, positions, correlation, random)
                 values = values[(values != values[:, :1]).any(axis=1)]
                 cells = []
-                for method in METHODS.values():
+                for method in INTERVAL_METHODS.values():
                     covered, width, _ = measure_coverage(method, values, truth, best)
                     cells.append(
-                        f"{_marked(f'{covered:.3f}', covered < COVERED)}, {_marked(f'{width:.2f}', width > WIDEST)}"
+                        f"{_format_bold(f'{covered:.3f}', covered < MIN_COVERAGE)}, "
+                        f"{_format_bold(f'{width:.2f}', width > MAX_WIDTH_RATIO)}"
                     )
                 lines.append(f"| {quantity} | {positions} | {correlation:g} | {' | '.join(cells)} |")
     (DOCS / "generated/intervals.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _marked(text, bold):
+def _format_bold(text, bold):
     return f"**{text}**" if bold else text
 
 

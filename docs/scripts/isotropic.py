@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 from stiction import Surface, half_space, isotropic_surface, levelled, self_affine_surface
 
-OUT = Path(__file__).parent.parent / "generated/isotropic.md"
-WHOLE, PIECE, SPACING = 1024, 256, 0.1  # points, µm
-PAIRS = 6
+TABLE_FILE = Path(__file__).parent.parent / "generated/isotropic.md"
+MAP_POINTS, PIECE_POINTS, SPACING = 1024, 256, 0.1  # points, µm
+NUM_PAIRS = 6
 """Number of pairs of profiles, and of pairs of pieces."""
 MU0, TAU0 = 0.4, 0.1  # GPa, 1 % of E*
 PRESSURE = 0.02  # GPa
@@ -16,15 +16,21 @@ PRESSURE = 0.02  # GPa
 def make_map(side, hurst, stretch):
     """Return a map of rms gradient 0.15 with wavelengths of 0.8 to 6.4 µm, longer by `stretch` along y."""
     body = self_affine_surface(
-        11, hurst_exponent=hurst, rms=0.1, shape=(WHOLE, WHOLE), spacing=SPACING, side=side, longest_wavelength=6.4,
+        11,
+        hurst_exponent=hurst,
+        rms=0.1,
+        shape=(MAP_POINTS, MAP_POINTS),
+        spacing=SPACING,
+        side=side,
+        longest_wavelength=6.4,
         shortest_wavelength=0.8,
-    )  # fmt: skip
+    )
     along_y, along_x = np.gradient(body.heights, stretch * SPACING, SPACING)
     heights = 0.15 * body.heights / np.sqrt((along_x**2 + along_y**2).mean())
     return Surface(heights, spacing=(stretch * SPACING, SPACING))
 
 
-def answers(upper, lower):
+def measure_pair(upper, lower):
     """Return A/A0 (%) and mu_s (opposing rule, mean over four directions) without tau0 and with tau0."""
     area = np.prod(upper.extent)
     curve = half_space(upper, lower, [PRESSURE * area], direction=[0.0, 90.0, 180.0, 270.0])
@@ -32,21 +38,23 @@ def answers(upper, lower):
     return 100 * curve.contact_area[0] / area, *coefficients
 
 
-def pieces(upper, lower):
+def cut_pieces(upper, lower):
     """Yield pairs of pieces from different places of the maps."""
-    count = WHOLE // PIECE
-    for index in range(PAIRS):
+    count = MAP_POINTS // PIECE_POINTS
+    for index in range(NUM_PAIRS):
         j, i = divmod(index, count)
-        cut = np.s_[j * PIECE : (j + 1) * PIECE, i * PIECE : (i + 1) * PIECE]
+        cut = np.s_[j * PIECE_POINTS : (j + 1) * PIECE_POINTS, i * PIECE_POINTS : (i + 1) * PIECE_POINTS]
         yield tuple(levelled(Surface(body.heights[cut], spacing=body.spacing), "plane") for body in (upper, lower))
 
 
-def surrogates(upper, lower, line):
-    for index in range(PAIRS):
-        at = index * WHOLE // PAIRS
-        sections = [levelled(getattr(body, line)(at), "line") for body in (upper, lower)]
+def generate_surrogates(upper, lower, line):
+    for index in range(NUM_PAIRS):
+        line_index = index * MAP_POINTS // NUM_PAIRS
+        sections = [levelled(getattr(body, line)(line_index), "line") for body in (upper, lower)]
         yield tuple(
-            levelled(isotropic_surface(section, 5, shape=(PIECE, PIECE), repetition=index, side=side), "plane")
+            levelled(
+                isotropic_surface(section, 5, shape=(PIECE_POINTS, PIECE_POINTS), repetition=index, side=side), "plane"
+            )
             for section, side in zip(sections, ("upper", "lower"), strict=True)
         )
 
@@ -59,20 +67,20 @@ def main():
     ]
     for hurst, stretch in [(0.4, 1), (0.5, 1), (0.6, 1), (0.7, 1), (0.8, 1), (0.9, 1), (0.8, 2), (0.8, 4)]:
         bodies = [make_map(side, hurst, stretch) for side in ("upper", "lower")]
-        kinds = {"the map": list(pieces(*bodies)), "sections along x": list(surrogates(*bodies, "row"))}
+        kinds = {"the map": list(cut_pieces(*bodies)), "sections along x": list(generate_surrogates(*bodies, "row"))}
         if stretch > 1:
-            kinds["sections along y"] = list(surrogates(*bodies, "column"))
-        own = None
+            kinds["sections along y"] = list(generate_surrogates(*bodies, "column"))
+        map_mean = None
         for kind, pairs in kinds.items():
-            result = np.array([answers(*pair) for pair in pairs])
-            mean, error = result.mean(axis=0), result.std(axis=0, ddof=1) / np.sqrt(PAIRS)
-            own = mean if own is None else own
+            result = np.array([measure_pair(*pair) for pair in pairs])
+            mean, error = result.mean(axis=0), result.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
+            map_mean = mean if map_mean is None else map_mean
             cells = []
-            for value, wide, ratio in zip(mean, error, mean / own, strict=True):
-                cells += [f"{value:.3f} ± {wide:.3f}", "" if kind == "the map" else f"{ratio:.2f}"]
+            for value, standard_error, ratio in zip(mean, error, mean / map_mean, strict=True):
+                cells += [f"{value:.3f} ± {standard_error:.3f}", "" if kind == "the map" else f"{ratio:.2f}"]
             lines.append(f"| {hurst} | {stretch} | {kind} | {' | '.join(cells)} |")
             print(lines[-1], flush=True)
-    OUT.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    TABLE_FILE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

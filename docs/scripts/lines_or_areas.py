@@ -7,33 +7,33 @@ import tamaas
 from stiction import approach_at_load, flipped, half_space, pair, press, self_affine_surface
 from stiction._core import patches_of
 
-OUT = Path(__file__).parent.parent / "generated/lines_or_areas.md"
-POINTS, SPACING, PRESSURE, PAIRS, LINES, MU0 = 128, 0.1, 0.02, 6, 32, 0.3  # µm, GPa
-FOUR = [0.0, 90.0, 180.0, 270.0]
+TABLE_FILE = Path(__file__).parent.parent / "generated/lines_or_areas.md"
+NUM_POINTS, SPACING, PRESSURE, NUM_PAIRS, NUM_LINES, MU0 = 128, 0.1, 0.02, 6, 32, 0.3  # µm, GPa
+DIRECTIONS = [0.0, 90.0, 180.0, 270.0]
 
 
-def bodies(repetition):
+def generate_surfaces(repetition):
     """Return the two surfaces of a repetition."""
     return tuple(
         self_affine_surface(
-            3, repetition=repetition, hurst_exponent=0.8, rms=0.03, shape=(POINTS, POINTS), spacing=SPACING,
+            3, repetition=repetition, hurst_exponent=0.8, rms=0.03, shape=(NUM_POINTS, NUM_POINTS), spacing=SPACING,
             longest_wavelength=3.2, shortest_wavelength=0.8, side=side,
         )
         for side in ("upper", "lower")
     )  # fmt: skip
 
 
-def answers(upper, lower):
+def measure_pair(upper, lower):
     """Return A/A0 (%) and mu_s of each contact model."""
-    area = (POINTS * SPACING) ** 2
+    area = (NUM_POINTS * SPACING) ** 2
     load = [PRESSURE * area]
     computed = {}
     for name, boundary in (("areas: half-space, periodic", "periodic"), ("areas: half-space, free edges", "free")):
-        curve = half_space(upper, lower, load, boundary=boundary, direction=FOUR)
+        curve = half_space(upper, lower, load, boundary=boundary, direction=DIRECTIONS)
         computed[name] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
-    curve = press(upper, lower, approach_at_load(upper, lower, load, mu0=0.0), direction=FOUR)
+    curve = press(upper, lower, approach_at_load(upper, lower, load, mu0=0.0), direction=DIRECTIONS)
     computed["areas: asperities"] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
-    model = tamaas.Model(tamaas.model_type.basic_2d, [POINTS * SPACING] * 2, [POINTS, POINTS])
+    model = tamaas.Model(tamaas.model_type.basic_2d, [NUM_POINTS * SPACING] * 2, [NUM_POINTS, NUM_POINTS])
     model.E, model.nu = 10.0, 0.0
     tamaas.PolonskyKeerRey(model, np.ascontiguousarray(lower.heights - upper.heights), 1e-10).solve(PRESSURE)
     share = patches_of(np.ascontiguousarray(model.traction), periodic=True, hardness=np.inf)[2]
@@ -44,23 +44,23 @@ def answers(upper, lower):
         ("32 lines: cylinders", "hertz-cylinder", "signed"),
     ):  # fmt: skip
         scan = flipped(upper).changed(-upper.heights, "scan of the upper body")
-        options = {"law": law, "curvature": curvature, "lines": LINES, "cutoff": "none", "onset": 0}
+        options = {"law": law, "curvature": curvature, "lines": NUM_LINES, "cutoff": "none", "onset": 0}
         result = pair(scan, lower, load=f"{PRESSURE} GPa", mu0=MU0, effective_modulus="10 GPa", **options)
-        at = result.at().sel(statistic="mean", sliding="opposing").squeeze()
-        computed[name] = float(at["contact_area_fraction"]), float(at["friction_all_round"])
+        result_values = result.at().sel(statistic="mean", sliding="opposing").squeeze()
+        computed[name] = float(result_values["contact_area_fraction"]), float(result_values["friction_all_round"])
     return computed
 
 
 def main():
     tamaas.set_log_level(tamaas.LogLevel.error)
-    every = [answers(*bodies(repetition)) for repetition in range(PAIRS)]
+    results = [measure_pair(*generate_surfaces(repetition)) for repetition in range(NUM_PAIRS)]
     lines = ["| pressed as | A/A0 (%) | μ_s, opposing |", "|---|---|---|"]
-    for name in every[0]:
-        values = np.array([item[name] for item in every]) * [100, 1]
-        mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(PAIRS)
+    for name in results[0]:
+        values = np.array([item[name] for item in results]) * [100, 1]
+        mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
         cells = ["" if np.isnan(one) else f"{one:.3g} ± {off:.2g}" for one, off in zip(mean, error, strict=True)]
         lines.append(f"| {name} | {' | '.join(cells)} |")
-    OUT.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    TABLE_FILE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

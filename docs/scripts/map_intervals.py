@@ -8,15 +8,15 @@ from stiction.studies.evaluation import at_load, member_values
 from stiction.studies.pair import study_from_options
 from stiction.studies.pair_options import read_options
 
-OUT = Path(__file__).parent.parent / "generated/map_intervals.md"
-PAIRS, SHIFTS, TAKEN = 40, 400, 16
-OPTIONS = {
+TABLE_FILE = Path(__file__).parent.parent / "generated/map_intervals.md"
+NUM_PAIRS, NUM_SHIFTS, SAMPLE_SIZE = 40, 400, 16
+STUDY_OPTIONS = {
     "load": "30 MPa", "mu0": 0.3, "tau0": "100 MPa", "effective_modulus": "10 GPa", "direction": [0],
     "mechanics": "asperities", "cutoff": "none",
 }  # fmt: skip
 
 
-def numbers(dataset):
+def select_values(dataset):
     """Return A/A0, and mu_s to +x by both rules, over members or statistics."""
     friction = dataset["friction_coefficient"].isel(cut_off=0, direction=0, load=0, mu0=0, tau0=0)
     area = dataset["contact_area_fraction"].isel(cut_off=0, load=0)
@@ -25,7 +25,7 @@ def numbers(dataset):
 
 def main():
     populations, intervals = [], {"shifts": [], "surrogates": []}
-    for pair in range(PAIRS):
+    for pair in range(NUM_PAIRS):
         upper, lower = (
             self_affine_surface(
                 17, repetition=pair, hurst_exponent=0.8, rms=0.02, shape=(192, 192), spacing=0.1, side=side,
@@ -33,34 +33,43 @@ def main():
             )
             for side in ("upper", "lower")
         )  # fmt: skip
-        options = {"upper": upper, "lower": lower, "shifts": SHIFTS, "surrogates": TAKEN, "seed": pair, **OPTIONS}
+        options = {
+            "upper": upper,
+            "lower": lower,
+            "shifts": NUM_SHIFTS,
+            "surrogates": SAMPLE_SIZE,
+            "seed": pair,
+            **STUDY_OPTIONS,
+        }
         result = run(study_from_options(read_options(options)))
         loads = result.default_loads
-        populations.append(np.nanmean(numbers(member_values(result, loads, of="shifts")), axis=-1))
-        first = Result(result.dataset.isel(repetition=slice(2 * TAKEN)))  # surrogates, and as many shifts
+        populations.append(np.nanmean(select_values(member_values(result, loads, of="shifts")), axis=-1))
+        sample = Result(
+            result.dataset.isel(repetition=slice(2 * SAMPLE_SIZE))
+        )  # all surrogates, and an equal number of shifts
         for kind, computed in intervals.items():
-            computed.append(numbers(at_load(first, loads, of=kind)))
+            computed.append(select_values(at_load(sample, loads, of=kind)))
         if pair:
-            OUT.write_text(table(np.array(populations), intervals), encoding="utf-8")
+            TABLE_FILE.write_text(format_table(np.array(populations), intervals), encoding="utf-8")
 
 
-def table(own, intervals):
+def format_table(pair_means, intervals):
     """Return a table of coverage and median width of each interval, for the pairs so far."""
-    pairs, all_pairs = len(own), own.mean(axis=0)
-    everybody = np.broadcast_to(all_pairs, own.shape)
+    pairs, all_pairs = len(pair_means), pair_means.mean(axis=0)
+    overall_mean = np.broadcast_to(all_pairs, pair_means.shape)
     rows = [
-        ("16 shifts", f"all {SHIFTS} shifts of the same two maps", intervals["shifts"], own),
-        ("16 shifts", f"the mean of all {pairs} pairs", intervals["shifts"], everybody),
-        ("16 surrogates", f"the mean of all {pairs} pairs", intervals["surrogates"], everybody),
+        ("16 shifts", f"all {NUM_SHIFTS} shifts of the same two maps", intervals["shifts"], pair_means),
+        ("16 shifts", f"the mean of all {pairs} pairs", intervals["shifts"], overall_mean),
+        ("16 surrogates", f"the mean of all {pairs} pairs", intervals["surrogates"], overall_mean),
     ]
     lines = ["| interval over | held against | A/A0 | μ_s, opposing | μ_s, all |", "|---|---|---|---|---|"]
-    for of, truth, result, expected in rows:
+    for members, truth, result, expected in rows:
         mean, low, high = np.moveaxis(np.array(result), -1, 0)
         inside = (low <= expected) & (expected <= high)
         width = np.median((high - low) / mean, axis=0)
         cells = [f"{100 * inside[:, k].mean():.0f} %, {100 * width[k]:.1f} %" for k in range(3)]
-        lines.append(f"| {of} | {truth} | {' | '.join(cells)} |")
-    cells = [f"{100 * each:.1f} %" for each in own.std(axis=0, ddof=1) / all_pairs]
+        lines.append(f"| {members} | {truth} | {' | '.join(cells)} |")
+    cells = [f"{100 * each:.1f} %" for each in pair_means.std(axis=0, ddof=1) / all_pairs]
     lines.append(f"| | standard deviation of the {pairs} pairs' own means | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 

@@ -23,14 +23,14 @@ DOCS = Path(__file__).parents[1]
 MODULUS = 10.0
 MU0 = 0.3
 POISSON = 0.3
-STRENGTHS = (0.0, 0.02)
+TAU0_FRACTIONS = (0.0, 0.02)
 """tau0 in units of E*, at an rms gradient of the gap of 0.14."""
-BANDS = (8, 16, 32)
+BANDWIDTHS = (8, 16, 32)
 """Longest over shortest wavelength."""
-LOADS = (0.002, 0.02, 0.1)
+PRESSURES = (0.002, 0.02, 0.1)
 """Mean pressure in units of E* h'."""
-PAIRS = 6
-AREAS = {
+NUM_PAIRS = 6
+AREA_CHANGES = {
     "surfaces.kind": "surface", "surfaces.shape": [256, 256], "surfaces.extent": ["10 um", "10 um"],
     "surfaces.band_limit": "nyquist", "surfaces.fractal_dimension": [1.0, 1.2, 1.4, 1.6], "ensemble.repetitions": 30,
 }  # fmt: skip
@@ -38,42 +38,42 @@ SEED = 2016
 ORANGE, BLUE, GREEN, GREY = "#D55E00", "#0072B2", "#009E73", "#777777"  # Okabe & Ito
 
 
-def body(band: int, repetition: int, side: str, *, slope: float = 0.1, points: int = 8) -> Surface:
+def create_surface(band: int, repetition: int, side: str, *, slope: float = 0.1, points: int = 8) -> Surface:
     """Return a periodic unit square with an rms gradient; it contains two of the longest wavelengths."""
     n = 2 * band * points
-    one = self_affine_surface(
+    surface = self_affine_surface(
         SEED, hurst_exponent=0.8, rms=1.0, shape=(n, n), spacing=1 / n, longest_wavelength=0.5,
         shortest_wavelength=0.5 / band, repetition=repetition, side=side,
     )  # fmt: skip
-    return Surface(one.heights * slope / gradient(one.heights), spacing=1 / n)
+    return Surface(surface.heights * slope / rms_gradient(surface.heights), spacing=1 / n)
 
 
-def gradient(heights: np.ndarray) -> float:
+def rms_gradient(heights: np.ndarray) -> float:
     n = heights.shape[0]
     return n * math.sqrt(sum(np.mean((np.roll(heights, -1, axis) - heights) ** 2) for axis in (0, 1)))
 
 
-def pair(band: int, repetition: int, **how: float) -> tuple[Surface, Surface, float]:
+def create_pair(band: int, repetition: int, **surface_options: float) -> tuple[Surface, Surface, float]:
     """Return upper and lower surface, and the load for a mean pressure of E* h'."""
-    upper, lower = (body(band, repetition, side, **how) for side in ("upper", "lower"))
-    return upper, lower, MODULUS * gradient(upper.heights - lower.heights)
+    upper, lower = (create_surface(band, repetition, side, **surface_options) for side in ("upper", "lower"))
+    return upper, lower, MODULUS * rms_gradient(upper.heights - lower.heights)
 
 
-def header(*names: str) -> list[str]:
+def table_header(*names: str) -> list[str]:
     """Return the header of a table."""
     return ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
 
 
-def interval(ratios: list[float]) -> str:
+def format_ratio_interval(ratios: list[float]) -> str:
     """Return the geometric mean with its 95 % interval."""
     logs = np.log(ratios)
     half = student.ppf(0.975, logs.size - 1) * logs.std(ddof=1) / math.sqrt(logs.size)
     return f"{math.exp(logs.mean()):.2f} [{math.exp(logs.mean() - half):.2f}, {math.exp(logs.mean() + half):.2f}]"
 
 
-def asperities() -> list[str]:
+def compare_asperities() -> list[str]:
     """Return the ratio of the asperity model to the half-space at equal elastic load."""
-    lines = header(
+    lines = table_header(
         "longest / shortest wave",
         "pressure / E\\* h'",
         "initial tangential stiffness",
@@ -82,39 +82,41 @@ def asperities() -> list[str]:
         "sliding load, τ0 = 2 % of E\\*",
         "load that slips at half of the sliding load: half-space, asperities",
     )
-    for band in BANDS:
-        result = [[[] for _ in range(6)] for _ in LOADS]
-        for repetition in range(PAIRS):
-            upper, lower, unit = pair(band, repetition)
-            exact = half_space(upper, lower, np.multiply(LOADS, unit), effective_modulus=MODULUS, boundary="periodic")
+    for band in BANDWIDTHS:
+        result = [[[] for _ in range(6)] for _ in PRESSURES]
+        for repetition in range(NUM_PAIRS):
+            upper, lower, unit = create_pair(band, repetition)
+            exact = half_space(
+                upper, lower, np.multiply(PRESSURES, unit), effective_modulus=MODULUS, boundary="periodic"
+            )
             span = np.ptp(upper.heights - lower.heights)
             ladder = np.geomspace(1e-3, 1, 300) * span
             curve = press(upper, lower, ladder, effective_modulus=MODULUS)
-            at = np.interp(exact.load, np.maximum.accumulate(curve.normal_elastic), ladder)
-            curve = press(upper, lower, at, effective_modulus=MODULUS)
-            for k in range(len(LOADS)):
-                ways = [
+            approaches = np.interp(exact.load, np.maximum.accumulate(curve.normal_elastic), ladder)
+            curve = press(upper, lower, approaches, effective_modulus=MODULUS)
+            for k in range(len(PRESSURES)):
+                onsets = [
                     [one.onset(k, mu0=MU0, tau0=tau0 * MODULUS, steps=[0.5, 1.0]) for one in (curve, exact)]
-                    for tau0 in STRENGTHS
+                    for tau0 in TAU0_FRACTIONS
                 ]
-                result[k][0].append(ways[0][0].stiffness / ways[0][1].stiffness)
+                result[k][0].append(onsets[0][0].stiffness / onsets[0][1].stiffness)
                 for s in range(2):
-                    result[k][1 + s].append(ways[s][0].displacement_at_sliding / ways[s][1].displacement_at_sliding)
-                result[k][3].append(ways[1][0].sliding_load / ways[1][1].sliding_load)
-                result[k][4].append(ways[0][1].slipped_load[0])
-                result[k][5].append(ways[0][0].slipped_load[0])
-        for load, columns in zip(LOADS, result, strict=True):
-            ratios = " | ".join(interval(column) for column in columns[:4])
+                    result[k][1 + s].append(onsets[s][0].displacement_at_sliding / onsets[s][1].displacement_at_sliding)
+                result[k][3].append(onsets[1][0].sliding_load / onsets[1][1].sliding_load)
+                result[k][4].append(onsets[0][1].slipped_load[0])
+                result[k][5].append(onsets[0][0].slipped_load[0])
+        for load, columns in zip(PRESSURES, result, strict=True):
+            ratios = " | ".join(format_ratio_interval(column) for column in columns[:4])
             slips = ", ".join(f"{100 * np.mean(column):.0f} %" for column in columns[4:])
             lines.append(f"| {band} | {load:g} | {ratios} | {slips} |")
             print(lines[-1], flush=True)
     return lines
 
 
-def whole_kernel() -> list[str]:
+def compare_kernels() -> list[str]:
     """Return the initial stiffness with the full tangential kernel over that with the isotropic kernel, ν = 0.3."""
-    lines = header("roughness", "exact kernel", "exact kernel without transverse displacement")
-    upper, lower, unit = pair(8, 0, points=32)
+    lines = table_header("roughness", "exact kernel", "exact kernel without transverse displacement")
+    upper, lower, unit = create_pair(8, 0, points=32)
     gap = upper.heights - lower.heights
     n = gap.shape[0]
     stretched = (("stretched fourfold along the motion", 0), ("stretched fourfold across the motion", 1))
@@ -125,13 +127,13 @@ def whole_kernel() -> list[str]:
         curve = half_space(*bodies, [0.02 * unit], effective_modulus=MODULUS, boundary="periodic")
         touching = curve.contact(0).pressure > 0
         simple = curve.onset(0, mu0=MU0, poisson=POISSON, steps=1).stiffness
-        ratios = [_stuck(touching, both=both) / simple for both in (False, True)]
+        ratios = [_stuck_load(touching, both=both) / simple for both in (False, True)]
         lines.append(f"| {name} | {ratios[0]:.3f} | {ratios[1]:.3f} |")
         print(lines[-1], flush=True)
     return lines
 
 
-def _stuck(touching: np.ndarray, *, both: bool) -> float:
+def _stuck_load(touching: np.ndarray, *, both: bool) -> float:
     """Return the load that displaces all contact points by 1 along x; `both` also prevents displacement along y."""
     n = touching.shape[0]
     k = 2 * np.pi * np.stack(np.meshgrid(scipy.fft.fftfreq(n, 1 / n), scipy.fft.rfftfreq(n, 1 / n), indexing="ij"))
@@ -143,7 +145,7 @@ def _stuck(touching: np.ndarray, *, both: bool) -> float:
     crossed = -scale * POISSON * k[0] * k[1] / size**2
     count = int(touching.sum())
 
-    def moved(q: np.ndarray) -> np.ndarray:
+    def compute_displacement(q: np.ndarray) -> np.ndarray:
         waves = []
         for part in q.reshape(-1, count):
             grid = np.zeros(touching.shape)
@@ -157,69 +159,74 @@ def _stuck(touching: np.ndarray, *, both: bool) -> float:
     size_of = count * (1 + both)
     expected = np.zeros(size_of)
     expected[:count] = 1.0
-    # The kernel has no mean: a constant is added to it and subtracted from the compliance.
+    # The kernel has no mean; a constant makes it positive definite, and is subtracted from the result.
     lift = 10.0 / MODULUS
 
-    def lifted(q: np.ndarray) -> np.ndarray:
-        result = moved(q)
+    def compute_lifted_displacement(q: np.ndarray) -> np.ndarray:
+        result = compute_displacement(q)
         for part in range(1 + both):
             result[part * count : (part + 1) * count] += (
                 lift * q[part * count : (part + 1) * count].mean() * count / n**2
             )
         return result
 
-    q, _ = cg(LinearOperator((size_of, size_of), lifted), expected, rtol=1e-8, maxiter=5000)
+    q, _ = cg(LinearOperator((size_of, size_of), compute_lifted_displacement), expected, rtol=1e-8, maxiter=5000)
     load = q[:count].sum() / n**2
     return float(1 / (1 / load - lift))
 
 
-def costs() -> list[str]:
-    lines = header(
+def measure_times() -> list[str]:
+    lines = table_header(
         "512²", "a normal load", "20 steps of tangential load", "time of a step over time of the normal load"
     )
-    upper, lower, unit = pair(32, 0)
-    for boundary, part in product(("periodic", "free"), (0.02, 0.1)):
+    upper, lower, unit = create_pair(32, 0)
+    for boundary, pressure in product(("periodic", "free"), (0.02, 0.1)):
         half_space(upper, lower, [0.01 * unit], effective_modulus=MODULUS, boundary=boundary)
         start = time.process_time()
-        curve = half_space(upper, lower, [part * unit], effective_modulus=MODULUS, boundary=boundary)
+        curve = half_space(upper, lower, [pressure * unit], effective_modulus=MODULUS, boundary=boundary)
         normal = time.process_time() - start
         start = time.process_time()
         curve.onset(0, mu0=MU0, tau0=0.02 * MODULUS)
-        whole = time.process_time() - start
-        lines.append(f"| {boundary}, {part:g} E\\* h' | {normal:.2f} s | {whole:.1f} s | {whole / 20 / normal:.2f} |")
+        onset_time = time.process_time() - start
+        lines.append(
+            f"| {boundary}, {pressure:g} E\\* h' | {normal:.2f} s | {onset_time:.1f} s "
+            f"| {onset_time / 20 / normal:.2f} |"
+        )
         print(lines[-1], flush=True)
     return lines
 
 
-def fits() -> list[str]:
+def compare_models() -> list[str]:
     """Fit the Iwan and LuGre models to the curve."""
-    lines = header(
+    lines = table_header(
         "boundary", "pressure / E\\* h'", "τ0 / E\\*", "Iwan: χ, β", "rms error of the load",
         "rms error of the energy per cycle", "LuGre: σ0 over initial stiffness", "rms error of the load",
     )  # fmt: skip
-    upper, lower, unit = pair(16, 0)
+    upper, lower, unit = create_pair(16, 0)
     for boundary in ("periodic", "free"):
-        loads = np.multiply(LOADS, unit)
+        loads = np.multiply(PRESSURES, unit)
         curve = half_space(upper, lower, loads, effective_modulus=MODULUS, boundary=boundary)
-        for k, tau0 in product(range(len(LOADS)), STRENGTHS):
+        for k, tau0 in product(range(len(PRESSURES)), TAU0_FRACTIONS):
             onset = curve.onset(k, mu0=MU0, tau0=tau0 * MODULUS)
             iwan, lugre = onset.iwan(), onset.lugre()
             lost = onset.energy_lost(onset.tangential_load[4:])
-            miss = math.sqrt(np.mean((iwan.energy_lost(onset.displacement[4:]) / lost - 1) ** 2))
+            energy_error = math.sqrt(np.mean((iwan.energy_lost(onset.displacement[4:]) / lost - 1) ** 2))
             residuals = [math.sqrt(np.mean(one.residual**2)) / onset.sliding_load for one in (iwan, lugre)]
-            off = [f"{100 * one:.1f} %" for one in residuals]
+            errors = [f"{100 * one:.1f} %" for one in residuals]
             lines.append(
-                f"| {boundary} | {LOADS[k]:g} | {tau0:g} | {iwan.chi:.2f}, {iwan.beta:.2f} | {off[0]} | "
-                f"{100 * miss:.0f} % | {lugre.stiffness / onset.stiffness:.2f} | {off[1]} |"
+                f"| {boundary} | {PRESSURES[k]:g} | {tau0:g} | {iwan.chi:.2f}, {iwan.beta:.2f} | {errors[0]} | "
+                f"{100 * energy_error:.0f} % | {lugre.stiffness / onset.stiffness:.2f} | {errors[1]} |"
             )
             print(lines[-1], flush=True)
     return lines
 
 
-def slopes() -> list[str]:
-    lines = header("h' of the gap", "load at which sliding starts with friction at all contacts, over μ0 F + τ0 A")
+def compare_slopes() -> list[str]:
+    lines = table_header(
+        "h' of the gap", "load at which sliding starts with friction at all contacts, over μ0 F + τ0 A"
+    )
     for slope in (0.05, 0.1, 0.3, 0.6):
-        upper, lower, unit = pair(16, 0, slope=slope / math.sqrt(2))
+        upper, lower, unit = create_pair(16, 0, slope=slope / math.sqrt(2))
         curve = half_space(
             upper,
             lower,
@@ -240,8 +247,8 @@ def compute_over_dimension() -> list[str]:
     lines = run(Study.named("presliding"), progress=True)
     figure = lines.figure("onset")
     figure.savefig(DOCS / "images/onset_dimension.png", dpi=300)
-    areas = run(Study.named("presliding").with_changes(AREAS), progress=True)
-    rows = header(
+    areas = run(Study.named("presliding").with_changes(AREA_CHANGES), progress=True)
+    rows = table_header(
         "D",
         *(
             f"{of}: {what}"
@@ -280,8 +287,8 @@ def draw() -> None:
     onset = curve.onset(0, mu0=0.2, tau0=0.05, steps=40)
     figure = Figure(figsize=(6.7, 2.3), dpi=300, layout="constrained")
     left, middle, right = figure.subplots(1, 3, width_ratios=[1.15, 1, 1])
-    way, load = 1e3 * np.append(0, onset.displacement), np.append(0, onset.tangential_load)
-    left.plot(way, load, color="black", lw=1.2)
+    displacement, load = 1e3 * np.append(0, onset.displacement), np.append(0, onset.tangential_load)
+    left.plot(displacement, load, color="black", lw=1.2)
     for part, colour in ((0.5, BLUE), (0.9, ORANGE)):
         loop = onset.loop(part * onset.sliding_load)
         left.fill(1e3 * loop[0], loop[1], color=colour, alpha=0.25, lw=0)
@@ -300,13 +307,13 @@ def draw() -> None:
     middle.plot(part, 100 * (1 - (1 - part) ** (2 / 3)), color=BLUE, lw=0.8, ls="--")
     middle.set(xlabel="tangential load / sliding load", ylabel="slips (%)", xlim=(0, 1), ylim=(0, 100))
     middle.legend(frameon=False, fontsize=6, title="dashed: one ball", title_fontsize=6)
-    slips = onset.slip_load().reshape(n, n) / onset.sliding_load
-    # Row with the largest contact.
+    slip_fraction = onset.slip_load().reshape(n, n) / onset.sliding_load
+    # Show the window with the largest contact area.
     touching = curve.contact(0).pressure > 0
-    busy = uniform_filter(touching.astype(float), shown)[shown // 2 : -shown // 2, shown // 2 : -shown // 2]
-    row, column = np.unravel_index(busy.argmax(), busy.shape)
+    contact_density = uniform_filter(touching.astype(float), shown)[shown // 2 : -shown // 2, shown // 2 : -shown // 2]
+    row, column = np.unravel_index(contact_density.argmax(), contact_density.shape)
     image = right.imshow(
-        slips[row : row + shown, column : column + shown], origin="lower", vmin=0, vmax=1, cmap="viridis",
+        slip_fraction[row : row + shown, column : column + shown], origin="lower", vmin=0, vmax=1, cmap="viridis",
         interpolation="nearest", extent=(0, shown * length / n, 0, shown * length / n),
     )  # fmt: skip
     bar = figure.colorbar(image, ax=right)
@@ -326,9 +333,13 @@ def draw() -> None:
 
 def main(*names: str) -> None:
     tables = {
-        "asperities": asperities, "kernel": whole_kernel, "slopes": slopes, "fits": fits, "costs": costs,
+        "asperities": compare_asperities,
+        "kernel": compare_kernels,
+        "slopes": compare_slopes,
+        "fits": compare_models,
+        "costs": measure_times,
         "dimension": compute_over_dimension,
-    }  # fmt: skip
+    }
     for name in names or tables:
         target = DOCS / f"generated/onset_{name}.md"
         target.write_text("\n".join(tables[name]()) + "\n", encoding="utf-8")

@@ -25,13 +25,13 @@ from stiction.views.style import (
 )
 
 IMAGE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
-SHOWN = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
-FITTED = 50.0  # mN, lowest load of both fits
-LAST = 700.0  # mN; values jump above this load, as after a change of range
-COMMON = 0.02  # relative standard error of the force cell
+TABLE_LOADS = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
+MIN_FITTED_LOAD = 50.0  # mN, lowest load of both fits
+MAX_LOAD = 700.0  # mN; values jump above this load, as after a change of range
+COMMON_ERROR = 0.02  # relative standard error of the force cell
 
 
-def fits(load, coefficient, error):
+def fit_laws(load, coefficient, error):
     """Return (mu0, tau0 A0) of a flat, (mu0, tau0 A0, F1) of a rough flat, and residuals over errors; in mN."""
     columns = np.stack([np.ones_like(load), 1 / load], axis=1) / error[:, np.newaxis]
     flat = np.linalg.lstsq(columns, coefficient / error, rcond=None)[0]
@@ -45,28 +45,38 @@ def fits(load, coefficient, error):
 
 def main(path):
     table = pandas.read_csv(path)
-    table = table[table["load (mN)"] <= LAST].sort_values("load (mN)")
+    table = table[table["load (mN)"] <= MAX_LOAD].sort_values("load (mN)")
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 66 * MILLIMETRE), layout="constrained")
         left, right = figure.subplots(1, 2)
-        for (name, own), colour in zip(table.groupby("silicone"), (ALL_CONTACTS_COLOUR, FORCE_COLOUR), strict=True):
-            load, coefficient = own["load (mN)"].to_numpy(float), own["coefficient"].to_numpy()
-            scatter = own["standard deviation"].to_numpy()
+        for (name, tests), colour in zip(table.groupby("silicone"), (ALL_CONTACTS_COLOUR, FORCE_COLOUR), strict=True):
+            load, coefficient = tests["load (mN)"].to_numpy(float), tests["coefficient"].to_numpy()
+            scatter = tests["standard deviation"].to_numpy()
             left.plot(load, coefficient * load, ".", color=colour, markersize=3, label=name)
             right.errorbar(load, coefficient, scatter, fmt=".", color=colour, markersize=3, linewidth=0.5)
-            error = np.hypot(scatter / np.sqrt(own["cycles"].to_numpy()), COMMON * coefficient)
-            used = load >= FITTED
-            flat, of_flat, rough, of_rough = fits(load[used], coefficient[used], error[used])
-            there = dict(zip(load, coefficient, strict=True))
-            print(f"| {name} |", " | ".join(f"{there[each]:.2f}" if each in there else "" for each in SHOWN), "|")
-            for law, values, left_over in (("flat", flat, of_flat), ("rough", rough, of_rough)):
-                chi = float((left_over**2).sum())
-                print(f"  {law}: {np.round(values, 3)} chi2 {chi:.0f} of {used.sum() - len(values)}", file=sys.stderr)
+            error = np.hypot(scatter / np.sqrt(tests["cycles"].to_numpy()), COMMON_ERROR * coefficient)
+            is_fitted = load >= MIN_FITTED_LOAD
+            flat, flat_residuals, rough, rough_residuals = fit_laws(
+                load[is_fitted], coefficient[is_fitted], error[is_fitted]
+            )
+            coefficient_by_load = dict(zip(load, coefficient, strict=True))
+            print(
+                f"| {name} |",
+                " | ".join(
+                    f"{coefficient_by_load[each]:.2f}" if each in coefficient_by_load else "" for each in TABLE_LOADS
+                ),
+                "|",
+            )
+            for law, values, residuals in (("flat", flat, flat_residuals), ("rough", rough, rough_residuals)):
+                chi = float((residuals**2).sum())
+                print(
+                    f"  {law}: {np.round(values, 3)} chi2 {chi:.0f} of {is_fitted.sum() - len(values)}", file=sys.stderr
+                )
             if name.startswith("Dragon"):
                 fine = np.geomspace(load.min(), load.max(), 200)
                 right.plot(fine, flat[0] + flat[1] / fine, "--", color="black", label="full contact")
-                closing = rough[0] + rough[1] / fine * erf(fine / rough[2])
-                right.plot(fine, closing, color="black", label="contact that closes")
+                rough_coefficient = rough[0] + rough[1] / fine * erf(fine / rough[2])
+                right.plot(fine, rough_coefficient, color="black", label="contact that closes")
         left.set(xlabel="normal load (mN)", ylabel="kinetic friction (mN)", xlim=(0, 700), ylim=(0, 1000))
         right.set(xlabel="normal load (mN)", ylabel="coefficient of kinetic friction", xscale="log", ylim=(0, 4))
         left.legend(loc="upper left")

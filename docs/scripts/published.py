@@ -6,39 +6,44 @@ python docs/scripts/published.py
 import numpy as np
 from stiction import Surface, half_space, self_affine_surface
 
-POINTS, SHORTEST, SEEDS = 512, 8, 3
-PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # mean pressure over E* h'
+NUM_POINTS, SHORTEST_WAVELENGTH, NUM_SEEDS = 512, 8, 3
+MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # mean pressure over E* h'
 
 
-def press_surface(hurst, seed, *, ratio=16, pressures=PRESSURES):
+def press_surface(hurst, seed, *, ratio=16, pressures=MEAN_PRESSURES):
     """Return contact fraction, gap over rms height, stiffness times rms height over pressure, Nayak's parameter."""
     rough = self_affine_surface(
-        seed, hurst_exponent=hurst, rms=0.02, shape=(POINTS, POINTS), spacing=1.0, shortest_wavelength=SHORTEST,
-        longest_wavelength=SHORTEST * ratio,
-    )  # fmt: skip
+        seed,
+        hurst_exponent=hurst,
+        rms=0.02,
+        shape=(NUM_POINTS, NUM_POINTS),
+        spacing=1.0,
+        shortest_wavelength=SHORTEST_WAVELENGTH,
+        longest_wavelength=SHORTEST_WAVELENGTH * ratio,
+    )
     spectrum = np.abs(np.fft.fft2(rough.heights)) ** 2
-    wave = 2 * np.pi * np.hypot(*np.meshgrid(*[np.fft.fftfreq(POINTS)] * 2, indexing="ij"))
-    m0, m2, m4 = ((spectrum * wave**order).sum() / POINTS**4 for order in (0, 2, 4))
-    loads = np.array(pressures) * 10.0 * np.sqrt(m2) * POINTS**2
-    flat = Surface(np.zeros((POINTS, POINTS)), spacing=1.0)
+    wave = 2 * np.pi * np.hypot(*np.meshgrid(*[np.fft.fftfreq(NUM_POINTS)] * 2, indexing="ij"))
+    m0, m2, m4 = ((spectrum * wave**order).sum() / NUM_POINTS**4 for order in (0, 2, 4))
+    loads = np.array(pressures) * 10.0 * np.sqrt(m2) * NUM_POINTS**2
+    flat = Surface(np.zeros((NUM_POINTS, NUM_POINTS)), spacing=1.0)
     curve = half_space(flat, rough, loads, boundary="periodic", effective_modulus=10.0, tolerance=1e-5)
-    pressure = loads / POINTS**2
+    pressure = loads / NUM_POINTS**2
     gap = (rough.heights.max() - rough.heights.mean() - curve.closure) / np.sqrt(m0)
     stiffness = curve.closure_stiffness * np.sqrt(m0) / pressure
     # Spectral moments of a profile of an isotropic surface: m2 / 2 and 3 m4 / 8.
-    return curve.contact_area / POINTS**2, gap, stiffness, m0 * (3 * m4 / 8) / (m2 / 2) ** 2
+    return curve.contact_area / NUM_POINTS**2, gap, stiffness, m0 * (3 * m4 / 8) / (m2 / 2) ** 2
 
 
 def main():
-    of_exponents = []
+    areas_by_exponent = []
     for hurst in (0.3, 0.5, 0.8):
-        result = [press_surface(hurst, seed) for seed in range(SEEDS)]
+        result = [press_surface(hurst, seed) for seed in range(NUM_SEEDS)]
         area, gap, stiffness = (np.mean([item[i] for item in result], axis=0) for i in range(3))
-        of_exponents.append(area)
+        areas_by_exponent.append(area)
         print(f"H = {hurst}: area {np.round(area, 4)} gap {np.round(gap, 3)} K rms / p {np.round(stiffness, 2)}")
-    print("spread over H:", np.round(np.ptp(of_exponents, axis=0) / np.mean(of_exponents, axis=0), 3))
+    print("spread over H:", np.round(np.ptp(areas_by_exponent, axis=0) / np.mean(areas_by_exponent, axis=0), 3))
     for ratio in (2, 4, 8, 16, 32):
-        result = [press_surface(0.8, seed, ratio=ratio, pressures=(0.1,)) for seed in range(SEEDS)]
+        result = [press_surface(0.8, seed, ratio=ratio, pressures=(0.1,)) for seed in range(NUM_SEEDS)]
         area, nayak = np.mean([item[0][0] for item in result]), np.mean([item[3] for item in result])
         print(f"longest over shortest {ratio}: Nayak {nayak:.2f}, area at 0.1 {area:.4f}")
 

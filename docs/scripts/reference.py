@@ -16,19 +16,19 @@ from stiction.studies.study import study_names, study_summary
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from stiction.views.study_keys import markdown_row
 
-ENTRY = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
+ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
 """Pattern of a name in a reference page."""
 
 
-def pages(docs: Path) -> dict[str, str]:
+def generate_pages(docs: Path) -> dict[str, str]:
     """Return the text of each page by its file name."""
     return {
-        "names.md": names(docs),
-        "commands.md": commands(),
-        "built_in.md": built_in(),
-        "parameters.md": parameters(),
-        "claims.md": verdicts(docs / "generated/claims.md", [0, 1, 2]),
-        "columns.md": verdicts(docs / "generated/columns.md", [0, 1, 2, 5, 7, 9]),
+        "names.md": name_tables(docs),
+        "commands.md": command_sections(),
+        "built_in.md": built_in_table(),
+        "parameters.md": parameter_tables(),
+        "claims.md": verdict_table(docs / "generated/claims.md", [0, 1, 2]),
+        "columns.md": verdict_table(docs / "generated/columns.md", [0, 1, 2, 5, 7, 9]),
     }
 
 
@@ -36,43 +36,45 @@ def _row(*cells: str) -> str:
     return markdown_row(cells)
 
 
-def verdicts(table: Path, columns: Sequence[int]) -> str:
-    """Return the rows of a table of claims with their numbers and these columns."""
+def verdict_table(table: Path, columns: Sequence[int]) -> str:
+    """Return the given columns of a table of claims, with one row for each claim."""
     head, rule, *rows = (
         [cell.strip() for cell in row.split("|")[1:-1]] for row in table.read_text("utf-8").splitlines()
     )
     head = [cell.split(", and its")[0] or "claim" for cell in head]
     claims = [row for row in rows if row[0].startswith("**")]
-    return "\n".join(_row(*(_verdict(row[column]) for column in columns)) for row in (head, rule, *claims)) + "\n"
+    return "\n".join(_row(*(_verdict_badge(row[column]) for column in columns)) for row in (head, rule, *claims)) + "\n"
 
 
-def _verdict(cell: str) -> str:
+def _verdict_badge(cell: str) -> str:
     return re.sub(r"^\*\*(true|false|undecided|undefined)\*\*$", r'<span class="verdict verdict-\1">\1</span>', cell)
 
 
 # ---- Names ----------------------------------------------------------------------------------------------------------
 
-GROUPS = ("surfaces", "roughness", "mechanics", "closed_forms", "studies", "measured", "files")
+PAGE_GROUPS = ("surfaces", "roughness", "mechanics", "closed_forms", "studies", "measured", "files")
 """Groups of the Python reference, with a page ``docs/reference/api_GROUP.md`` for each."""
 
 
-def names(docs: Path) -> str:
+def name_tables(docs: Path) -> str:
     """Return a table for each group: names with the first line of their docstrings."""
     lines = []
-    for group in GROUPS:
+    for group in PAGE_GROUPS:
         text = (docs / f"reference/api_{group}.md").read_text("utf-8")
         title = re.search(r"^# (.*)$", text, re.MULTILINE)
         assert title is not None
         lines += [f"## [{title[1]}](api_{group}.md)", "", "| name | |", "|---|---|"]
-        lines += [_row(f"`{name.split('.')[-1]}`", _summary(name)) for name in ENTRY.findall(text)]
+        lines += [_row(f"`{name.split('.')[-1]}`", _summary(name)) for name in ENTRY_PATTERN.findall(text)]
         lines.append("")
     return "\n".join(lines)
 
 
-def targets(docs: Path) -> dict[str, str]:
+def link_targets(docs: Path) -> dict[str, str]:
     """Return the link target of each public name."""
     result = (
-        name for group in GROUPS for name in ENTRY.findall((docs / f"reference/api_{group}.md").read_text("utf-8"))
+        name
+        for group in PAGE_GROUPS
+        for name in ENTRY_PATTERN.findall((docs / f"reference/api_{group}.md").read_text("utf-8"))
     )
     return {name.split(".")[-1]: name if name.startswith("stiction.") else f"stiction.{name}" for name in result}
 
@@ -94,7 +96,7 @@ def _summary(name: str) -> str:
 # ---- Commands -------------------------------------------------------------------------------------------------------
 
 
-def commands() -> str:
+def command_sections() -> str:
     """Return the section of every command: usage, arguments, options and epilogue."""
     known: Any = typer.main.get_command(app)
     lines = []
@@ -120,23 +122,23 @@ def _parameter(parameter: Any) -> str:
     shown = parameter.metavar or ""
     if parameter.param_type_name == "argument":
         return _row(f"`{shown}`", "" if parameter.required else "none", parameter.help or "")
-    names = ", ".join(f"`{each}`" for each in sorted(parameter.opts, key=len, reverse=True))
+    name_tables = ", ".join(f"`{each}`" for each in sorted(parameter.opts, key=len, reverse=True))
     value = "" if parameter.is_flag else f" `{shown}`"
     default = parameter.show_default if isinstance(parameter.show_default, str) else parameter.default
     if parameter.name == "help" or parameter.is_flag:
         default = ""
     words = "required" if parameter.required else "none" if default in (None, False) else str(default)
-    return _row(names + value, words, parameter.help or "")
+    return _row(name_tables + value, words, parameter.help or "")
 
 
 # ---- Roughness parameters -------------------------------------------------------------------------------------------
 
-_PROFILES = {"P": "primary profile", "R": "roughness profile", "W": "waviness profile"}
+_PROFILE_TITLES = {"P": "primary profile", "R": "roughness profile", "W": "waviness profile"}
 
 
-def parameters() -> str:
+def parameter_tables() -> str:
     """Return a table of the parameters of each kind of profile, and of surfaces."""
-    tables = {f"Parameters of the {name}": PROFILE_PARAMETERS[letter] for letter, name in _PROFILES.items()}
+    tables = {f"Parameters of the {name}": PROFILE_PARAMETERS[letter] for letter, name in _PROFILE_TITLES.items()}
     lines = []
     for title, result in (tables | {"Parameters of a surface": SURFACE_PARAMETERS}).items():
         lines += [f"## {title}", "", _row("name", "meaning", "formula", "unit", "needs", "source"), f"|{6 * '---|'}"]
@@ -150,6 +152,6 @@ def parameters() -> str:
 # ---- Built-in studies -----------------------------------------------------------------------------------------------
 
 
-def built_in() -> str:
+def built_in_table() -> str:
     """Return a table of the built-in studies."""
     return "\n".join(["| study | |", "|---|---|", *(_row(f"`{name}`", study_summary(name)) for name in study_names())])

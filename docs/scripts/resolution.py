@@ -22,25 +22,25 @@ from stiction import (
 
 DOCS = Path(__file__).parent.parent
 RESULTS = Path("resolution")
-WHOLE, POINTS, SPACING = 1024, 512, 0.01  # of what settles, of what is continued, µm
+LARGE_MAP_POINTS, SMALL_MAP_POINTS, SPACING = 1024, 512, 0.01  # spacing in µm
 MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
-PRESSURE, HIGHER = 0.02, 0.2  # GPa
-HURST = (0.4, 0.8)
-SLOPES = {0.4: 0.6, 0.8: 0.25}
+PRESSURE, HIGH_PRESSURE = 0.02, 0.2  # GPa
+HURST_EXPONENTS = (0.4, 0.8)
+GAP_GRADIENTS = {0.4: 0.6, 0.8: 0.25}
 """Rms gradient of the gap by Hurst exponent, with all wavelengths from four points upwards."""
-SEEN = (8, 16, 32, 64)
+CUTOFFS = (8, 16, 32, 64)
 """Cutoff wavelengths in points; the surface itself has wavelengths from four points upwards."""
-PER_DECADE = 5
-PAIRS, BRACKETED, CONTINUED = 6, 50, 50
+BANDS_PER_DECADE = 5
+NUM_PAIRS, NUM_BRACKETED_PAIRS, NUM_EXTRAPOLATED_PAIRS = 6, 50, 50
 """Number of pairs of each Hurst exponent, by part."""
 
 
-def gradient(bodies):
+def gap_gradient(bodies):
     gap = Surface(bodies[0].heights - bodies[1].heights, spacing=bodies[0].spacing)
     return float(scale_dependent_roughness(gap, periodic=True).gradient[-1])
 
 
-def pair(hurst, index, points, longest):
+def create_pair(hurst, index, points, longest):
     """Return two self-affine surfaces of equal slope, with wavelengths from four points upwards."""
     bodies = [
         self_affine_surface(
@@ -49,35 +49,35 @@ def pair(hurst, index, points, longest):
         )
         for side in ("upper", "lower")
     ]  # fmt: skip
-    factor = SLOPES[hurst] / gradient(bodies)
+    factor = GAP_GRADIENTS[hurst] / gap_gradient(bodies)
     return [Surface(factor * body.heights, spacing=SPACING) for body in bodies]
 
 
-def settling():
+def compute_settling():
     """Compute pairs at their own and coarser resolutions, with and without a hardness."""
     results = []
-    for hurst in HURST:
-        for index in range(PAIRS):
-            bodies = pair(hurst, index, WHOLE, WHOLE // 4)
-            results.append({"hurst": hurst, **answers(bodies, SEEN, HARDNESS, "plastic")})
-            results[-1] |= answers(bodies, SEEN, None, "elastic")
-            results[-1] |= {"softer": answers(bodies, SEEN[-1:], HARDNESS / 2, "plastic")["plastic"]}
+    for hurst in HURST_EXPONENTS:
+        for index in range(NUM_PAIRS):
+            bodies = create_pair(hurst, index, LARGE_MAP_POINTS, LARGE_MAP_POINTS // 4)
+            results.append({"hurst": hurst, **measure_pair(bodies, CUTOFFS, HARDNESS, "plastic")})
+            results[-1] |= measure_pair(bodies, CUTOFFS, None, "elastic")
+            results[-1] |= {"softer": measure_pair(bodies, CUTOFFS[-1:], HARDNESS / 2, "plastic")["plastic"]}
             print(hurst, index, results[-1]["plastic"]["area"], results[-1]["plastic"]["all"], flush=True)
-            save("settling", results)
+            save_results("settling", results)
 
 
-def bracketing():
+def compute_brackets():
     """Compute many smaller pairs with a hardness, to test the brackets of coarse results."""
     results = []
-    for hurst in HURST:
-        for index in range(BRACKETED):
-            bodies = pair(hurst, 2000 + index, WHOLE // 4, WHOLE // 16)
-            results.append({"hurst": hurst, **answers(bodies, SEEN[:2], HARDNESS, "plastic")})
+    for hurst in HURST_EXPONENTS:
+        for index in range(NUM_BRACKETED_PAIRS):
+            bodies = create_pair(hurst, 2000 + index, LARGE_MAP_POINTS // 4, LARGE_MAP_POINTS // 16)
+            results.append({"hurst": hurst, **measure_pair(bodies, CUTOFFS[:2], HARDNESS, "plastic")})
             print(hurst, index, results[-1]["plastic"]["area"], flush=True)
-            save("bracketing", results)
+            save_results("bracketing", results)
 
 
-def answers(bodies, seen, hardness, name):
+def measure_pair(bodies, seen, hardness, name):
     load = PRESSURE * math.prod(bodies[0].extent)
     result = resolution(
         *bodies, [load], hardness=hardness, cut_offs=[item * SPACING for item in seen], mu0=MU0, tau0=TAU0,
@@ -105,54 +105,55 @@ def answers(bodies, seen, hardness, name):
 def coarsen(body, shortest, step):
     """Return a low-pass filtered surface (cutoff in points) on every `step`-th point."""
     waves = np.fft.fft2(body.heights)
-    k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(POINTS),) * 2, indexing="ij"))
+    k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(SMALL_MAP_POINTS),) * 2, indexing="ij"))
     smooth = np.fft.ifft2(np.where(k * shortest <= 1 + 1e-9, waves, 0)).real
     return Surface(smooth[::step, ::step], spacing=step * SPACING)
 
 
-def continuing():
+def compute_extrapolations():
     """Extrapolate scans filtered at 32 points: the elastic result at 4 points, and the onset of plasticity."""
     from stiction.mechanics.brackets import gap_exponent
 
-    load = HIGHER * (POINTS * SPACING) ** 2
+    load = HIGH_PRESSURE * (SMALL_MAP_POINTS * SPACING) ** 2
     results = []
-    for hurst in HURST:
-        for index in range(CONTINUED):
-            fine = pair(hurst, 1000 + index, POINTS, POINTS)
+    for hurst in HURST_EXPONENTS:
+        for index in range(NUM_EXTRAPOLATED_PAIRS):
+            fine = create_pair(hurst, 1000 + index, SMALL_MAP_POINTS, SMALL_MAP_POINTS)
             coarse = [coarsen(body, 32, 4) for body in fine]
             # The mean elastic contact pressure reaches this hardness at about 10 points.
-            hardness = MODULUS * SLOPES[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
+            hardness = MODULUS * GAP_GRADIENTS[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
             options = {"mu0": MU0, "tau0": TAU0, "effective_modulus": MODULUS, "boundary": "periodic", "cut_offs": []}
-            message = resolution(*coarse, [load], hardness=hardness, **options)
-            truth = half_space(
+            coarse_result = resolution(*coarse, [load], hardness=hardness, **options)
+            fine_curve = half_space(
                 *fine, [load], effective_modulus=MODULUS, boundary="periodic", sliding="all",
                 direction=[0.0, 90.0, 180.0, 270.0],
             )  # fmt: skip
             friction = float(
-                truth.tangential_load(mu0=MU0, tau0=TAU0).mean() / truth.normal_load(mu0=MU0, tau0=TAU0).mean()
+                fine_curve.tangential_load(mu0=MU0, tau0=TAU0).mean()
+                / fine_curve.normal_load(mu0=MU0, tau0=TAU0).mean()
             )
-            kappa = float(truth.contact_area[0]) * MODULUS * gradient(fine) / load
+            kappa = float(fine_curve.contact_area[0]) * MODULUS * gap_gradient(fine) / load
             gap = Surface(fine[0].heights - fine[1].heights, spacing=SPACING)
-            reached = scale_dependent_roughness(gap, periodic=True).wavelength_of(kappa * hardness / MODULUS)
-            at = message.sel(finer_wavelength=4 * SPACING, method="nearest")
-            recorded = Surface(coarse[0].heights - coarse[1].heights, spacing=4 * SPACING)
-            estimate = gap_exponent(recorded, True)
-            one = {
-                "hurst": hurst, "index": index, "friction": friction, "wavelength": reached, "kappa": kappa,
-                "said_kappa": float(message.elastic_kappa[0]),
-                "said_friction": at.continued_elastic_friction_coefficient[0].values.tolist(),
-                "said_wavelength": message.plastic_wavelength[0, 0].values.tolist(),
-                "gradient": gradient(fine), "said_gradient": at.continued_rms_gradient.values.tolist(),
+            plastic_wavelength = scale_dependent_roughness(gap, periodic=True).wavelength_of(kappa * hardness / MODULUS)
+            extrapolated = coarse_result.sel(finer_wavelength=4 * SPACING, method="nearest")
+            coarse_gap = Surface(coarse[0].heights - coarse[1].heights, spacing=4 * SPACING)
+            estimate = gap_exponent(coarse_gap, True)
+            row = {
+                "hurst": hurst, "index": index, "friction": friction, "wavelength": plastic_wavelength, "kappa": kappa,
+                "said_kappa": float(coarse_result.elastic_kappa[0]),
+                "said_friction": extrapolated.continued_elastic_friction_coefficient[0].values.tolist(),
+                "said_wavelength": coarse_result.plastic_wavelength[0, 0].values.tolist(),
+                "gradient": gap_gradient(fine), "said_gradient": extrapolated.continued_rms_gradient.values.tolist(),
                 "exponent": None if estimate is None else [estimate.value, estimate.lower, estimate.upper],
-                "at_scan": float(message.friction_coefficient.sel(sliding="all")[0, 0]),
-                "finer_wavelength": float(at.finer_wavelength),
+                "at_scan": float(coarse_result.friction_coefficient.sel(sliding="all")[0, 0]),
+                "finer_wavelength": float(extrapolated.finer_wavelength),
             }  # fmt: skip
-            results.append(one)
-            print(hurst, index, one["friction"], one["said_friction"], flush=True)
-            save("continuing", results)
+            results.append(row)
+            print(hurst, index, row["friction"], row["said_friction"], flush=True)
+            save_results("continuing", results)
 
 
-def joining():
+def compute_joined_spectrum():
     """Compute one surface as measured by three simulated instruments, and its joined spectrum."""
     from scipy.ndimage import grey_dilation
     from stiction.views.scans import joined_figure
@@ -184,13 +185,13 @@ def joining():
     joined = joined_spectrum(
         [scan for value in scans.values() for scan in value],
         tip_radii=[radius if name == "fine probe" else None for name in names],
-        per_decade=PER_DECADE,
+        per_decade=BANDS_PER_DECADE,
     )
     first = [scans[name][0] for name in scans]
     one_each = joined_spectrum(first, tip_radii=[None, None, radius], names=list(scans))
     save_figure(joined_figure(one_each), DOCS / "images/characterise_joined.png")
     q, _, density = surface_spectrum(whole, periodic=True).waves()
-    half = 10 ** (0.5 / PER_DECADE)
+    half = 10 ** (0.5 / BANDS_PER_DECADE)
     known = []
     for middle in joined.wave_number:
         here = (q >= middle / half) & (q < middle * half)
@@ -203,19 +204,19 @@ def joining():
         "bands": joined.bands, "reasons": joined.reasons, "disagreement": joined.disagreement.tolist(),
         "gradient": slopes[0].gradient.tolist(), "known_gradient": slopes[1].gradient_at(lengths).tolist(),
     }  # fmt: skip
-    save("joining", result)
+    save_results("joining", result)
 
 
-def save(name, results):
+def save_results(name, results):
     RESULTS.mkdir(exist_ok=True)
     (RESULTS / f"{name}.json").write_text(json.dumps(results), encoding="utf-8")
 
 
-def load_part(name):
+def load_results(name):
     return json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
 
 
-def settled_lines(rows):
+def settling_rows(rows):
     """Return the table of one Hurst exponent: differences of results at coarser cutoffs from the finest."""
 
     def mean(model, name, factor=1.0, digits=3):
@@ -223,8 +224,8 @@ def settled_lines(rows):
         return " | ".join(f"{factor * value:.{digits}f}" for value in values)
 
     lines = [
-        f"| Hurst {rows[0]['hurst']}, {len(rows)} pairs | {' | '.join(f'{each} points' for each in (4, *SEEN))} |",
-        "|" + "---|" * (2 + len(SEEN)),
+        f"| Hurst {rows[0]['hurst']}, {len(rows)} pairs | {' | '.join(f'{each} points' for each in (4, *CUTOFFS))} |",
+        "|" + "---|" * (2 + len(CUTOFFS)),
         f"| h' of the gap | {mean('plastic', 'gradient')} |",
         f"| elastic: A/A0 (%) | {mean('elastic', 'area', 100)} |",
         f"| elastic: mean pressure (GPa) | {mean('elastic', 'pressure', 1, 1)} |",
@@ -243,7 +244,7 @@ def settled_lines(rows):
     return lines
 
 
-def inside(rows, name, limit, most):
+def count_inside(rows, name, limit, most):
     """Count pairs whose finer results are all between the limit and the end of a coarser bracket."""
     count = 0
     for row in rows:
@@ -255,13 +256,13 @@ def inside(rows, name, limit, most):
     return f"{count} of {len(rows)}"
 
 
-def widths(rows, name, limit, most):
+def bracket_widths(rows, name, limit, most):
     """Return the median width of brackets relative to the limit (%), at each cutoff but the finest."""
     over = np.array([np.array(row["plastic"][most]) / row["limit"][limit] for row in rows])
     return ", ".join(f"{100 * (each - 1):.1f}" for each in np.median(over, axis=0)[1:])
 
 
-def bracket_lines(groups):
+def bracket_rows(groups):
     """Return the fractions of pairs inside their brackets and narrower ones, and the widths of the brackets."""
     lines = [
         "| every finer result is between the plastic limit and | A/A0 | upper end over the limit (%) "
@@ -273,16 +274,19 @@ def bracket_lines(groups):
             parts = [
                 item
                 for limit, name in enumerate(("area", "all"))
-                for item in (inside(rows, name, limit, prefix + name), widths(rows, name, limit, prefix + name))
+                for item in (
+                    count_inside(rows, name, limit, prefix + name),
+                    bracket_widths(rows, name, limit, prefix + name),
+                )
             ]
             lines.append(f"| {said}; {words} | {' | '.join(parts)} |")
     return lines
 
 
-def yielded_lines(by_hurst):
+def yield_rows(by_hurst):
     """Return deviations of the coarsest result from the finest at elastic pressures of one and two hardnesses."""
     lines = [
-        f"| μ_s, friction at all contacts, at {SEEN[-1]} points | elastic pressure over the hardness "
+        f"| μ_s, friction at all contacts, at {CUTOFFS[-1]} points | elastic pressure over the hardness "
         "| mean difference from the finest (%) | largest difference (%) |",
         "|---|---|---|---|",
     ]
@@ -297,15 +301,15 @@ def yielded_lines(by_hurst):
     return lines
 
 
-def covered(rows, name):
-    """Count pairs whose true wavelength is in the predicted interval; 0 stands for one that is never reached."""
+def count_covered(rows, name):
+    """Count pairs whose predicted interval contains the true value; a missing value counts as 0."""
     ends = np.nan_to_num([row[f"said_{name}"][1:] for row in rows])
     truth = np.array([row[name] for row in rows])
     return f"{int(((ends[:, 0] <= truth) & (truth <= ends[:, 1])).sum())} of {len(rows)}"
 
 
-def continued_lines(ahead):
-    groups = [[row for row in ahead if row["hurst"] == hurst] for hurst in HURST]
+def extrapolation_rows(ahead):
+    groups = [[row for row in ahead if row["hurst"] == hurst] for hurst in HURST_EXPONENTS]
     known = [[row for row in rows if row["exponent"] is not None] for rows in groups]
 
     def median(rows, name):
@@ -318,24 +322,25 @@ def continued_lines(ahead):
         "elastic μ_s at the scan's 32 points": [f"{median(rows, 'at_scan'):.4f}" for rows in known],
         "elastic μ_s at 4 points, solved": [f"{median(rows, 'friction'):.4f}" for rows in known],
         "estimated from the scan": ["{:.4f} [{:.4f}, {:.4f}]".format(*median(rows, "said_friction")) for rows in known],
-        "in its interval": [covered(rows, "friction") for rows in known],
+        "in its interval": [count_covered(rows, "friction") for rows in known],
         "wavelength at which plasticity reaches, solved (nm)": [
             f"{1e3 * median(rows, 'wavelength'):.0f}" for rows in known
         ],
         "estimated from the scan (nm)": [
             "{:.0f} [{:.0f}, {:.0f}]".format(*1e3 * median(rows, "said_wavelength")) for rows in known
         ],
-        "in its interval ": [covered(rows, "wavelength") for rows in known],
+        "in its interval ": [count_covered(rows, "wavelength") for rows in known],
     }
-    head = f"| medians; {POINTS}² points, {1e3 * HIGHER:g} MPa | {' | '.join(f'Hurst {each}' for each in HURST)} |"
+    titles = " | ".join(f"Hurst {exponent}" for exponent in HURST_EXPONENTS)
+    head = f"| medians; {SMALL_MAP_POINTS}² points, {1e3 * HIGH_PRESSURE:g} MPa | {titles} |"
     return [
         head,
-        "|---|" + "---|" * len(HURST),
+        "|---|" + "---|" * len(HURST_EXPONENTS),
         *(f"| {name} | {' | '.join(each)} |" for name, each in columns.items()),
     ]
 
 
-def joined_lines(together):
+def spectrum_rows(together):
     wanted = list(dict.fromkeys(together["names"]))
     lines = [
         "| wavelength (µm) | waves | combined over true spectrum | h' down to this wavelength over the true h' "
@@ -362,39 +367,42 @@ def joined_lines(together):
     return [*lines, "", f"Each is taken from where it is to be trusted: {ends}."]
 
 
-def page():
+def write_page():
     settled, bracketed, ahead, together = (
-        load_part(name) for name in ("settling", "bracketing", "continuing", "joining")
+        load_results(name) for name in ("settling", "bracketing", "continuing", "joining")
     )
-    by_hurst = {hurst: [row for row in settled if row["hurst"] == hurst] for hurst in HURST}
+    by_hurst = {hurst: [row for row in settled if row["hurst"] == hurst] for hurst in HURST_EXPONENTS}
     lines = []
     for rows in by_hurst.values():
-        lines += [*settled_lines(rows), ""]
+        lines += [*settling_rows(rows), ""]
     lines += [
-        f"Pairs of {WHOLE}² points, E\\* {MODULUS:g} GPa, {1e3 * PRESSURE:g} MPa, μ0 {MU0:g}, τ0 {1e3 * TAU0:g} MPa, "
+        f"Pairs of {LARGE_MAP_POINTS}² points, E\\* {MODULUS:g} GPa, {1e3 * PRESSURE:g} MPa, μ0 {MU0:g}, "
+        f"τ0 {1e3 * TAU0:g} MPa, "
         "wavelengths from 4 points to a quarter of the length, means over pairs, Gaussian cut-offs.",
         "",
-        *yielded_lines(by_hurst),
+        *yield_rows(by_hurst),
         "",
-        *bracket_lines({f"{WHOLE}², 4 to 64 points": settled, f"{WHOLE // 4}², 4 to 16 points": bracketed}),
+        *bracket_rows(
+            {f"{LARGE_MAP_POINTS}², 4 to 64 points": settled, f"{LARGE_MAP_POINTS // 4}², 4 to 16 points": bracketed}
+        ),
         "",
         "The factor 1 + h'²/8 for the slopes of the finer result is allowed. Upper ends are medians, at all cut-offs "
         "but the first.",
         "",
-        *continued_lines(ahead),
+        *extrapolation_rows(ahead),
         "",
-        *joined_lines(together),
+        *spectrum_rows(together),
     ]
     (DOCS / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    picture(by_hurst, together)
+    draw_figure(by_hurst, together)
 
 
-def picture(by_hurst, together):
+def draw_figure(by_hurst, together):
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
-    colours = dict(zip(HURST, ("#0072b2", "#d55e00"), strict=True))
-    lengths = 1e3 * SPACING * np.array([4, *SEEN])
+    colours = dict(zip(HURST_EXPONENTS, ("#0072b2", "#d55e00"), strict=True))
+    lengths = 1e3 * SPACING * np.array([4, *CUTOFFS])
     for hurst, rows in by_hurst.items():
         for axis, name, factor in ((axes[0], "area", 100), (axes[1], "all", 1)):
             for model, line in (("plastic", "-o"), ("elastic", "--s")):
@@ -404,7 +412,7 @@ def picture(by_hurst, together):
                 axis.fill_between(
                     lengths, values.min(axis=0), values.max(axis=0), color=colours[hurst], alpha=0.12, lw=0
                 )
-    limit = by_hurst[HURST[0]][0]["limit"]
+    limit = by_hurst[HURST_EXPONENTS[0]][0]["limit"]
     for axis, value, words in ((axes[0], 100 * limit[0], "F/H"), (axes[1], limit[1], "μ0 + τ0/H")):
         axis.axhline(value, color="black", lw=1)
         axis.text(lengths[0], value, f"plastic limit {words}", va="top", fontsize=8)
@@ -434,5 +442,10 @@ def picture(by_hurst, together):
 
 
 if __name__ == "__main__":
-    parts = {"settling": settling, "bracketing": bracketing, "continuing": continuing, "joining": joining}
-    (parts[sys.argv[1]] if len(sys.argv) > 1 else page)()
+    parts = {
+        "settling": compute_settling,
+        "bracketing": compute_brackets,
+        "continuing": compute_extrapolations,
+        "joining": compute_joined_spectrum,
+    }
+    (parts[sys.argv[1]] if len(sys.argv) > 1 else write_page)()

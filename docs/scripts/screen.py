@@ -10,15 +10,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
 
-OPTIONS = [text for name, value in (INPUTS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))]
-COLUMNS = 80  # characters in a line of the terminal
+COMMAND_OPTIONS = [text for name, value in (INPUTS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))]
+NUM_COLUMNS = 80  # characters in a line of the terminal
 LINE_HEIGHT, CHARACTER_WIDTH = 4.2, 1.98  # mm
-MARGIN, LABEL_WIDTH, DISC_RADIUS = 3.0, 7.0, 1.75  # mm
+IMAGE_MARGIN, LABEL_WIDTH, DISC_RADIUS = 3.0, 7.0, 1.75  # mm
 FONT_SIZE = 9.3  # points: a character of DejaVu Sans Mono is then CHARACTER_WIDTH wide
-LIGHT = {"paper": "#f6f7f9", "text": "0.12", "label": "#35618e", "number": "white", "band": "#e3ebf4"}
-DARK = {"paper": "#171b21", "text": "0.9", "label": "#8db8e8", "number": "#171b21", "band": "#232d3a"}
+LIGHT_COLOURS = {"paper": "#f6f7f9", "text": "0.12", "label": "#35618e", "number": "white", "band": "#e3ebf4"}
+DARK_COLOURS = {"paper": "#171b21", "text": "0.9", "label": "#8db8e8", "number": "#171b21", "band": "#232d3a"}
 
-PARTS = [
+PART_TEXTS = [
     "μ_s = ",
     "friction at opposing contacts only",
     "Roughness contributes",
@@ -35,35 +35,40 @@ PARTS = [
 """Text in the first line of each numbered part of the output."""
 
 
-def output() -> list[str]:
+def run_example() -> list[str]:
     """Return the lines that README's example prints."""
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "stiction", "pair", SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv"]
         completed = subprocess.run(
-            [*command, *OPTIONS], cwd=folder, capture_output=True, check=True, text=True, env={"COLUMNS": f"{COLUMNS}"}
+            [*command, *COMMAND_OPTIONS],
+            cwd=folder,
+            capture_output=True,
+            check=True,
+            text=True,
+            env={"COLUMNS": f"{NUM_COLUMNS}"},
         )
     return completed.stdout.rstrip().splitlines()
 
 
-def first_lines(lines: list[str]) -> list[int]:
+def find_first_lines(lines: list[str]) -> list[int]:
     """Return the index of the first line of each part; raise `ValueError` if the output has changed."""
     indices = []
-    for part in PARTS:
+    for part in PART_TEXTS:
         matching = [i for i, line in enumerate(lines) if part in line]
         if not matching:
-            raise ValueError(f"no line contains {part!r}: adapt PARTS, and the list in docs/howto/pair.md")
+            raise ValueError(f"no line contains {part!r}: adapt PART_TEXTS, and the list in docs/howto/pair.md")
         indices.append(matching[0])
     if indices != sorted(set(indices)):
-        raise ValueError("parts of the output are not in the order of PARTS")
+        raise ValueError("parts of the output are not in the order of PART_TEXTS")
     return indices
 
 
 def draw(lines: list[str], dark: bool) -> Figure:
     """Return a picture of the output, for a light or a dark page."""
-    colours = DARK if dark else LIGHT
-    starts = first_lines(lines)
-    width = COLUMNS * CHARACTER_WIDTH + LABEL_WIDTH + 2 * MARGIN
-    height = len(lines) * LINE_HEIGHT + 2 * MARGIN
+    colours = DARK_COLOURS if dark else LIGHT_COLOURS
+    starts = find_first_lines(lines)
+    width = NUM_COLUMNS * CHARACTER_WIDTH + LABEL_WIDTH + 2 * IMAGE_MARGIN
+    height = len(lines) * LINE_HEIGHT + 2 * IMAGE_MARGIN
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(width * MILLIMETRE, height * MILLIMETRE), facecolor=colours["paper"])
         ax = figure.add_axes((0, 0, 1, 1))
@@ -74,16 +79,27 @@ def draw(lines: list[str], dark: bool) -> Figure:
             while not lines[end - 1].strip():
                 end -= 1
             if number % 2:
-                ax.axhspan(MARGIN + start * LINE_HEIGHT, MARGIN + end * LINE_HEIGHT, color=colours["band"], linewidth=0)
-            y = MARGIN + (start + 0.5) * LINE_HEIGHT
-            ax.add_patch(Circle((MARGIN + DISC_RADIUS, y), DISC_RADIUS, color=colours["label"], linewidth=0))
+                ax.axhspan(
+                    IMAGE_MARGIN + start * LINE_HEIGHT,
+                    IMAGE_MARGIN + end * LINE_HEIGHT,
+                    color=colours["band"],
+                    linewidth=0,
+                )
+            y = IMAGE_MARGIN + (start + 0.5) * LINE_HEIGHT
+            ax.add_patch(Circle((IMAGE_MARGIN + DISC_RADIUS, y), DISC_RADIUS, color=colours["label"], linewidth=0))
             ax.text(
-                MARGIN + DISC_RADIUS, y + 0.1, f"{number}", ha="center", va="center_baseline", color=colours["number"],
-                fontsize=6.5, weight="bold",
-            )  # fmt: skip
+                IMAGE_MARGIN + DISC_RADIUS,
+                y + 0.1,
+                f"{number}",
+                ha="center",
+                va="center_baseline",
+                color=colours["number"],
+                fontsize=6.5,
+                weight="bold",
+            )
         for i, line in enumerate(lines):
             ax.text(
-                MARGIN + LABEL_WIDTH, MARGIN + (i + 0.5) * LINE_HEIGHT, line, va="center_baseline",
+                IMAGE_MARGIN + LABEL_WIDTH, IMAGE_MARGIN + (i + 0.5) * LINE_HEIGHT, line, va="center_baseline",
                 color=colours["text"], family="DejaVu Sans Mono", fontsize=FONT_SIZE,
                 weight="bold" if i == starts[0] else "normal",
             )  # fmt: skip
@@ -91,6 +107,6 @@ def draw(lines: list[str], dark: bool) -> Figure:
 
 
 if __name__ == "__main__":
-    printed = output()
+    printed = run_example()
     for name, dark in (("screen", False), ("screen_dark", True)):
         draw(printed, dark).savefig(ROOT / f"docs/images/{name}.png", dpi=180)

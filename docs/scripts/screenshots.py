@@ -17,8 +17,8 @@ from first import INPUTS, ROOT, SCANS
 from stiction.views.report import save_report
 
 IMAGES = ROOT / "docs/images"
-WIDTH = 1280  # px
-HEIGHTS = {"report": 1180, "app_scans": 900, "app_answer": 1000}  # px
+WINDOW_WIDTH = 1280  # px
+IMAGE_HEIGHTS = {"report": 1180, "app_scans": 900, "app_answer": 1000}  # px
 
 sys.path.insert(0, str(ROOT / "tests"))
 from support import browser  # noqa: E402
@@ -31,7 +31,7 @@ def set_theme(driver, dark: bool) -> None:
 
 def save_screenshot(driver, name: str, height: int) -> None:
     """Save the upper part of the page, from its top."""
-    clip = {"x": 0, "y": 0, "width": WIDTH, "height": height, "scale": 1}
+    clip = {"x": 0, "y": 0, "width": WINDOW_WIDTH, "height": height, "scale": 1}
     completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
     (IMAGES / f"{name}.png").write_bytes(base64.b64decode(completed["data"]))
 
@@ -44,8 +44,8 @@ def draw_report(driver, folder: Path) -> None:
     save_report(result, folder / "report.html")
     for suffix, dark in (("", False), ("_dark", True)):
         set_theme(driver, dark)
-        browser.open_page(driver, folder / "report.html", width=WIDTH)
-        save_screenshot(driver, f"report{suffix}", HEIGHTS["report"])
+        browser.open_page(driver, folder / "report.html", width=WINDOW_WIDTH)
+        save_screenshot(driver, f"report{suffix}", IMAGE_HEIGHTS["report"])
 
 
 def draw_app(driver, folder: Path) -> None:
@@ -58,20 +58,20 @@ def draw_app(driver, folder: Path) -> None:
     try:
         address = re.search(r"http:\S+", server.stderr.readline())[0]
         set_theme(driver, dark=False)
-        metrics = {"width": WIDTH, "height": HEIGHTS["app_scans"], "deviceScaleFactor": 1, "mobile": False}
+        metrics = {"width": WINDOW_WIDTH, "height": IMAGE_HEIGHTS["app_scans"], "deviceScaleFactor": 1, "mobile": False}
         driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
         driver.get(address)
         until("['upper', 'lower'].every((side) => scans[side]?.holds)")
-        save_screenshot(driver, "app_scans", HEIGHTS["app_scans"])
+        save_screenshot(driver, "app_scans", IMAGE_HEIGHTS["app_scans"])
         driver.execute_script("document.querySelector('#pair .go').click()")
         until("document.querySelector('#answer .value') !== null")
         until("document.getElementById('job').dataset.state === 'done'")
         until("reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'")
-        metrics["height"] = HEIGHTS["app_answer"]
+        metrics["height"] = IMAGE_HEIGHTS["app_answer"]
         driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
         driver.execute_script("document.activeElement.blur(); document.getElementById('inputs').scrollTo(0, 0)")
         browser.wait_for_drawing(driver)
-        save_screenshot(driver, "app_answer", HEIGHTS["app_answer"])
+        save_screenshot(driver, "app_answer", IMAGE_HEIGHTS["app_answer"])
     finally:
         server.send_signal(signal.SIGINT)
         server.wait()

@@ -16,37 +16,39 @@ from stiction.views.style import (
 )
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
-WIDTH, HEIGHT = 170.0, 44.0  # mm
-RADIUS = 1.0  # of all asperities; the other lengths are relative to it
-OFFSETS = np.array([-0.5, 0.6, -0.6, 0.5])  # of the upper asperities from the lower ones, along the sliding direction
+FIGURE_WIDTH, FIGURE_HEIGHT = 170.0, 44.0  # mm
+RADIUS = 1.0  # asperity radius, the unit of all lengths
+UPPER_OFFSETS = np.array(
+    [-0.5, 0.6, -0.6, 0.5]
+)  # along the sliding direction, of each upper asperity from its lower asperity
 SPACING = 3.0  # between lower asperities
-BASE = 0.45  # height of the flat between asperities, above the centre of the lower ones
-ARROW = 1.15  # length of an arrow of friction
+FLAT_HEIGHT = 0.45  # height of the flat between asperities above their centres
+ARROW_LENGTH = 1.15  # length of friction arrows
 NUM_POINTS = 1200
-TITLES = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only"}
+RULE_TITLES = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only"}
 
 
-def asperities(x: np.ndarray, centres: np.ndarray) -> np.ndarray:
+def asperity_heights(x: np.ndarray, centres: np.ndarray) -> np.ndarray:
     """Return the height of a row of circular asperities above their centres."""
     heights = np.sqrt(np.clip(RADIUS**2 - np.subtract.outer(x, centres) ** 2, 0.0, None))
-    return np.maximum(heights.max(axis=1), BASE)
+    return np.maximum(heights.max(axis=1), FLAT_HEIGHT)
 
 
 def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
-    """Draw two rough surfaces, and the friction on the lower one's contacts when the upper one moves to the right."""
-    lower_centres = SPACING * np.arange(len(OFFSETS))
-    upper_centres = lower_centres + OFFSETS
-    # Every pair touches: asperities with smaller offsets are lower by the difference.
-    rise = np.sqrt((2 * RADIUS) ** 2 - OFFSETS**2)
+    """Draw two rough surfaces, and the friction on the lower surface while the upper surface moves to the right."""
+    lower_centres = SPACING * np.arange(len(UPPER_OFFSETS))
+    upper_centres = lower_centres + UPPER_OFFSETS
+    # Lower asperities with larger offsets are higher, so that every pair is in contact.
+    rise = np.sqrt((2 * RADIUS) ** 2 - UPPER_OFFSETS**2)
     distance = rise.max()
     x = np.linspace(-2.2, lower_centres[-1] + 2.2, NUM_POINTS)
-    lower = np.full_like(x, BASE)
+    lower = np.full_like(x, FLAT_HEIGHT)
     for centre, drop in zip(lower_centres, distance - rise, strict=True):
-        lower = np.maximum(lower, asperities(x, np.array([centre])) + drop)
-    upper = distance - asperities(x, upper_centres)
+        lower = np.maximum(lower, asperity_heights(x, np.array([centre])) + drop)
+    upper = distance - asperity_heights(x, upper_centres)
     ax.fill_between(x, lower, -0.6, color=LOWER_COLOUR, linewidth=0)
     ax.fill_between(x, upper, distance + 0.6, color=UPPER_COLOUR, linewidth=0)
-    for centre, offset, height, drop in zip(lower_centres, OFFSETS, rise, distance - rise, strict=True):
+    for centre, offset, height, drop in zip(lower_centres, UPPER_OFFSETS, rise, distance - rise, strict=True):
         opposes = offset < 0  # the upper asperity is to the left: it must climb to move to the right
         colour = OPPOSING_COLOUR if opposes else NOT_OPPOSING_COLOUR
         point = np.array([centre + offset / 2, drop + height / 2])
@@ -55,7 +57,7 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
             tangent = np.array([height, -offset]) / (2 * RADIUS)
             ax.annotate(
                 "",
-                point - ARROW * tangent,
+                point - ARROW_LENGTH * tangent,
                 point,
                 zorder=5,
                 arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0},
@@ -67,15 +69,15 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
     )  # fmt: skip
     ax.text(middle, distance + 1.3, "motion of the upper surface", ha="center", va="bottom", color=text_colour)
     ax.set(xlim=(x[0], x[-1]), ylim=(-0.7, distance + 1.9), aspect="equal")
-    ax.set_title(TITLES[rule], color=text_colour)
+    ax.set_title(RULE_TITLES[rule], color=text_colour)
     ax.axis("off")
 
 
 def draw(dark: bool) -> Figure:
     """Return the picture for a light or a dark page."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(WIDTH * MILLIMETRE, HEIGHT * MILLIMETRE))
-        for i, rule in enumerate(TITLES):
+        figure = Figure(figsize=(FIGURE_WIDTH * MILLIMETRE, FIGURE_HEIGHT * MILLIMETRE))
+        for i, rule in enumerate(RULE_TITLES):
             draw_pair(figure.add_axes((0.01 + 0.5 * i, 0.1, 0.48, 0.84)), rule, "0.92" if dark else "0.1")
         for x, colour, words in (
             (0.2, OPPOSING_COLOUR, "slope opposes the motion"),

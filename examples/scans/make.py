@@ -15,17 +15,17 @@ from pathlib import Path
 import numpy as np
 from stiction import self_affine, self_affine_surface
 
-TRACES = {
+TRACE_OPTIONS = {
     "lapped": {"points": 4000, "spacing": 0.1, "waves": (40.0, 1.0), "noise": 0.3, "step": 0.1},
     "honed": {"points": 6000, "spacing": 0.2, "waves": (60.0, 4.0), "noise": 0.02, "step": 0.01},
 }
 """Points, lengths in µm, noise and step of the converter in nm."""
-SIZE = 256
-PIXEL = 0.2  # µm
+MAP_POINTS = 256
+PIXEL_SIZE = 0.2  # µm
 CONVERTER_STEP = 5e-11  # m
 SIDES = ("upper", "lower")
 
-MAIN = """<?xml version="1.0" encoding="UTF-8"?>
+MAIN_XML = """<?xml version="1.0" encoding="UTF-8"?>
 <p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2">
 <Record1><Revision>ISO5436 - 2000</Revision><FeatureType>SUR</FeatureType><Axes>
 <CX><AxisType>I</AxisType><DataType>D</DataType><Increment>{pixel!r}</Increment><Offset>0.0</Offset></CX>
@@ -41,9 +41,9 @@ MAIN = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def trace(finish: str, side: str) -> str:
+def trace_text(finish: str, side: str) -> str:
     """Return the text of a stylus: positions in µm, heights in nm."""
-    points, spacing, waves, deviation, step = TRACES[finish].values()
+    points, spacing, waves, deviation, step = TRACE_OPTIONS[finish].values()
     face = self_affine(
         11 if finish == "lapped" else 21,
         hurst_exponent=0.8,
@@ -66,14 +66,14 @@ def converter_steps(side: str) -> np.ndarray:
         12,
         hurst_exponent=0.8,
         rms=0.05,
-        shape=(SIZE, SIZE),
-        spacing=(PIXEL / 5.0, PIXEL),  # stretched five times along y
+        shape=(MAP_POINTS, MAP_POINTS),
+        spacing=(PIXEL_SIZE / 5.0, PIXEL_SIZE),  # stretched five times along y
         longest_wavelength=6.0,
         shortest_wavelength=1.0,
         side=side,
     )
-    y, x = np.indices((SIZE, SIZE)) * PIXEL
-    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, 1e-4, (SIZE, SIZE))
+    y, x = np.indices((MAP_POINTS, MAP_POINTS)) * PIXEL_SIZE
+    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, 1e-4, (MAP_POINTS, MAP_POINTS))
     micrometres = face.heights + 2e-3 * x - 1e-3 * y + noise
     return np.round((micrometres - micrometres.mean()) * 1e-6 / CONVERTER_STEP).astype("<i2")
 
@@ -83,10 +83,12 @@ def write_x3p(path: Path, steps: np.ndarray) -> None:
     data = steps.tobytes()
     rows, columns = steps.shape
     checksum = hashlib.md5(data, usedforsecurity=False).hexdigest()
-    main = MAIN.format(pixel=PIXEL * 1e-6, step=CONVERTER_STEP, columns=columns, rows=rows, checksum=checksum).encode()
-    of_main = f"{hashlib.md5(main, usedforsecurity=False).hexdigest()} *main.xml\n".encode()
+    main = MAIN_XML.format(
+        pixel=PIXEL_SIZE * 1e-6, step=CONVERTER_STEP, columns=columns, rows=rows, checksum=checksum
+    ).encode()
+    checksum_text = f"{hashlib.md5(main, usedforsecurity=False).hexdigest()} *main.xml\n".encode()
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-        for name, content in (("main.xml", main), ("bindata/data.bin", data), ("md5checksum.hex", of_main)):
+        for name, content in (("main.xml", main), ("bindata/data.bin", data), ("md5checksum.hex", checksum_text)):
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
 
 
@@ -94,8 +96,8 @@ def main(folder: Path) -> None:
     """Write the six files."""
     folder.mkdir(parents=True, exist_ok=True)
     for side in SIDES:
-        for finish in TRACES:
-            (folder / f"{finish}_{side}.csv").write_text(trace(finish, side), encoding="utf-8")
+        for finish in TRACE_OPTIONS:
+            (folder / f"{finish}_{side}.csv").write_text(trace_text(finish, side), encoding="utf-8")
         write_x3p(folder / f"ground_{side}.x3p", converter_steps(side))
 
 

@@ -127,7 +127,7 @@ def test_documented_table_of_materials_is_current():
     spec = importlib.util.spec_from_file_location("materials_table", docs / "scripts/materials.py")
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    assert (docs / "generated/materials.md").read_text(encoding="utf-8") == script.table(), (
+    assert (docs / "generated/materials.md").read_text(encoding="utf-8") == script.format_table(), (
         "run docs/scripts/materials.py"
     )
     sources = [
