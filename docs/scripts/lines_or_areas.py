@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import tamaas
-from stiction import approach_at_load, flipped, half_space, pair, press, self_affine_surface
+from stiction import approach_at_load, half_space, pair, press, self_affine_surface
 from stiction._core import patches_of
 
 TABLE_FILE = Path(__file__).parent.parent / "generated/lines_or_areas.md"
@@ -28,22 +28,25 @@ def measure_pair(upper, lower):
     area = (NUM_POINTS * SPACING) ** 2
     load = [PRESSURE * area]
     computed = {}
-    for name, boundary in (("areas: half-space, periodic", "periodic"), ("areas: half-space, free edges", "free")):
+    for name, boundary in (
+        ("height maps: half-space, periodic", "periodic"),
+        ("height maps: half-space, free edges", "free"),
+    ):
         curve = half_space(upper, lower, load, boundary=boundary, direction=DIRECTIONS)
         computed[name] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
     curve = press(upper, lower, approach_at_load(upper, lower, load, mu0=0.0), direction=DIRECTIONS)
-    computed["areas: asperities"] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
+    computed["height maps: asperities"] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
     model = tamaas.Model(tamaas.model_type.basic_2d, [NUM_POINTS * SPACING] * 2, [NUM_POINTS, NUM_POINTS])
     model.E, model.nu = 10.0, 0.0
     tamaas.PolonskyKeerRey(model, np.ascontiguousarray(lower.heights - upper.heights), 1e-10).solve(PRESSURE)
     share = patches_of(np.ascontiguousarray(model.traction), periodic=True, hardness=np.inf)[2]
-    computed["tamaas, points under pressure"] = share.size / model.traction.size, np.nan
-    computed["tamaas, less what edges add"] = share.sum() / model.traction.size, np.nan
+    computed["tamaas: points under pressure"] = share.size / model.traction.size, np.nan
+    computed["tamaas: corrected for contact edges"] = share.sum() / model.traction.size, np.nan
     for name, law, curvature in (
-        ("32 lines: spheres on a strip 1 µm thick", "hertz-sphere", "convex"),
-        ("32 lines: cylinders", "hertz-cylinder", "signed"),
+        ("32 profiles: spheres on a strip 1 µm thick", "hertz-sphere", "convex"),
+        ("32 profiles: cylinders", "hertz-cylinder", "signed"),
     ):  # fmt: skip
-        scan = flipped(upper).changed(-upper.heights, "scan of the upper body")
+        scan = upper.changed(-upper.heights, "scan of the upper body")
         options = {"law": law, "curvature": curvature, "lines": NUM_LINES, "cutoff": "none", "onset": 0}
         result = pair(scan, lower, load=f"{PRESSURE} GPa", mu0=MU0, effective_modulus="10 GPa", **options)
         result_values = result.at().sel(statistic="mean", sliding="opposing").squeeze()
@@ -54,7 +57,7 @@ def measure_pair(upper, lower):
 def main():
     tamaas.set_log_level(tamaas.LogLevel.error)
     results = [measure_pair(*generate_surfaces(repetition)) for repetition in range(NUM_PAIRS)]
-    lines = ["| pressed as | A/A0 (%) | μ_s, opposing |", "|---|---|---|"]
+    lines = ["| method | A/A0 (%) | μ_s, opposing |", "|---|---|---|"]
     for name in results[0]:
         values = np.array([item[name] for item in results]) * [100, 1]
         mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
