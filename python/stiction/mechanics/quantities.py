@@ -75,7 +75,7 @@ _FRICTION: tuple[Axis, ...] = (*_MOTION, "step", "mu0", "tau0")
 _MEAN_FRICTION: tuple[Axis, ...] = ("sliding", "step", "mu0", "tau0")
 _FRACTION: dict[str, Any] = {"unit": "1", "percent": True, "bounds": (-math.inf, 1.0)}
 _EVERYWHERE: frozenset[View] = frozenset({"table", "report", "csv"})
-_VERBOSE: frozenset[View] = frozenset({"verbose", "report", "csv"})
+_VERBOSE_VIEWS: frozenset[View] = frozenset({"verbose", "report", "csv"})
 _VERBOSE_TABLE: frozenset[View] = frozenset({"verbose", "csv"})
 _CSV: frozenset[View] = frozenset({"csv"})
 _MEASURED: frozenset[Source] = frozenset({"measured"})
@@ -233,15 +233,15 @@ QUANTITIES: dict[str, ResultQuantity] = {
         shown=frozenset({"table", "csv"}),
     ),
     "approach": _coordinate(
-        "um", "approach since first touch", along=_STEP, stored=frozenset({"half-space"}), shown=_VERBOSE,
+        "um", "approach since first touch", along=_STEP, stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
     ),
     "stiffness_per_area": ResultQuantity(
         unit="GPa/mm", words="normal stiffness per area while loading", kind="ratio", along=_STEP,
-        numerator="normal_stiffness", denominator=("nominal_area",), shown=_VERBOSE,
+        numerator="normal_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
     ),
     "unloading_stiffness_per_area": ResultQuantity(
         unit="GPa/mm", words="normal stiffness per area while unloading (ultrasonic)", kind="ratio", along=_STEP,
-        numerator="unloading_stiffness", denominator=("nominal_area",), shown=_VERBOSE,
+        numerator="unloading_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
     ),
     "share_opposing": ResultQuantity(
         **_FRACTION, words="fraction of the load on contacts that oppose the motion", brief="load that opposes",
@@ -249,15 +249,15 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "share_on_largest": _statistic(
         **_FRACTION, words="fraction of the load on the contact that carries most", brief="load on the largest contact",
-        stored=_MEASURED, shown=_VERBOSE,
+        stored=_MEASURED, shown=_VERBOSE_VIEWS,
     ),
     "share_at_edge": _validity(
         "load_at_edge", "normal_elastic", words="fraction of the load on contacts that reach the edge of the overlap",
-        brief="load on contacts at the edge", stored=_MEASURED, shown=_VERBOSE,
+        brief="load on contacts at the edge", stored=_MEASURED, shown=_VERBOSE_VIEWS,
     ),
     "fraction_on_small": _statistic(
         **_FRACTION, words="fraction of the load on contacts of at most four grid cells",
-        brief="load on contacts of 4 points or fewer", stored=_MEASURED, shown=_VERBOSE,
+        brief="load on contacts of 4 points or fewer", stored=_MEASURED, shown=_VERBOSE_VIEWS,
     ),
     **{
         f"share_on_steepest_{side}": _statistic(
@@ -268,7 +268,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     },
     "load_share_at_hardness": _statistic(
         **_FRACTION, words="fraction of the load where the pressure is the hardness", stored=frozenset({"half-space"}),
-        shown=_VERBOSE,
+        shown=_VERBOSE_VIEWS,
     ),
     "area_share_at_hardness": _statistic(
         **_FRACTION, words="fraction of the points under pressure where that is the hardness",
@@ -280,18 +280,18 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "share_beyond_hertz": _validity(
         "load_beyond_hertz", "normal_elastic",
         words="fraction of the load on contacts with an overlap above a tenth of their radius",
-        shown=_VERBOSE | {"hatch"},
+        shown=_VERBOSE_VIEWS | {"hatch"},
     ),
     "share_below_grid": _validity(
         "load_below_grid", "normal_elastic",
-        words="fraction of the load on contacts with a radius below the grid spacing", shown=_VERBOSE | {"hatch"},
+        words="fraction of the load on contacts with a radius below the grid spacing", shown=_VERBOSE_VIEWS | {"hatch"},
     ),
     "share_crossed": _validity(
         "crossed_count", "crossed_count", "contact_count",
         words="fraction of would-be contacts refused because their sphere centres had crossed",
     ),
     "share_overlapping": _validity(
-        "load_overlapping", "normal_elastic", shown=_VERBOSE,
+        "load_overlapping", "normal_elastic", shown=_VERBOSE_VIEWS,
         words="fraction of the load on contacts whose ellipse overlaps another one",
     ),
     "share_unanswered": _validity(

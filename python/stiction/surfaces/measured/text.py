@@ -112,13 +112,13 @@ def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence
         source=describe_source(block),
         word_columns=tuple(
             WordColumn(
-                found.place,
-                describe_words(found.counts),
-                printable(min(found.counts, key=found.counts.__getitem__), 20),
-                np.isin(block.lines, found.missing_lines),
+                column.place,
+                describe_words(column.counts),
+                printable(min(column.counts, key=column.counts.__getitem__), 20),
+                np.isin(block.lines, column.missing_lines),
             )
-            for found in word_columns
-            if found.place < width
+            for column in word_columns
+            if column.place < width
         ),
     )
 

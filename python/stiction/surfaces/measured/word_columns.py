@@ -15,9 +15,9 @@ from stiction.surfaces.measured.decode import BLANK, NUMBERS, TEXT, Text
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs
 
 _SEPARATORS = ("\t", ";", "|", None, ",")  # the comma last, because it may be a decimal mark of the others
-_NUMBER = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
+_NUMBER_CELL = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
 _MISSING = "nan"  # replaces the words
-_SAMPLE_LINES = 400  # lines that decide whether a separator is possible
+_MAX_SEPARATOR_LINES = 400  # lines that decide whether a separator is possible
 MIN_ROWS = 4  # smallest number of rows in which columns of words are searched
 MAX_LISTED_WORDS = 4  # words of a column in a message
 
@@ -38,11 +38,11 @@ def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
         return text, ()
     lines = np.flatnonzero(text.kinds != BLANK).tolist()
     largest_run = max((last + 1 - first for first, last in runs), default=0)
-    samples = {separator: _find_table(text, lines[:_SAMPLE_LINES], separator) for separator in _SEPARATORS}
+    samples = {separator: _find_table(text, lines[:_MAX_SEPARATOR_LINES], separator) for separator in _SEPARATORS}
     separator = max(samples, key=lambda key: len(samples[key].numeric))  # the first of equal ones
     if not samples[separator].words:
         return text, ()
-    table = samples[separator] if len(lines) <= _SAMPLE_LINES else _find_table(text, lines, separator)
+    table = samples[separator] if len(lines) <= _MAX_SEPARATOR_LINES else _find_table(text, lines, separator)
     if not table.words or len(table.lines) < max(MIN_ROWS, len(lines) / 2, largest_run):
         return text, ()
     replaced = text.data.decode("utf-8", "replace").split("\n")
@@ -74,7 +74,7 @@ def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
     kinds = text.kinds[text.kinds != BLANK]
     numbers = np.flatnonzero(kinds == NUMBERS)
     return bool((kinds[numbers[0] :] == TEXT).any()) or (
-        numbers[0] > 0 and any(map(_NUMBER.fullmatch, re.split(r"[\t;|, ]+", text.line(runs[0][0] - 1))))
+        numbers[0] > 0 and any(map(_NUMBER_CELL.fullmatch, re.split(r"[\t;|, ]+", text.line(runs[0][0] - 1))))
     )
 
 
@@ -90,7 +90,7 @@ class _WordTable:
 def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
     """Return the lines of the most frequent width whose cells are numbers, except in columns without numbers."""
     rows = [_split(text.line(line), separator) for line in lines]
-    is_number = [[_NUMBER.fullmatch(cell) is not None for cell in row] for row in rows]
+    is_number = [[_NUMBER_CELL.fullmatch(cell) is not None for cell in row] for row in rows]
     widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))
     table = _WordTable()
     if not widths:
