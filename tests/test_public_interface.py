@@ -573,7 +573,7 @@ def test_pair_rejects_bad_input_in_one_sentence(upper, lower, changes, pattern):
 
 
 def test_pair_warns_about_flipped_surface(upper, lower):
-    with pytest.warns(UserWarning, match="first was turned over, and pair turns the first body over itself"):
+    with pytest.warns(UserWarning, match="first is flipped, but pair flips the first body itself"):
         pair(flipped(upper), lower, mechanics="asperities", **PAIR_ARGUMENTS)
 
 

@@ -394,9 +394,9 @@ def test_random_problems_with_hardness_are_solved():
     """Subset of the stress suite: every problem is solved, and the mean contact pressure is at most the hardness."""
     random = np.random.default_rng(8)
     for _ in range(8):
-        upper, lower, load, arguments, words = soak.hard_problem(random)
+        upper, lower, load, arguments, words = soak.random_hard_problem(random)
         curve = half_space(upper, lower, [load], effective_modulus=soak.MODULUS, **arguments)
-        assert not soak.wrong(lower, load, arguments, curve), words
+        assert not soak.find_faults(lower, load, arguments, curve), words
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])

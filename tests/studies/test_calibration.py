@@ -98,8 +98,21 @@ def test_one_rough_pair_identifies_only_the_sum_of_both_parameters() -> None:
     assert not interface.separated
     assert np.isnan([*interface.mu0, *interface.tau0]).all()
     assert interface.identified[1] < 0.2 + 0.3 * interface.area_per_load < interface.identified[2]
-    assert next(words for words, *_ in interface.advice).startswith("a smooth ball")
     assert interface.excluded == ()
+
+
+def test_advice_expects_the_errors_of_a_ball_over_two_decades_of_load() -> None:
+    curve = compute_rough_curve(0.02, 1)
+    tests = [FrictionTest(curve, load, coefficient=0.3, uncertainty=0.009) for load in curve.load]
+    interface = calibrate(tests)
+    (_, mu0_error, tau0_error), *_ = interface.advice
+    pair_ratio = interface.area_per_load
+    loads = np.geomspace(1.0, 100.0, len(tests))
+    ball_ratios = pair_ratio * np.array([BALL.area_per_load(load) for load in loads]) / BALL.area_per_load(10.0)
+    ratios = np.array([*([pair_ratio] * len(tests)), *ball_ratios])
+    design = np.stack([np.ones_like(ratios), ratios], axis=1)
+    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))  # every coefficient has the same error
+    assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
 
 
 def test_tests_on_two_finishes_separate_parameters_and_predict_a_third_finish() -> None:

@@ -75,8 +75,8 @@ def test_at_load_of_generated_result_equals_friction_map():
     )  # fmt: skip
 
 
-def test_at_load_of_chosen_quantities_equals_those_of_all(areas):
-    study, result = areas
+def test_at_load_of_chosen_quantities_equals_those_of_all(areal_contact):
+    study, result = areal_contact
     loads = study.contact.steps()[1:3]
     complete = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])
     some = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02], names=("contact_count", "gentle_friction"))

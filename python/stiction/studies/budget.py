@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-POSITIONS_INPUT, UNRESOLVED_INPUT = "positions", "finer waves"
+POSITIONS_INPUT, UNRESOLVED_INPUT = "positions", "unresolved roughness"
 UPPER_SCANS_INPUT, LOWER_SCANS_INPUT = "which piece of the upper part", "which piece of the lower part"
 SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
 """Components of the uncertainty of the mean over scans and positions, which are not inputs."""

@@ -623,15 +623,19 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def advice(self) -> tuple[tuple[str, float, float], ...]:
-        """Return further tests that would separate mu0 and tau0, with the standard errors expected from them."""
+        """Return three plans of further tests that separate mu0 and tau0, each with the expected standard errors.
+
+        All tests have the median relative error of the present tests, or 5 % if the tests have no errors.
+        """
         mu0, tau0 = self.best.mu0, self.best.tau0
         at = self.best.scores[np.newaxis], np.array([mu0]), np.array([tau0])
         rub, stick, _ = (each[0] for each in self._columns(*at))
         predicted = rub * mu0 + stick * tau0
         relative = float(np.median(self.error / np.maximum(predicted, 1e-12))) if self.has_errors else 0.05
         ratio, count = self.pivot, len(self.error)
+        ball_ratio = 10 ** (1 / 3)  # Hertz: A/F is proportional to F^(-1/3), over a factor of 100 of the load
         plans = (
-            ("a smooth ball below yield, two decades of load", ratio * np.geomspace(0.3, 3, count)),
+            ("a smooth ball below yield, two decades of load", ratio * np.geomspace(1 / ball_ratio, ball_ratio, count)),
             ("as many tests on a second finish, elastic, three times as rough", np.full(count, ratio / 3)),
             ("as many tests with the same film on a body twice as hard", np.full(count, ratio / 2)),
         )

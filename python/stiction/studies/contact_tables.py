@@ -141,7 +141,7 @@ class OnsetTable(Table):
 
 DIRECTION_DESCRIPTION = "Direction of motion of the upper body, instead of `shear`; "
 "areas also accept degrees from +x towards +y, or a list."
-LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads steps `friction.load` by default."
+LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
 
 
 class ContactTable(Case):
@@ -578,7 +578,7 @@ def _fill_loads(requested: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which a measured pair is solved: the given loads, and loads steps and between them.
+    """Return the loads (mN) at which a measured pair is solved: the given loads, and loads around and between them.
 
     All loads are below `max_load`. For areas there are `num_smaller` loads below the given loads, and the ratio of
     successive loads is at most `MAX_AREAL_LOAD_RATIO`.
