@@ -46,7 +46,7 @@ def test_check_reports_rejected_names_in_their_folder(words, name):
     assert faults[0].startswith(f"tests/x.py:1: {name} ")
 
 
-def test_check_reports_rejected_openings(words):
+def test_check_reports_rejected_sentence_openings(words):
     files = {"dev": '"""What a file contains."""\n\n\ndef read():\n    """Return what a file contains."""\n'}
     assert len(list(words.opening_faults(files, {"all": ["What"]}))) == 1
 

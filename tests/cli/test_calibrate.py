@@ -183,7 +183,7 @@ def test_tests_file_accepts_semicolons_and_decimal_commas_in_any_encoding(tmp_pa
         )
 
 
-def test_tests_file_numbers_lines_after_quoted_line_ends(tmp_path):
+def test_line_numbers_in_messages_count_quoted_line_breaks(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text('load (mN),coefficient,run\n1,0.2,"first\nrun"\n# a comment\n2,0.3,second\n3,much,third\n')
     with pytest.raises(ValueError, match="line 6: coefficient must be a number"):

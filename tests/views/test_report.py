@@ -40,10 +40,10 @@ def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
 
 def test_report_rejects_too_large_result(monkeypatch, generated_dataset, maps_dataset):
     monkeypatch.setattr("stiction.views.report.generated.MAX_GENERATED_COEFFICIENTS", 79)
-    with pytest.raises(ReportError, match="more than the 79"):
+    with pytest.raises(ReportError, match="at most 79"):
         report_page(generated_dataset)
     monkeypatch.setattr("stiction.views.report.measured.MAX_MEASURED_COEFFICIENTS", 100)
-    with pytest.raises(ReportError, match="more than the 100"):
+    with pytest.raises(ReportError, match="at most 100"):
         report_page(maps_dataset)
 
 

@@ -105,7 +105,7 @@ class Candidates:
 def candidates(
     upper: Profile | Surface, lower: Profile | Surface, *, deepest: float, curvature: Curvature | None = None
 ) -> Candidates:
-    """Find the places where two surfaces may touch at approaches up to a largest approach.
+    """Find the places where two surfaces may touch at any approach up to a given maximum.
 
     Parameters
     ----------

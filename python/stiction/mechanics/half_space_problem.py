@@ -374,8 +374,8 @@ class Solver:
         bound = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Missing points get a gap that never closes. The tolerance is scaled, because it refers to the deviation of
-            # the gap.
+            # Missing points get a gap that never closes. These points increase the standard deviation of the gap, to
+            # which the tolerance refers, so the tolerance is scaled.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)
@@ -403,7 +403,7 @@ class Solver:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Contact in equilibrium with its attraction.
+    """Contact whose pressures are in equilibrium with the load and the adhesive attraction.
 
     Means over the grid are in GPa; other fields are as in `HalfSpaceSolution`.
     """

@@ -94,7 +94,7 @@ def _read_law(value: object) -> LawName | LawTable:
         tables = " or ".join(
             f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_TABLES.items()
         )
-        raise ValueError(f"must be {names}, or a table of name {tables}, got {short_repr(value)}")
+        raise ValueError(f"must be {names}, or a table with the name {tables}, got {short_repr(value)}")
     return table.model_validate(value)
 
 

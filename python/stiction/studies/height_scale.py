@@ -121,8 +121,8 @@ def _parse_factor_text(text: str) -> Floats:
         raise
     except ValueError:
         raise ArgumentError(
-            '{height_scale} must be factors, as in "0.5,1,2", or a rising range from {least:g} to {most:g}, as in '
-            '"0.25..4", got {got}',
+            '{height_scale} must be factors, as in "0.5,1,2", or an increasing range within {least:g} to {most:g}, as '
+            'in "0.25..4", got {got}',
             least=MIN_FACTOR, most=MAX_FACTOR, got=short_repr(text),
         ) from None  # fmt: skip
     nodes = _list_enclosing_powers(low, high)

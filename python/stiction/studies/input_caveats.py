@@ -36,23 +36,28 @@ LIMIT_REASONS = {
 }
 """Descriptions of the reasons for a wavelength limit."""
 
-MAX_HEIGHT_OVER_EXTENT = 10.0  # height over extent above which the unit of heights is wrong
+MAX_HEIGHT_OVER_EXTENT = 10.0  # above this ratio of height to length, the unit of heights must be wrong
 MAX_PLAUSIBLE_MU0 = 2.0  # clean metals in vacuum have lower molecular friction coefficients
 
 MAX_FORM_FRACTION = 0.6
-"""Fraction of the mean square height in a parabola above which it is form; it is a half for the longest wavelengths."""
+"""Largest fraction of the mean square height that a fitted parabola may contain before the scan has a form caveat.
+
+A surface whose heights are dominated by its longest wavelengths has a fraction of about one half."""
 
 MAX_SPIKE_RATIO = 12.0
-"""Second difference over its robust standard deviation (median over 0.67) above which a point is a spike."""
+"""A point is a spike if its second difference exceeds this multiple of the robust standard deviation.
 
-MAX_NOISE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope from the instrument above which there is a caveat
-MAX_PEAK_FRACTION = 0.1  # fraction of the fourth spectral moment in one peak above which there is a caveat
+The robust standard deviation is the median of the absolute second differences, divided by 0.67."""
+
+MAX_NOISE_SLOPE_FRACTION = 0.01  # there is a caveat if the instrument adds more of the mean square slope
+MAX_PEAK_FRACTION = 0.1  # there is a caveat if one peak has more of the fourth spectral moment
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     "the surface; two scans of one place show which (stiction characterise --repeated)"
 )
-MAX_SPECTRA_RATIO = 2.0  # factor between spectra of one surface above which there is a caveat
-MAX_PRESSURE_OVER_MODULUS = 0.1  # nominal pressure over E* above which the load probably refers to a larger body
+MAX_SPECTRA_RATIO = 2.0  # there is a caveat if spectra of one surface differ by a larger factor
+MAX_PRESSURE_OVER_MODULUS = 0.1
+"""Ratio of nominal pressure to E* above which the given load is probably the load on the whole part."""
 
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:

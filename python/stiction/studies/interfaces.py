@@ -758,13 +758,13 @@ def read_interface(path: str | Path) -> Interface:
         parse_study_input("junction_growth", head.get(GROWTH_ENTRY, "0"))
     except (ValueError, KeyError, csv.Error, StopIteration):
         reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
-        raise ValueError(f"{printable_path(path)}: is a damaged interface: {reason}") from None
+        raise ValueError(f"{printable_path(path)}: is a damaged interface file ({reason})") from None
     if (
         table.ndim != 2
         or table.shape[1] != len(FILE_COLUMNS)
         or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all()
     ):
-        raise ValueError(f"{printable_path(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")
+        raise ValueError(f"{printable_path(path)}: is a damaged interface file (mu0 and tau0 must be at least 0)")
     fit = _build_fit(sliding, *table.T)
     return Interface((fit,), ratio, variation, separated, about=head)
 

@@ -392,7 +392,7 @@ class ScansMean:
 
 
 def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
-    """Return the mean of values (r, ...) of members over scans (r,) of both parts; None for fewer than two cells.
+    """Return the mean of member values (r, ...) over all pairs of scans; None for fewer than two pairs.
 
     Two-way random effects (Searle, Casella & McCulloch, Variance Components, 1992, chapter 4); mean squares that do not
     exceed the last one are pooled.

@@ -28,7 +28,7 @@ NUM_AREAL_MEMBERS = 4  # height maps: the first members of the result, so that o
 NUM_LINE_MEMBERS = 16  # pairs of lines
 MAX_CUTOFFS = 4  # largest number of cutoffs; the shortest is two points, and each cutoff is twice the one before
 FOUR_DIGIT_ERROR = 5e-4  # largest relative error of a number rounded to four digits
-MAX_RELATIVE_CUTOFF = 1 / 30  # longest cutoff over the shortest side of the scans, which has too few longer waves
+MAX_RELATIVE_CUTOFF = 1 / 30  # cutoffs are at most this fraction of the shortest side of the scans
 
 
 def build_cutoff_study(study: Study) -> Study | None:

@@ -321,7 +321,7 @@ class Study(Table):
                 raise ValueError('figures.draw: "onset" needs contact.onset, which specifies the strengths')
             return self
         if self.figures != Figures():
-            raise ValueError("figures.draw: is for generated surfaces; all figures of measured surfaces are drawn")
+            raise ValueError("figures.draw: applies only to generated surfaces; measured surfaces have all figures")
         if friction.wait and (self.contact.hardness is None or self.known.creep is None):
             missing = "known.creep" if self.contact.hardness else "contact.hardness"
             raise ValueError(

@@ -21,7 +21,7 @@ _MAX_CANDIDATES = 6  # largest number of peaks that are tried as the first harmo
 _MIN_LINE_RATIO = 10.0
 _PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic after a Hann window, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
-# quantile of the density over one period that is not affected by harmonics, including aliased harmonics
+# This quantile of the spectral density within one period is not affected by harmonics, even if they are aliased.
 _BACKGROUND_QUANTILE = 0.3
 
 

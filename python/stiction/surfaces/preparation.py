@@ -34,7 +34,7 @@ _LEVELLED = {
 # Number of points beyond which the end condition of a spline has no effect.
 _SPLINE_MARGIN = 32
 _KEPT = {"start": "first", "middle": "middle"}
-_ROUNDINGS = (np.floor, np.ceil)
+_NEIGHBOUR_ROUNDING = (np.floor, np.ceil)
 
 
 @overload
@@ -337,7 +337,7 @@ def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
     """Return a mask at positions between points. A position is missing if one of its two adjacent points is missing."""
     if missing is None:
         return None
-    below, above = (np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _ROUNDINGS)
+    below, above = (np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _NEIGHBOUR_ROUNDING)
     return below | above
 
 
@@ -432,8 +432,8 @@ def rotated(surface: Surface, angle: float) -> Surface:
     if surface.missing is not None:
         corner_indices = [
             (round_y(from_y).astype(np.intp), round_x(from_x).astype(np.intp))
-            for round_y in _ROUNDINGS
-            for round_x in _ROUNDINGS
+            for round_y in _NEIGHBOUR_ROUNDING
+            for round_x in _NEIGHBOUR_ROUNDING
         ]
         missing = np.logical_or.reduce([surface.missing[corner] for corner in corner_indices])
     lost_fraction = 1 - shape[0] * shape[1] / surface.heights.size

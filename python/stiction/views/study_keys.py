@@ -34,7 +34,7 @@ _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
 _DEGREES_TEXT = f"degrees from {-values.MAX_DEGREES} to {values.MAX_DEGREES}"
 _ALLOWED_VALUES = {
     "law": " or ".join(
-        [*(f'`"{name}"`' for name in LAWS_BY_NAME), *(f'a table of name `"{name}"`' for name in LAW_TABLES)]
+        [*(f'`"{name}"`' for name in LAWS_BY_NAME), *(f'a table with the name `"{name}"`' for name in LAW_TABLES)]
     ),
     "sliding": '`"opposing"`, `"all"` or a list of both',
     "unit": "a unit of length or a list of two",

@@ -84,7 +84,7 @@ class Text:
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
     def describe_line(self, line_number: int) -> str:
-        """Return the number and the beginning of line `at`, counted from 0, for a message."""
+        """Return the number and the beginning of a line for a message; `line_number` counts from 0."""
         text = " ".join(self.line(line_number).split())
         return (
             f"line {line_number + 1} ({text if len(text) <= _MAX_SHOWN_LENGTH else text[:_MAX_SHOWN_LENGTH] + '...'!r})"

@@ -24,7 +24,8 @@ from stiction.surfaces.measured.split import (
 )
 from stiction.surfaces.measured.word_columns import FoundColumn, describe_words, replace_word_columns
 
-MAX_STEP_LENGTH, MAX_STEPS = 1000, 1000  # maximum number of characters of a history step in a header, and of steps
+MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history step in a header
+MAX_HISTORY_STEPS = 1000
 # Maximum number of numeric lines below the data, as a fraction of the lines of data.
 MAX_FOOTER_FRACTION = 0.1
 # Minimum number of rows of a block above the data. A smaller block is a size or a count.
@@ -106,8 +107,8 @@ def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence
         row_digits=block.row_digits,
         declared=facts if facts.unit is not None else replace(facts, unit=heads.height_unit),
         history=(
-            *(printable(step, MAX_STEP_LENGTH) for step in parse_history(header)[:MAX_STEPS]),
-            *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_STEPS]),
+            *(printable(step, MAX_HISTORY_STEP_LENGTH) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
+            *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_HISTORY_STEPS]),
         ),
         source=describe_source(block),
         word_columns=tuple(

@@ -19,7 +19,7 @@ _NUMBER_CELL = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,
 _MISSING = "nan"  # replaces the words
 _MAX_SEPARATOR_LINES = 400  # lines that decide whether a separator is possible
 MIN_ROWS = 4  # smallest number of rows in which columns of words are searched
-MAX_LISTED_WORDS = 4  # words of a column in a message
+MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
 
 @dataclass(frozen=True)

@@ -117,7 +117,7 @@ def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, ta
     count = math.prod(head.sizes[name] for name in SHAPE_DIMENSIONS) * loads.size * len(rules) * len(angles)
     if (size := count * axes[0].values.size * axes[1].values.size) > MAX_GENERATED_COEFFICIENTS:
         raise ReportError(
-            f"the result has {size} coefficients at nodes, more than the {MAX_GENERATED_COEFFICIENTS} of a report; "
+            f"the result has {size} coefficients at nodes, and a report contains at most {MAX_GENERATED_COEFFICIENTS}; "
             "choose fewer fractal dimensions, amplitudes or directions"
         )
     (node_values,) = nodes.values

@@ -143,7 +143,7 @@ def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, 
     size *= axes[0].values.size * axes[1].values.size
     if size > MAX_MEASURED_COEFFICIENTS:
         raise ReportError(
-            f"the result has {size} coefficients, more than the {MAX_MEASURED_COEFFICIENTS} that a page can hold"
+            f"the result has {size} coefficients, and a report contains at most {MAX_MEASURED_COEFFICIENTS}"
         )
     members: list[int] = []
     arrays: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
