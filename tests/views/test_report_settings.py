@@ -1,4 +1,4 @@
-"""Numbers of reports in a browser against `Result.at`, at random settings of the controls, for six kinds of results."""
+"""Comparison of numbers in a report with `Result.at` at random settings, in a browser, for six kinds of results."""
 
 import numpy as np
 import pytest
@@ -10,9 +10,9 @@ from support import browser
 pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = browser.BROWSER_MARKS
 
-MATERIALS, SETTINGS = 10, 50  # pairs of mu0 and tau0, and settings of all controls, of each kind
-MAX_WIDTH_ERROR = 0.15  # over the width of the interval: panels are compared at a few loads
-MAX_HIDDEN_FRACTION = 0.6  # of settings at which only the library has a number: half of those of growing contacts
+MATERIALS, SETTINGS = 10, 50  # numbers of (mu0, tau0) and of settings of all controls for each kind of result
+MAX_WIDTH_ERROR = 0.15  # largest error, as a fraction of the width of the interval
+MAX_HIDDEN_FRACTION = 0.6  # largest fraction of settings at which only the library shows a number
 HALF_PLANES = {
     "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
     "contact.sliding": ["opposing", "all"], "surfaces.points": 512, "surfaces.extent": "5 um",
@@ -47,11 +47,11 @@ def case(request, driver, tmp_path_factory):
     """Return a result, with its report opened in a browser."""
     folder = tmp_path_factory.mktemp("settings")
     make = {
-        "profiles": lambda: Result(request.getfixturevalue("result")),
+        "profiles": lambda: Result(request.getfixturevalue("generated_dataset")),
         "half-planes": lambda: run(Study.named("quick").with_changes(HALF_PLANES)),
         "surfaces": lambda: run(Study().with_changes(SURFACES)),
-        "maps": lambda: Result(request.getfixturevalue("maps")),
-        "lines": lambda: Result(request.getfixturevalue("lines")),
+        "maps": lambda: Result(request.getfixturevalue("maps_dataset")),
+        "lines": lambda: Result(request.getfixturevalue("profiles_dataset")),
         "growing contacts": lambda: growing_contacts(folder),
     }
     result = make[request.param]()
