@@ -270,7 +270,10 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the ends of the interval of a mean from its half width, which is logarithmic unless `signed`."""
+    """Return the ends of the interval of a mean with a given half width.
+
+    The interval is symmetric for the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
+    """
     mean, half_width = np.asarray(mean, float), np.asarray(half_width, float)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         factor = np.exp(half_width / mean)
@@ -279,7 +282,7 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
     return np.where(by_logarithm, lower, mean - half_width), np.where(by_logarithm, upper, mean + half_width)
 
 
-# ---- Over neighbors- -------------------------------------------------------------------------------------------------
+# ---- Over neighbours -------------------------------------------------------------------------------------------------
 
 
 @lru_cache(maxsize=32)
