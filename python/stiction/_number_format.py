@@ -124,6 +124,6 @@ def _format_decimals(value: float, digits: int) -> str:
     return text.removeprefix("-") if float(text) == 0 else text
 
 
-def finite_or_none(value: float) -> float | None:
-    """Return a number for JSON: None for NaN and infinity."""
-    return float(value) if math.isfinite(value) else None
+def finite_or_none(value: float | None) -> float | None:
+    """Return a number for JSON: None for NaN and infinity, and for None itself."""
+    return float(value) if value is not None and math.isfinite(value) else None

@@ -4,9 +4,8 @@ from stiction import Profile, Surface, half_space
 from support.rough_surfaces import rough_maps
 
 MAX_OFFSET = 1e-4  # residual distance of the resultant from the centre, as a fraction of the length
-STIFFNESS_TOLERANCE = (
-    0.03  # relative error of a stiffness from loads ±2 % apart, between which points come into contact
-)
+# Relative error of a stiffness from loads ±2 % apart, between which points come into contact.
+STIFFNESS_TOLERANCE = 0.03
 DENSE_TOLERANCE = 1e-5  # relative error in comparison with dense matrices
 BALL_TOLERANCE = 1e-3  # relative error of the tilt of a ball, which moves its summit to the middle
 

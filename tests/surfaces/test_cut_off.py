@@ -14,9 +14,8 @@ WEIGHT_TOLERANCE = 1e-6
 """Relative error of heights for cutoffs of nine points or more. Sampled Gaussian weights and a transform truncated at
 the Nyquist wavenumber differ by exp(-ln 2 (λ_c/2Δx)²)."""
 
-TRUNCATION_TOLERANCE = (
-    1e-4  # relative error of an amplitude due to truncated weights at wavelengths of two to five points
-)
+# Relative error of an amplitude due to truncated weights at wavelengths of two to five points.
+TRUNCATION_TOLERANCE = 1e-4
 
 
 def weighted_line_by_definition(heights, spacing, wavelength):

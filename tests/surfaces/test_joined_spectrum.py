@@ -7,9 +7,8 @@ import pytest
 from stiction import Profile, Surface, joined_spectrum, scale_dependent_roughness, self_affine_surface, surface_spectrum
 
 POINTS, SPACING = 1024, 0.01
-BIN_TOLERANCE = (
-    0.1  # relative error of a bin with at least a hundred Fourier coefficients, for a few pieces of the surface
-)
+# Relative error of a bin with at least a hundred Fourier coefficients, for a few pieces of the surface.
+BIN_TOLERANCE = 0.1
 
 
 @pytest.fixture(scope="module")

@@ -439,7 +439,7 @@ HALF_SPACE_SUMS = (
 """Numbers that a result of the half-space stores of each pair at each load."""
 
 UNLOADED = select(lambda each: "adhesion" in each.stored and each.along == _MOTION)
-"""Parts of the tangential load that starts the sliding at no load, as `load_of` adds them."""
+"""Parts of the tangential load that starts the sliding at no load, which are added for mu0 and tau0."""
 
 PULL_OFF = select(lambda each: "adhesion" in each.stored and not each.along)
 """Pull-off force of a member, and 1 if the bodies hold at least that, else 0."""

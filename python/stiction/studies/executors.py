@@ -16,9 +16,8 @@ from stiction._text import MAX_PATH_LENGTH, printable
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
-MIN_THREADED_POINTS = (
-    2**16
-)  # grid points above which several threads compute one transform; smaller ones are slower with threads
+# Number of grid points above which several threads compute one transform. Smaller transforms are slower with threads.
+MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"

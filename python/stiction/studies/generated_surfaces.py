@@ -47,9 +47,8 @@ AreaAmplitude = Annotated[
 ]
 
 
-MAX_HARMONICS = (
-    1_000_000  # largest product of the numbers of directions and frequencies, which limits the run time per point
-)
+# Largest product of the numbers of directions and frequencies, which limits the run time per point.
+MAX_HARMONICS = 1_000_000
 
 
 class GeneratedSurfaceKeys(Case):

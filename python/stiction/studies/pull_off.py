@@ -29,7 +29,10 @@ class Sticking:
 
     @property
     def sticks(self) -> Literal["yes", "no", "uncertain"]:
-        """Whether the bodies stick, from comparing the interval of the pull-off pressure with `STICKING_PRESSURE`."""
+        """Position of the interval of the pull-off pressure relative to `STICKING_PRESSURE`.
+
+        It is "yes" above, "no" below, and "uncertain" if the interval contains this pressure.
+        """
         value, lower, upper = self.pressure
         if (lower if np.isfinite(lower) else value) > STICKING_PRESSURE:
             return "yes"

@@ -6,10 +6,8 @@ from stiction._checks import check_bool
 from stiction.surfaces.filters import check_cutoff, gaussian_mean
 from stiction.surfaces.surface import AnyBody, as_body
 
-MAX_CUTOFF_FRACTION = (
-    1 / 3
-    # Longest cutoff wavelength as a fraction of the shortest side. With a longer cutoff, too few periods remain.
-)
+# Longest cutoff wavelength as a fraction of the shortest side. With a longer cutoff, too few periods remain.
+MAX_CUTOFF_FRACTION = 1 / 3
 
 
 def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyBody:

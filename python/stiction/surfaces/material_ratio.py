@@ -12,10 +12,8 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
 CORE_FRACTION = 0.4  # width of the core as a range of material ratios
-PEAK_RATIO, VALLEY_RATIO = (
-    0.1,
-    0.8,
-)  # material ratios that separate peaks, core and valleys, with the defaults of ISO 25178-3
+# Material ratios that separate peaks, core and valleys, with the defaults of ISO 25178-3.
+PEAK_RATIO, VALLEY_RATIO = 0.1, 0.8
 EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height, with the defaults of ISO 25178-3
 
 

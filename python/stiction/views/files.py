@@ -56,7 +56,7 @@ EXPORT_WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
 def write_result(result: Result, path: Path) -> None:
     """Write a result to a new file in the format of its file ending.
 
-    Raises a `ValueError` if the file exists, cannot be written, or its name has no ending of `WRITERS`.
+    Raises a `ValueError` if the file exists, cannot be written, or its name has no ending of `EXPORT_WRITERS`.
     """
     if path.suffix.lower() not in EXPORT_WRITERS:
         endings = " or ".join(f"{ending} ({description})" for ending, (description, _) in EXPORT_WRITERS.items())

@@ -187,7 +187,7 @@ def resolution_record(
             "longest_um": scan.longest,
             "rms_gradient": finite_or_none(scan.gradient),
             "fraction_of_mean_square_slope_in_shortest_octave": finite_or_none(scan.fraction_below(2 * scan.shortest)),
-            "hurst_exponent": None if scan.estimate is None else finite_or_none(scan.estimate.value),
+            "hurst_exponent": finite_or_none(None if scan.estimate is None else scan.estimate.value),
         }
         if study.uses_half_space and study.contact.hardness is None:
             unfiltered = dataset.isel(cut_off=[0]) if "cut_off" in dataset.dims else dataset

@@ -74,8 +74,8 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
     -------
     pandas.DataFrame
         Columns ``name``, ``value``, ``unit``, ``lower``, ``upper``, ``interval`` (kind of the interval, "" for none),
-        ``status``, and the coordinates of `PLACE` that the result has, in µm, mN, GPa and degrees. A coordinate on
-        which a value does not depend is NaN. Names have the order of `QUANTITIES`.
+        ``status``, and the coordinates of `COORDINATE_ORDER` that the result has, in µm, mN, GPa and degrees. A
+        coordinate on which a value does not depend is NaN. Names have the order of `QUANTITIES`.
     """
     import pandas
 
@@ -326,7 +326,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "sticking": None if point.sticking is None else pull_off_record(point.sticking),
         "verdict": point.verdict,
         "sentence": sentence_text(point),
-        "from_roughness": None if point.from_roughness is None else finite_or_none(point.from_roughness),
+        "from_roughness": finite_or_none(point.from_roughness),
         "assumptions": list(list_assumptions(point.study)),
         "interval_covers": covers_text(point),
         "finer_scans": None

@@ -33,10 +33,10 @@ from stiction.views.report.page import REPORT_AXES, PageResult, ReportError, axe
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.tables import Tables
 
-MAX_GENERATED_COEFFICIENTS = (
-    1_000_000  # maximum number of coefficients in a page: nodes times loads, cells, rules and directions
-)
-MAX_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; the limit of fractions is `HALF`
+# Maximum number of coefficients in a page: nodes times loads, cells, rules and directions.
+MAX_GENERATED_COEFFICIENTS = 1_000_000
+# Mean of overlap / radius above which the page warns. The limit of fractions is `MAX_AFFECTED_FRACTION`.
+MAX_OVERLAP = 0.1
 SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 

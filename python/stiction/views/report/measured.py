@@ -50,9 +50,8 @@ from stiction.views.resolution import wavelengths_text
 from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.text import budget_text, dwell_time_text
 
-MAX_MEASURED_COEFFICIENTS = (
-    400_000  # maximum number of coefficients in a page: nodes times loads, cutoffs, rules and directions
-)
+# Maximum number of coefficients in a page: nodes times loads, cutoffs, rules and directions.
+MAX_MEASURED_COEFFICIENTS = 400_000
 
 _UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without prefixes
 

@@ -20,9 +20,8 @@ from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.report.page import Page, escaped, part
 from stiction.views.report.pictures import inline
 
-MAX_OCTAVE_FRACTION = (
-    0.1  # fraction of the mean square slope in the shortest octave above which a finer scan is advised
-)
+# Fraction of the mean square slope in the shortest octave above which a finer scan is advised.
+MAX_OCTAVE_FRACTION = 0.1
 
 
 def surface_page(
