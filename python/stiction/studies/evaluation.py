@@ -131,7 +131,7 @@ def at_load(
             along = slope.transpose(*cells, "direction").values
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
-    if measured and (names is None or "reading_difference" in names):
+    if measured and _is_requested("reading_difference", names):
         # Largest relative difference of friction between the elastic and the normal load of each member.
         other: Reading = "normal" if reading == "elastic" else "elastic"
         members = _members_before_growth(result, values, *material, other, of, names)
@@ -180,6 +180,11 @@ def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
     return np.array(found)[order], np.array(places, np.intp).reshape(-1, 2)[order]
 
 
+def _is_requested(name: str, names: Collection[str] | None) -> bool:
+    """Return True if a quantity is to be evaluated: any quantity if no names are given."""
+    return names is None or name in names
+
+
 # ---- The ensemble's mean load ----------------------------------------------------------------------------------------
 
 
@@ -217,7 +222,7 @@ def _evaluate_ensemble(
             first = first.assign_coords(axis=("axis", axes, attributes_of("axis")))
     others = [name for name in (*ONSET, "contact_load") if name in head]
     quantities = ("contact_area", "contact_count", "normal_stiffness", *others)
-    for what in quantities if names is None else [name for name in quantities if name in names]:
+    for what in [name for name in quantities if _is_requested(name, names)]:
         if what == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
             continue
         try:
@@ -227,7 +232,7 @@ def _evaluate_ensemble(
                 raise
             continue
         variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)
-    if result.study.contact.adheres and (names is None or "pull_off" in names):
+    if result.study.contact.adheres and _is_requested("pull_off", names):
         unloaded = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
             own = unloaded[name].transpose("repetition", ...)
@@ -288,7 +293,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     dims = [str(dim) for dim in there["friction_coefficient"].dims if dim != "repetition"]
     variables: dict[str, Any] = {}
     for name in members.data_vars:
-        if names is not None and name in ("normal_load", "tangential_load") and name not in names:
+        if name in ("normal_load", "tangential_load") and not _is_requested(name, names):
             continue  # members alone have them
         values = there[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
@@ -319,7 +324,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         (*rest, "statistic"), order.mean(round_mean), words | {"long_name": "friction coefficient, mean of directions"},
     )  # fmt: skip
     axes, places = axes_of(members["direction"].values)
-    if several and axes.size and (names is None or "friction_by_axis" in names):
+    if several and axes.size and _is_requested("friction_by_axis", names):
         by_axis = np.stack([np.take(coefficient, pair, axis=at).mean(axis=at) for pair in places], axis=at)
         named = ("axis" if dim == "direction" else dim for dim in dims)
         variables["friction_by_axis"] = (
@@ -670,13 +675,13 @@ def evaluate_piece(
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
     wanted = None if names is None else {*_FRICTION, *names}
     for name in READ_AT_LOAD:
-        if wanted is not None and name not in wanted and name != "normal_elastic":
+        if name != "normal_elastic" and not _is_requested(name, wanted):
             continue
         if name in there and step in there[name].dims:
             read = off.at(_over(there[name], (*lead, step)), sums=QUANTITIES[name].proportional)
             variables[name] = ((*lead, "load"), read, there[name].attrs)
     for name in DISTRIBUTIONS:
-        if name in there and (wanted is None or name in wanted):
+        if name in there and _is_requested(name, wanted):
             read = off.at(_over(there[name], (*lead, "fraction_below", step)), sums=False)
             variables[name] = ((*lead, "fraction_below", "load"), read, there[name].attrs)
     for name in (*GAP, "pull_off"):
@@ -696,8 +701,7 @@ def evaluate_piece(
     parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
     coordinates |= _motions_of(piece) | {name: (name, each, attributes_of(name)) for name, each in parameters.items()}
     variables = _add_ratios(variables, piece.coords.get("nominal_area"))
-    if wanted is not None:
-        variables = {name: each for name, each in variables.items() if name in wanted}
+    variables = {name: each for name, each in variables.items() if _is_requested(name, wanted)}
     return xarray.Dataset(variables, coordinates, piece.attrs)
 
 
