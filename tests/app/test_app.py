@@ -226,16 +226,24 @@ def test_accept_field_removes_the_caveat_of_a_file(empty_page, tmp_path):
     )
 
 
-def test_columns_field_selects_columns_of_a_text_file(empty_page, tmp_path):
+def test_preview_is_that_of_the_latest_options_if_answers_arrive_in_another_order(empty_page, tmp_path):
     rows = np.column_stack([0.5 * np.arange(64), 7.0 * np.ones(64), np.random.default_rng(0).standard_normal(64)])
     np.savetxt(tmp_path / "three.txt", rows)
     assert "columns" in choose_scan(empty_page, "upper", tmp_path / "three.txt")["wrong"]
     empty_page.execute_script(
+        "const fetchNow = window.fetch; let delay = 2000; window.delayed = 0;"
+        "window.fetch = async (...options) => {"
+        "const wait = delay; delay = 0; const answer = await fetchNow(...options);"
+        "await new Promise((resume) => setTimeout(resume, wait)); if (wait) window.delayed += 1; return answer; };"
         "for (const [name, value] of [['columns', '0,2'], ['unit', 'um']]) {"
         "const field = document.querySelector(`#upper-drop [name=${name}]`); field.value = value;"
         "field.dispatchEvent(new Event('change', {bubbles: true})); }"
     )
-    wait_until(lambda: scan_texts(empty_page, "upper")["hint"], lambda hint: "64 points; Pq" in hint)
+    wait_until(lambda: empty_page.execute_script("return window.delayed"), bool)
+    wait_until(lambda: empty_page.execute_script("return arriving.upper"), lambda number: number == 0)
+    texts = scan_texts(empty_page, "upper")
+    assert "64 points; Pq" in texts["hint"]
+    assert texts["wrong"] == ""
 
 
 def test_form_distinguishes_arriving_scans_from_missing_scans(empty_page):

@@ -8,6 +8,7 @@ const POLL_INTERVAL = 500; // ms between two requests for the progress of jobs
 const sides = ["upper", "lower"];
 const scans = {upper: null, lower: null};
 const arriving = {upper: 0, lower: 0}; // number of files per side being uploaded or read
+const latestRequests = {upper: 0, lower: 0}; // number per side of the latest upload or preview; answers to earlier ones are ignored
 const form = byId("pair");
 let jobs = [];
 let current = null; // number of the job that is shown
@@ -80,13 +81,16 @@ async function uploadScan(side, file) {
   place.querySelector(".hint").textContent = `${file.name} …`;
   showError(place.querySelector(".wrong"), "");
   arriving[side] += 1;
+  const request = (latestRequests[side] += 1);
+  scans[side] = null;
   try {
     if (file.size > document.body.dataset.maxBytes) throw new Error(`The limit for a scan is ${document.body.dataset.maxBytes / 1e6} MB.`);
     const {scan} = await requestJson(`/scans?name=${encodeURIComponent(file.name)}`, {method: "PUT", body: file});
+    if (request !== latestRequests[side]) return;
     scans[side] = {scan, name: file.name};
     await previewScan(side);
   } catch (error) {
-    scans[side] = null;
+    if (request !== latestRequests[side]) return;
     place.querySelector(".hint").textContent = file.name;
     showError(place.querySelector(".wrong"), error.message);
   } finally {
@@ -102,9 +106,10 @@ async function previewScan(side) {
   hint.textContent = `${scan.name} …`;
   const reading = new URLSearchParams([...place.querySelectorAll("[name]")].map(({name, value}) => [name, value.trim()]));
   arriving[side] += 1;
+  const request = (latestRequests[side] += 1);
   const preview = await requestJson(`/scans/${scan.scan}?${reading}`).catch(({message}) => ({error: message}));
   arriving[side] -= 1;
-  if (scans[side] !== scan) return;
+  if (request !== latestRequests[side]) return;
   scan.holds = preview.holds;
   hint.textContent = preview.error ? scan.name : `${scan.name}: ${preview.words}`;
   showError(wrong, preview.error ?? preview.warning);

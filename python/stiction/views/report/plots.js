@@ -193,6 +193,7 @@ const isNear = (event) => event.ctrlKey || event.metaKey; // a pinch on a touch 
 function interactive(place, {point, leave, pick, redrawn}) {
   let from = null;
   let rectangle = null;
+  let pressed = null; // where the pointer was pressed and released without moving
   let undo = null;
   const fingers = new Map();
   const at = (event) => positionIn(place, event);
@@ -251,16 +252,18 @@ function interactive(place, {point, leave, pick, redrawn}) {
       rectangle.remove();
       redrawn();
     }
-    else if (from && !from.moved && fingers.size === 0 && event.target instanceof Node && place.contains(event.target)) {
-      const isSecond = undo && performance.now() - undo.when < 500 && Math.hypot(from[0] - undo.at[0], from[1] - undo.at[1]) < 8;
-      if (!isSecond) undo = {of: pick?.(...values(from)), when: performance.now(), at: from};
-    }
+    const isClick = from && !rectangle && !from.moved && fingers.size === 0;
+    pressed = isClick && event.target instanceof Node && place.contains(event.target) ? from : null;
     from = rectangle = null;
   };
   window.addEventListener("pointerup", release);
   window.addEventListener("pointercancel", (event) => { fingers.delete(event.pointerId); from = null; });
+  place.addEventListener("click", (event) => {
+    if (pressed && event.detail === 1) undo = pick?.(...values(pressed)); // the second click of a double click has detail 2
+    pressed = null;
+  });
   place.addEventListener("dblclick", () => {
-    undo?.of?.(); // a double click resets the view and picks nothing
+    undo?.(); // a double click resets the view and picks nothing
     undo = null;
     place.view = null;
     redrawn();
