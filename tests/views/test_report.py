@@ -92,7 +92,7 @@ def test_report_of_scan_lists_caveats_and_escapes_text():
         Profile(curved_heights, spacing=0.01, history=("<script>alert(1)</script>",)), **file_and_command
     ).html()
     assert re.search(
-        r"<li>Form \(a parabola\) is \d+ % of the mean square height, and carries the load; try --level", page
+        r"<li>Form \(a parabola\) contributes \d+ % of the mean square height, and carries the load; try --level", page
     )
     assert "<li>" not in surface_page(profile, **file_and_command).body
     assert "alert(1)</script>" not in page

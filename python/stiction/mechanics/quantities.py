@@ -169,12 +169,12 @@ QUANTITIES: dict[str, ResultQuantity] = {
         along=_MEAN_FRICTION,
     ),
     "spread_low": ResultQuantity(
-        unit="1", words="a tenth of the members are below", kind="statistic", along=_MEAN_FRICTION,
+        unit="1", words="10 % quantile of the members", kind="statistic", along=_MEAN_FRICTION,
     ),
     "spread_high": ResultQuantity(
-        unit="1", words="a tenth of the members are above", kind="statistic", along=_MEAN_FRICTION,
+        unit="1", words="90 % quantile of the members", kind="statistic", along=_MEAN_FRICTION,
     ),
-    "ok": ResultQuantity(unit="1", words="members with an answer", kind="statistic", along=_FRICTION, dtype=int),
+    "ok": ResultQuantity(unit="1", words="members with a coefficient", kind="statistic", along=_FRICTION, dtype=int),
     "members": ResultQuantity(unit="1", words="members", kind="statistic", dtype=int),
     # ---- Contact at a load -----------------------------------------------------------------------------------------
     "contact_area_fraction": ResultQuantity(

@@ -1,1 +1,1 @@
-"""Ensembles of pairs over planes of parameters."""
+"""Studies: computation of friction for ensembles of surface pairs over ranges of parameters."""

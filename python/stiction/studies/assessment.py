@@ -39,38 +39,40 @@ if TYPE_CHECKING:
 Severity = Literal["caution", "fault"]
 
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
-"""Ratios of the mean contact pressure to E* above which every material, and most metals, have yielded."""
+"""Ratios of the mean contact pressure to E* above which every material (first) and most metals (second) have yielded.
+"""
 
 MAX_RUBBER_MODULUS = 0.1  # GPa: bodies with a smaller E* are assumed to be rubber or gels, which do not yield
 
-MIN_TOTAL_CONTACTS = 10  # contacts of all members together that a mean requires
+MIN_TOTAL_CONTACTS = 10  # smallest number of contacts, over all members, for which a mean is quoted
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
-"""Average numbers of contacts of a member below which a coefficient is not quoted, and below which it has a caveat."""
+"""Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
 
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # above this fraction of the load on one contact, the value is not quoted
 CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # above this fraction of the load on one contact, the value has a caveat
 
-MERGED_AREA_FRACTION = 0.3  # true over nominal area above which contacts are few because they have merged
+MERGED_AREA_FRACTION = 0.3  # ratio of true to nominal area above which the contacts are few because they have merged
 MAX_AFFECTED_FRACTION = 0.5  # fraction of the load, of the members or of the scan length above which there is a caveat
 MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated points in a scan above which there is a caveat
 MAX_SPACING_RATIO = 3.0  # ratio of the spacings of two scans above which the coarser scan is too coarse
 
-NEARLY_BULK_STRENGTH = 0.7  # τ0 over H/√α above which an interface is nearly as strong as the bulk
-MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above which an interval has no upper end
+NEARLY_BULK_STRENGTH = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
+MAX_SEIZING_FRACTION = 0.025  # fraction of seizing input samples above which the interval has no upper end
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
-"""Fraction of the load on plastic contacts above which the interface is compared with the strength of the body."""
+"""Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
 
 MAX_NEGLECTED_ADHESION = 0.05  # fraction of the load that adhesion may add to the contacts without a caveat
 TYPICAL_WORK_OF_ADHESION = 5e-5  # mN/µm, which is 50 mJ/m²: typical of solids in air
 RIM_ATTRACTION_FACTOR = 4.3
-"""Factor of the attraction around contacts, fitted to 395 solved pairs of lines and areas, E* from 2 MPa to 200 GPa.
+"""Factor of the attraction in the rim around contacts, fitted to 395 solved pairs with E* from 2 MPa to 200 GPa.
 
-docs/explanation/adhesion.md describes the fit."""
+docs/explanation/adhesion.md describes the fit.
+"""
 
 MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
-ROUND_UP_FACTOR = 1 + 1e-12  # makes a number halfway between two digits, such as 2.25, round up as in the report
-MAX_RELATIVE_HALF_WIDTH = 0.5  # half width of an interval over the value above which there is a caveat
+ROUND_UP_FACTOR = 1 + 1e-12  # rounds a number halfway between two digits up, such as 2.25, as the report does
+MAX_RELATIVE_HALF_WIDTH = 0.5  # ratio of the half width of an interval to the value above which there is a caveat
 
 
 @dataclass(frozen=True)
@@ -81,19 +83,20 @@ class Caveat:
     cure: str
     severity: Severity
     cut_off: float = math.inf
-    """Cutoff wavelength (µm) at and above which the caveat does not apply."""
+    """Cutoff wavelength (µm) from which the caveat does not apply."""
     has_readings: bool = False
-    """True if the interval covers the result both with and without the wavelengths of the caveat."""
+    """True if the interval covers the results both with and without the wavelengths that the caveat is about."""
     name: str = ""
-    """Name of the checked number, in `QUANTITIES` or `_compute_checked_numbers`; empty if no number was checked."""
+    """Name of the number that was compared with a limit, in `QUANTITIES` or `_compute_checked_numbers`; may be empty.
+    """
     value: float = field(default=math.nan, compare=False)
-    """Value of the checked number, in core units."""
+    """Value of that number, in core units."""
     limit: float = field(default=math.nan, compare=False)
-    """Limit that the checked number exceeds."""
+    """Limit that the number exceeds."""
 
 
 class Check(NamedTuple):
-    """Limit of a number above which a point has a caveat. In the text, {} stands for the number `about`."""
+    """Limit of a number, and the caveat of points that exceed it. In the text, {} stands for the number `about`."""
 
     name: str
     limit: float
@@ -101,7 +104,7 @@ class Check(NamedTuple):
     cure: str
     severity: Severity = "fault"
     shown: str = "digits"  # format of the number: "digit" for one digit, "digits" for two, "percent", or a unit
-    about: str = ""  # number in the text; by default the checked number
+    about: str = ""  # name of the number in the text; by default the number that is compared with the limit
 
     def to_caveat(self, numbers: Mapping[str, float]) -> Caveat:
         """Return the caveat for a point at which the checked number exceeds the limit."""
@@ -118,7 +121,7 @@ class Check(NamedTuple):
         )  # fmt: skip
 
 
-Checks = Sequence[Sequence[Check]]  # groups of checks; the first failed check of each group is reported
+Checks = Sequence[Sequence[Check]]  # groups of checks; a group reports only its first failed check
 
 VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
 """Text of the assessment, by the worst severity of all caveats."""
@@ -239,7 +242,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Caveat]:
-    """Yield the caveats of one point; a status other than "ok" is a caveat itself."""
+    """Yield the caveats of one point; a status other than "ok" is itself a caveat."""
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
         yield from _find_adhesion_caveats(point, study)
@@ -253,7 +256,7 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
     members = value_of(point, "members")
     num_solved = (
         float(point["ok"].min()) if "ok" in point else math.nan
-    )  # in the direction in which the fewest members have a solution
+    )  # counted in the direction with the fewest solutions
     if num_solved < MAX_AFFECTED_FRACTION * members:
         text = f"only {num_solved:.0f} of {members:.0f} members have an answer"
         yield Caveat(text, "check the statuses, and try another load", "fault")
@@ -270,7 +273,7 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
 
 
 def find_smallest_limit(name: str) -> float | None:
-    """Return the smallest limit of a number in the checks that apply to all bodies; None if there is no such check."""
+    """Return the smallest limit of a number in the checks for all bodies; None if no check limits the number."""
     return min(
         (check.limit for group in (CONTACT_COUNT_CHECKS, *CONTACT_CHECKS) for check in group if check.name == name),
         default=None,
@@ -278,7 +281,7 @@ def find_smallest_limit(name: str) -> float | None:
 
 
 def apply_checks(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Caveat]:
-    """Yield the caveat of the first check that fails in each group; a check without its number passes."""
+    """Yield the first failed check of each group as a caveat; a check passes if its number is missing."""
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
         yield from (check.to_caveat(numbers) for check in itertools.islice(failed, 1))
@@ -302,7 +305,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
         "missing_interval": float(math.isnan(value.lower) or math.isnan(value.upper)),
         "half_width": width / (2 * value.value) if value.value else math.inf * width,
         "mean_pressure": pressure_of(point),
-        # Contacts that have merged over much of the nominal area are few, but average over many asperities.
+        # Contacts that have merged over much of the nominal area are few, but each averages over many asperities.
         "contact_count": count,
         "contacts_missing_of_all": MIN_TOTAL_CONTACTS - count * members,
         "contacts_missing": math.nan if is_merged else MIN_CONTACTS_PER_MEMBER - count,
@@ -315,7 +318,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
 
 
 def list_pressure_checks(study: Study, modulus: float) -> Checks:
-    """Return checks of whether elastic bodies would yield, from their hardness or, if unknown, from typical hardnesses.
+    """Return checks of whether elastic bodies would yield, from their hardness or, if unknown, from typical values.
 
     There are no checks if the contact model limits the pressure, or if the effective modulus (GPa) is so small that the
     bodies are rubber or gels.
@@ -349,18 +352,18 @@ CONTACT_COUNT_LIMITS = {
     "of_all": MIN_TOTAL_CONTACTS, "least": MIN_CONTACTS_PER_MEMBER, "few": CAUTION_CONTACTS_PER_MEMBER,
     "merged": MERGED_AREA_FRACTION,
 }  # fmt: skip
-"""Limits on the number of contacts, which the report applies as `_compute_checked_numbers` does."""
+"""Limits on the number of contacts. The report applies the limits in the same way as `_compute_checked_numbers`."""
 
 
 def list_ensemble_checks(study: Study) -> list[list[dict[str, Any]]]:
-    """Return the checks for points of generated bodies as dictionaries, which the report applies."""
+    """Return the checks for points of generated bodies as dictionaries, for the script of the report."""
     pressures = list_pressure_checks(study, float(study.contact.effective_modulus))
     groups = (VALUE_CHECKS, *pressures, [EQUALS_MU0_CHECK], CONTACT_COUNT_CHECKS, *ASPERITY_CHECKS)
     return [[check._asdict() for check in group] for group in groups]
 
 
 def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:
-    """Yield caveats about an interface as strong as the softer body, and about a coefficient that only repeats mu0."""
+    """Yield caveats about an interface as strong as the softer body, and about a coefficient that equals mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)
@@ -389,7 +392,7 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
                 f"of a ductile body {increase_text}"
             )
             cure = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
-            if study.contact.adheres:  # junction growth of adhesive contacts is not solved
+            if study.contact.adheres:  # the junction growth of adhesive contacts is not solved
                 cure = "compare with the pair without --adhesion, whose contacts grow"
             yield Caveat(text, cure, "caution")
     yield from apply_checks(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
@@ -415,12 +418,10 @@ def _find_seizure_caveats(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected adhesion, an unresolved range of adhesion, and its missing uncertainty."""
+    """Yield caveats about neglected adhesion, a range of adhesion below the resolution, and missing uncertainty."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load(point, study)
-        min_added = (
-            MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0
-        )  # the asperity model cannot include adhesion
+        min_added = MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0  # the asperity model has no adhesion
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added:
             added_text = f"at least {format_percent(added_load)}" if added_load < 1 else "more than 100 %"
             work = f"{1e6 * TYPICAL_WORK_OF_ADHESION:g} mJ/m²"
@@ -454,20 +455,20 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
 
 
 def estimate_adhesion_load(point: xarray.Dataset, study: Study) -> float:
-    """Estimate the load that a typical work of adhesion would add to the contacts, as a fraction of the load.
+    """Estimate the load that a typical work of adhesion would add to the contacts, relative to the applied load.
 
     The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
     the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the fraction is
-    (w/ρ) (A/F) (1 + 4.3 u^(2/3)) with u = ρ/(h' d), where ρ is the range that the grid resolves. With A = κF/(E* h'),
-    s = w/(E* h'² d) and Tabor's parameter μ of asperities of radius d/h', it equals
-    κ μ s^(1/3) (1 + 4.3 (s^(2/3)/μ)^(2/3)).
+    (w/ρ) (A/F) (1 + 4.3 u^(2/3)) with u = ρ/(h' d), where ρ is the range that the grid resolves. With A = κF/(E* h'), s
+    = w/(E* h'² d) and Tabor's parameter μ of asperities of radius d/h', it equals κ μ s^(1/3) (1 + 4.3
+    (s^(2/3)/μ)^(2/3)).
     """
     area, count, slope = (value_of(point, name) for name in ("contact_area", "contact_count", "rms_gradient"))
     if not (area > 0 and count > 0 and slope > 0):
         return math.nan
     spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
     attraction_range = max(ADHESION_RANGE, resolved_range(TYPICAL_WORK_OF_ADHESION, spacing, modulus_of(point, study)))
-    are_strips = has_nominal_area(point, study) and not study.is_areal  # profiles are 1 µm thick
+    are_strips = has_nominal_area(point, study) and not study.is_areal  # profiles have a width of 1 µm
     contact_width = area / count if are_strips else math.sqrt(area / count)
     rim_factor = RIM_ATTRACTION_FACTOR * (attraction_range / (slope * contact_width)) ** (2 / 3)
     return float(TYPICAL_WORK_OF_ADHESION / attraction_range / pressure_of(point) * (1 + rim_factor))
@@ -519,7 +520,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return the true area over the nominal area; NaN for generated profiles, which have no nominal area."""
+    """Return the ratio of true to nominal area; NaN for generated profiles, which have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return value_of(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

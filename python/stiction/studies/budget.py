@@ -1,8 +1,8 @@
-"""Combined uncertainty of a coefficient of static friction, and its budget over the inputs.
+"""Combined uncertainty of a coefficient of static friction, and its budget: the contribution of each input.
 
-Uncertain inputs, the scatter between positions, and unresolved roughness are propagated by samples (JCGM 101, 2008).
-Forces are linear in mu0 and tau0. The true area is interpolated as a function of the hardness. By similarity, a
-solution at (F, E*, H) equals the solution at (cF, cE*, cH).
+The uncertain inputs, the scatter between positions, and the unresolved roughness are propagated by sampling (JCGM 101,
+2008). Forces are linear in mu0 and tau0. The true area is interpolated as a function of the hardness. By similarity,
+the solution at (F, E*, H) equals the solution at (cF, cE*, cH).
 """
 
 from __future__ import annotations
@@ -39,41 +39,46 @@ if TYPE_CHECKING:
 POSITIONS_INPUT, UNRESOLVED_INPUT = "positions", "unresolved roughness"
 UPPER_SCANS_INPUT, LOWER_SCANS_INPUT = "which piece of the upper part", "which piece of the lower part"
 SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
-"""Components of the uncertainty of the mean over scans and positions, which are not inputs."""
+"""Sources of uncertainty of the mean over scans and positions, which are not inputs of the study."""
 
 INTERFACE_INPUT = "interface"  # name of the input that contains mu0 and tau0 jointly
-EXACT_QUANTILES = (0.1, 0.5, 0.9)  # quantiles at which an input is fixed to average the remaining width
+# quantiles at which an input is held constant; the remaining width is averaged over them
+EXACT_QUANTILES = (0.1, 0.5, 0.9)
 MAX_BUDGETS = 100  # largest number of coefficients for which a budget is computed
-SAME_INPUT_TOLERANCE = 1e-3  # largest relative difference from the study's mu0 or tau0 at which its range applies
-MAX_EXPONENT = 50.0  # largest exponent of a factor between tests
+# largest relative difference between a given mu0 or tau0 and the value in the study for which the range in the study
+# applies
+SAME_INPUT_TOLERANCE = 1e-3
+MAX_EXPONENT = 50.0  # largest exponent in the factor between two tests, which prevents an overflow
 DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
 _NEEDED_VARIABLES = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
-"""Variables on which the interval of a coefficient depends."""
+"""Variables that determine the interval of a coefficient."""
 
 Strength = tuple[Floats, Floats, Floats | None, Floats | None]
-"""Samples of mu0, tau0 (GPa), and of the hardness (GPa) and α of junction growth if the interface has these."""
+"""Samples of mu0, tau0 (GPa), hardness (GPa) and α of junction growth; None if the interface lacks the last two."""
 
 
 def add_uncertainty(
     at: xarray.Dataset, result: Result | xarray.Dataset, *, budget: bool = True, tests: bool = True
 ) -> xarray.Dataset:
-    """Return a dataset of `at_load` for measured bodies with combined intervals, predictions and uncertainty budget.
+    """Add combined intervals, predictions and the uncertainty budget to a dataset of `at_load` for measured bodies.
 
     `friction_known` contains the combined 95 % interval. `friction_combined` contains the interval to report: the
-    combined interval or, without one, the sampling interval. If a scan is evaluated at two cutoffs, the interval at the
-    first cutoff covers both. `friction_next_test` contains the prediction interval of one position in one direction,
-    and `friction_waited` the interval after dwell times. With `budget`, which takes most of the time, the dimension
-    `input` (inputs of `find_inputs`, positions and unresolved roughness) and the variables `friction_if_known` and
-    `width_if_known` are added: the interval that would remain if the input were exact. Without `tests` only
-    `friction_combined` is added. Results of generated bodies are returned unchanged.
+    combined interval or, without one, the sampling interval. If scans are evaluated at two cutoffs, the interval at the
+    first cutoff covers the results at both. `friction_next_test` contains the prediction interval of a test at one
+    position in one direction, and `friction_waited` the interval after each dwell time. With `budget`, which takes most
+    of the time, the dataset also has the dimension `input` (inputs of `find_inputs`, positions and unresolved
+    roughness) and the variables `friction_if_known` and `width_if_known`: the interval that would remain if the input
+    were exact, and its width. Without `tests`, only `friction_combined` is added. Results of generated bodies are
+    returned unchanged.
     """
     result = Result.of(result)
     study = result.study
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
-    # Areas at other hardnesses are solved at the loads of the study. Other loads must not change intervals at these.
+    # Areas at other hardnesses are solved at the loads of the study. Evaluating further loads must not change the
+    # intervals at these loads.
     is_own = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_own.any() and not is_own.all():
         parts = [
@@ -94,7 +99,7 @@ def add_uncertainty(
     shape = tuple(at.sizes[dim] for dim in dims)
     scatters: dict[tuple[int, ...], ScansMean | None] = {}
     surfaces: Any = study.surfaces
-    if math.prod(surfaces.scan_counts) > 1:  # the variance of each coefficient is decomposed
+    if math.prod(surfaces.scan_counts) > 1:  # the variance of each coefficient is decomposed by scan and position
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scans_of(table["repetition"].values)
@@ -160,7 +165,7 @@ def add_uncertainty(
 
 
 def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator) -> Columns:
-    """Return H' (GPa) and the growth of the true area at the study's own inputs, for all mu0 and tau0 at once.
+    """Return H' (GPa) and the growth of the true area for all mu0 and tau0, at the study's own hardness.
 
     Empty without a hardness. Without junction growth H' is the hardness.
     """
@@ -183,12 +188,12 @@ Columns = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
 def _columns(table: xarray.Dataset) -> Columns:
-    """Return dimensions and values of all variables; indexing these takes less time than indexing a dataset."""
+    """Return the dimensions and values of all variables, because indexing a dataset directly is slow."""
     return {str(name): (tuple(map(str, each.dims)), each.values) for name, each in table.variables.items()}
 
 
 def _numbers_at(columns: Columns, where: Mapping[str, int]) -> dict[str, Any]:
-    """Return the values of all variables at one place."""
+    """Return the values of all variables at the given indices of dimensions."""
     return {
         name: values[tuple(where.get(dim, slice(None)) for dim in dims)] for name, (dims, values) in columns.items()
     }
@@ -197,7 +202,7 @@ def _numbers_at(columns: Columns, where: Mapping[str, int]) -> dict[str, Any]:
 def _ends_about_zero(
     friction: PerLoad, own: _CoefficientSamples, inputs: Mapping[str, Any], point: Floats
 ) -> tuple[float, float]:
-    """Return the ends of the 95 % interval around a coefficient of 0, which relative errors cannot give.
+    """Return the ends of the 95 % interval around a coefficient of 0, for which relative errors are undefined.
 
     The interval contains the coefficient and its sampling interval, and is not below 0.
     """
@@ -223,11 +228,11 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
 
 
 def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floats) -> Floats:
-    """Return values and interval ends to report, with the dimensions `dims` and statistic."""
+    """Return the coefficients to report with the ends of their intervals; the shape is that of `dims` and statistic."""
     found = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = found[..., 1]
     found[..., 1] = np.where((low < 0) & (found[..., 0] >= 0), 0.0, low)
-    there = ~np.isnan(known).any(axis=-1)  # an interval may have no upper end
+    there = ~np.isnan(known).any(axis=-1)  # the upper end may be infinite
     found[there] = known[there]
     if study.surfaces.both_readings and "cut_off" in dims:  # the value at the first cutoff is quoted
         over = np.moveaxis(found, dims.index("cut_off"), 0)
@@ -236,13 +241,14 @@ def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floa
 
 
 NEGLIGIBLE_COEFFICIENT = 1e-9
-"""Largest coefficient that counts as round-off, for an interface without strength."""
+"""Largest coefficient that is attributed to round-off, for an interface without strength."""
 
 
 class _CoefficientSamples:
-    """One coefficient of `at_load`, with the inputs and samples that its interval depends on.
+    """One coefficient of `at_load`, with the samples of the inputs that determine its interval.
 
-    `names` are the uncertain inputs and components; empty if there is no coefficient or no interval.
+    `names` lists the uncertain inputs and sources of sampling uncertainty; it is empty if there is no coefficient or no
+    interval.
     """
 
     def __init__(
@@ -253,27 +259,31 @@ class _CoefficientSamples:
         self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
         self.names: tuple[str, ...] = ()
         value, lower, upper = point["friction_all_round"].tolist()
-        if study.is_gap:  # at its one position
+        if study.is_gap:  # a gap is pressed at a single position
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        self.bracket: tuple[float, float] | None = None  # of finer scans, from the sampling interval
+        # range of coefficients that finer scans could give, extended by the sampling interval
+        self.bracket: tuple[float, float] | None = None
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
-        # A range applies to the value of the study, and not to other values at which the result is evaluated.
+        # The range of an input applies only to the central value in the study, not to other values at which the result
+        # is evaluated.
         for name, own in (("mu0", self.mu0), ("tau0", self.tau0)):
             of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
             middle = self.inputs[name].value if name in self.inputs and of_interface is None else of_interface
             if middle is not None and abs(middle - own) > SAME_INPUT_TOLERANCE * own:
                 self.inputs.pop(name, None)
                 strengths = ()
-        # Joint samples of mu0 and tau0, with the hardness if available; then those with mu0 or tau0 at its bound.
+        # Joint samples of mu0 and tau0 (with the hardness, if available), followed by the samples with mu0 or tau0 at
+        # its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
         self.growth = find_junction_growth(study)  # α of junction growth
-        self.own_growth = float(point.get("area_growth", 1.0))  # of the true area, at the study's own inputs
+        # ratio of true areas with and without junction growth, at the study's own inputs
+        self.own_growth = float(point.get("area_growth", 1.0))
         hardness = study.contact.hardness
-        self.finest: tuple[float, float] | None = None  # range of coefficients of finer scans
+        self.finest: tuple[float, float] | None = None  # range of coefficients that finer scans could give
         free = study.uses_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
             contacts = float(point["contact_count"][0]) * float(point["members"])
@@ -283,10 +293,10 @@ class _CoefficientSamples:
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         error, members = width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
-        # Relative standard deviation of one member in one direction, from the mean.
+        # Standard deviation of one member in one direction around the mean, relative to the mean.
         self.scatter = spread / (DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
-        places = {POSITIONS_INPUT: error}  # relative standard errors of the mean, of scans and of positions
+        places = {POSITIONS_INPUT: error}  # relative standard errors of the mean by source
         if of_parts is not None:
             whole = math.sqrt(sum(of_parts.variances)) or 1.0
             places = {
@@ -298,9 +308,10 @@ class _CoefficientSamples:
         self.names = (*self.inputs, *((INTERFACE_INPUT,) if strengths else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
-        """Return the 95 % interval, with some inputs fixed at quantiles.
+        """Return the 95 % interval, with some inputs held at given quantiles.
 
-        It contains the value, and the sampling interval and the bracket of finer scans unless these are fixed.
+        The interval contains the value. It also contains the sampling interval and the range for finer scans, unless
+        these sources are held.
         """
         fixed = fixed or {}
         parts = [self.value]
@@ -311,7 +322,7 @@ class _CoefficientSamples:
         return extend_interval(self._sampled_interval(fixed), *parts)
 
     def width_left(self, name: str) -> float:
-        """Return the width of the interval that would remain if an input were exact, a mean over its values.
+        """Return the mean width of the interval that would remain if an input were exact at one of its values.
 
         Widths are compared as those of the friction angle, which has an upper bound where samples seize.
         """
@@ -325,7 +336,7 @@ class _CoefficientSamples:
         return self._ends(fixed)
 
     def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
-        """Return the ends of the 95 % interval of the samples times a factor, also for mu0 or tau0 at its bound."""
+        """Return the ends of the 95 % interval of the samples times a factor, extended to mu0 or tau0 at its bound."""
         strengths = self.strengths[:1] if INTERFACE_INPUT in fixed else self.strengths
         ends = [_ends(self._friction_samples(fixed, wait, strength) * factor) for strength in strengths or (None,)]
         return min(low for low, _ in ends), max(high for _, high in ends)
@@ -339,14 +350,14 @@ class _CoefficientSamples:
         return float(np.isinf(samples).mean())
 
     def _under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
-        """Return the pressure H' (GPa) of sheared contacts by hardness, at the central α by default; NaN if seized."""
+        """Return the contact pressure H' (GPa) under shear; NaN at seizure. `alpha` is the central value by default."""
         if self.growth is None:
             return hardness
         found = hardness_under_shear(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
         return float(found) if found.ndim == 0 else found
 
     def _grown(self, hardness: Floats, tau0: Any, pressure: Any, modulus: Any = 1.0) -> Any:
-        """Return the true area at the onset of sliding over that before shear; infinite at seizure.
+        """Return the ratio of the true area at the onset of sliding to the area before shear; infinite at seizure.
 
         `pressure` is H' of `_under_shear`. The ratio is 1 for tau0 = 0, because friction then does not depend on the
         area.
@@ -360,7 +371,7 @@ class _CoefficientSamples:
     def next_test(self) -> tuple[float, float]:
         """Return the 95 % prediction interval of one more member in one direction.
 
-        Student's t applies to the logarithm, so that the interval is above 0.
+        Student's t distribution applies to the logarithm of the coefficient, so that the interval is above 0.
         """
         from scipy.special import stdtrit
 
@@ -372,7 +383,7 @@ class _CoefficientSamples:
         return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
-        """Return the coefficient after a dwell time (s) and its interval; NaN if contacts do not carry the pressure."""
+        """Return the coefficient after a dwell time (s) with its interval; NaN if the pressure reaches the hardness."""
         creep, hardness = find_creep(self.study), self.areas.hardness
         assert creep is not None, "a study with dwell times has a creep exponent"
         assert hardness is not None, "a study with dwell times has a hardness"
@@ -392,12 +403,13 @@ class _CoefficientSamples:
         self, fixed: Mapping[str, float], wait: float = 1.0, strength: Strength | None = None
     ) -> Floats:
         key = self.names, tuple(fixed.items()), self.load, wait
-        if key not in self.areas.cache:  # shared by all mu0 and tau0 of a load
+        if key not in self.areas.cache:  # cached for all mu0 and tau0 of a load
             self.areas.cache[key] = self._input_samples(fixed, wait)
         columns, scores, samples, hardness, area, modulus = self.areas.cache[key]
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
-        if strength is not None:  # ordered by the coefficient, so that quantiles are those of the coefficient
+        # Samples are sorted by the coefficient, so that quantiles of this component are quantiles of the coefficient.
+        if strength is not None:
             own, growth = strength[2:]
             with_own = 1.0 if own is None else self.areas.area_ratio(self.load, own, 1.0)
             softness = np.full(strength[0].shape, self.areas.hardness or np.nan) if own is None else own
@@ -432,7 +444,7 @@ class _CoefficientSamples:
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats, Floats | float]:
-        """Return unit samples and normal scores by name, inputs, hardness, and true area and E* over the study's."""
+        """Return uniform samples and normal scores by name, inputs, hardness, area ratio and modulus ratio."""
         from scipy.special import ndtri
 
         cube = stratified_points(len(self.names) + 1)
@@ -449,17 +461,17 @@ class _CoefficientSamples:
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
-    """Return the ends of an interval, extended to contain values."""
+    """Return the ends of an interval after extending it to contain the values."""
     return min(ends[0], *values), max(ends[1], *values)
 
 
 def _angle(ends: tuple[float, float]) -> float:
-    """Return the difference of the friction angles of the ends of an interval, of which the upper may be infinite."""
+    """Return the difference of the friction angles at the two ends of an interval; the upper end may be infinite."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
 def _ends(values: NDArray[Any]) -> tuple[float, float]:
-    """Return the ends of the 95 % interval of samples; the upper one is infinite if more than 2.5 % are.
+    """Return the ends of the 95 % interval of samples; the upper end is infinite if over 2.5 % of them are.
 
     Raises
     ------
@@ -472,13 +484,13 @@ def _ends(values: NDArray[Any]) -> tuple[float, float]:
             f"the inputs are too uncertain: {count} of {values.size} samples of them have no coefficient; "
             "specify narrower ranges"
         )
-    ordered = np.sort(values)  # in a quarter of the time of `numpy.quantile`
+    ordered = np.sort(values)  # four times faster than `numpy.quantile`
     low, high = (_quantile(ordered, part) for part in (0.025, 0.975))
     return low, high
 
 
 def _quantile(ordered: NDArray[Any], part: float) -> float:
-    """Return a quantile of sorted samples, linear between neighbors; of infinite samples that of the steps."""
+    """Return a quantile of sorted samples, by linear interpolation or, with infinite samples, as a step function."""
     if np.isinf(ordered[-1]):
         return float(ordered[max(math.ceil(part * ordered.size) - 1, 0)])
     place = part * (ordered.size - 1)

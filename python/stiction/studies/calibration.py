@@ -27,7 +27,7 @@ from stiction.studies.interfaces import (
     list_sliding_rules,
 )
 
-MIN_TESTS = 3  # tests that slid, to estimate errors from their scatter
+MIN_TESTS = 3  # smallest number of tests with sliding for which errors are estimated from the scatter
 
 
 def calibrate(
@@ -51,7 +51,7 @@ def calibrate(
     mu0, tau0 : float, tau0 in GPa or as text
         Exact value of one of them, if it is known.
     outliers : bool
-        Whether the tests may have outliers: their errors then follow Student's t instead of a normal distribution.
+        True if the tests may have outliers; their errors then follow Student's t instead of a normal distribution.
 
     Returns
     -------

@@ -3,10 +3,10 @@
 Nuisance parameters are uncertain quantities that the tests share: the gain of the force cell, the true areas of the
 surfaces, ranges of hardness, junction growth, creep and moduli, the spread between runs, and the size of the errors if
 it is not given. With fixed nuisance parameters the tests are linear in mu0 and tau0, except with junction growth, where
-the true area depends on both. The density of mu0 and tau0 is computed on a grid that covers its support. The integral
-of the density, which is called evidence, is the weight of a point of nuisance parameters. Their proposal distribution,
-Student's t, starts at the best fit and is adapted to the evidence (Cappé et al. 2008, Statistics and Computing 18,
-447-459).
+the true area depends on both coefficients. The density of mu0 and tau0 is computed on a grid that covers its support.
+Each set of nuisance parameters is weighted by its evidence, which is the integral of this density. The proposal
+distribution of the nuisance parameters, Student's t, starts at the best fit and is adapted to the evidence (Cappé et
+al. 2008, Statistics and Computing 18, 447-459).
 """
 
 from __future__ import annotations
@@ -33,20 +33,23 @@ from stiction.studies.interfaces import (
 )
 
 MIN_VARIATION = 0.1  # smallest relative standard deviation of A/F among tests that separates mu0 and tau0
-ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points per round of adaptation, and largest number for the result
-FINAL_POINTS = 256, 1024  # nuisance points of the result: first number, doubled for each parameter up to the second
-MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores have no weight
+# nuisance points per round of adaptation, and largest number of nuisance points for the result
+ROUND_POINTS, MAX_POINTS = 256, 8192
+# number of nuisance points for the result: the first value, doubled for each parameter, but at most the second value
+FINAL_POINTS = 256, 1024
+MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; points with larger scores get zero weight
 MAX_ROUNDS = 8  # largest number of rounds of adaptation
-MIN_SAMPLE_FRACTION = 0.4  # ratio of effective sample size to nuisance points at which the adaptation ends
-MIN_EFFECTIVE = 300.0  # smallest effective sample size of the result; below it more nuisance points are used
+MIN_SAMPLE_FRACTION = 0.4  # ratio of effective sample size to number of nuisance points at which the adaptation ends
+MIN_EFFECTIVE = 300.0  # smallest effective sample size of the result; more nuisance points are used until it is reached
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
-NUM_STRENGTH_PAIRS = 4000  # pairs of mu0 and tau0 that represent their joint distribution
-GRID_DEPTH = 34.0  # decrease of -2 ln(density) at which the grid ends: 5.8 standard deviations
+NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that represent their joint distribution
+# increase of -2 ln(density) from the maximum of the density to the edge of the grid: 5.8 standard deviations
+GRID_DEPTH = 34.0
 PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal, Student's t
 OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
 MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior of the relative standard deviation between runs
 
-MAX_GRID_POINTS = 256  # nuisance points that are computed together with junction growth
+MAX_GRID_POINTS = 256  # number of nuisance points in one batch if there is junction growth
 GAIN_NUISANCE, SPREAD_NUISANCE = "gain", "spread between runs"  # names of nuisance parameters
 
 
@@ -57,22 +60,24 @@ class _Best:
     mu0: float
     tau0: float  # GPa
     scores: Floats  # (nuisances,)
-    residuals: Floats  # (tests with sliding,) residuals divided by the errors
-    slope: Floats  # derivatives of weighted residuals and scores with respect to free strengths and scores
+    residuals: Floats  # (tests with sliding,) residuals in units of the errors
+    slope: Floats  # derivatives of weighted residuals and scores with respect to the free strengths and the scores
     robust: Floats  # (tests,) square roots of the weights, which are smaller for outliers
-    scale: float  # factor on the errors, if no errors are given
+    scale: float  # factor by which the errors are multiplied, if no errors are given
 
 
 @dataclass(frozen=True)
 class _Cells:
-    """Grid cells: a range of tau0 for each nuisance point, and a range of mu0 around the best value at each tau0."""
+    """Limits of the grid: a range of tau0 for each nuisance point, and a range of mu0 at each tau0."""
 
-    triangle: Floats  # (points, 2, 3) upper rows of the triangular factors that define the cells
+    triangle: Floats  # (points, 2, 3) upper rows of the triangular factors of the equations
     depth: float
-    low: Floats  # (points,) ends of tau0, GPa
+    # (points,) ends of the range of tau0, GPa
+    low: Floats
     high: Floats
-    best: Floats | None = None  # (points, tau0) best mu0 with junction growth; otherwise from the triangle
-    below: Any = None  # (points, tau0) ranges of mu0 below and above the best value
+    # (points, tau0) best mu0 with junction growth; without growth it follows from the triangular factors
+    best: Floats | None = None
+    below: Any = None  # (points, tau0) widths of the ranges of mu0 below and above the best value
     above: Any = None
 
 
@@ -81,11 +86,12 @@ class _Grid:
     """Grid cells for each nuisance point, with the logarithm of the probability in each cell."""
 
     cells: _Cells
-    log_probability: Floats  # (points, tau0, mu0) log probabilities, without the prior of the nuisance parameters
+    # (points, tau0, mu0) log probabilities, before the prior of the nuisance parameters is added
+    log_probability: Floats
 
 
 class CalibrationProblem:
-    """Equations of all tests, rub mu0 + stick tau0 = right, with errors and nuisance parameters.
+    """Equations of all tests, rub · mu0 + stick · tau0 = right, with errors and nuisance parameters.
 
     Parameters
     ----------
@@ -118,7 +124,7 @@ class CalibrationProblem:
         self.has_errors = tests[0].uncertainty is not None
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
-        else:  # equal relative errors of unknown size
+        else:  # errors of unknown size are assumed to be proportional to the coefficients
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         scatters: dict[Hashable, float] = {}
         for equation in self._friction:
@@ -134,10 +140,10 @@ class CalibrationProblem:
             *([GAIN_NUISANCE] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
             *([SPREAD_NUISANCE] if len(self._members) else []),
         ]  # fmt: skip
-        """Names of the nuisances, each with a standard normal score."""
+        """Names of the nuisance parameters. Each of them is a standard normal score."""
         middle = self._columns(np.zeros((1, len(self.nuisances))))
         self.ratio = middle[1][0] / middle[0][0]
-        """A/F at the middle of all nuisances, 1/GPa; of contacts that grow, at the measured coefficient."""
+        """A/F (1/GPa) of each test at zero scores. If contacts grow, A is the area at the measured coefficient."""
         self._offsets, self._offset_sizes = self._run_offsets(middle)
 
     # ---- Equations --------------------------------------------------------------------------------------------------
@@ -145,10 +151,10 @@ class CalibrationProblem:
     def _columns(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the columns rub, stick and right (points, tests) of the equations, at scores (points, nuisances).
+        """Return the coefficients rub, stick and right (points, tests) of the equations at scores (points, nuisances).
 
         If mu0 and tau0 (GPa) of shape (points, ...) are given, stick has the shape (points, tests, ...) and includes
-        junction growth. Otherwise the growth follows from the measured coefficients.
+        the junction growth at these values. Otherwise the junction growth follows from the measured coefficients.
         """
         from scipy.special import ndtr
 
@@ -187,7 +193,8 @@ class CalibrationProblem:
     def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
         """Return directions (runs, tests) and sizes (runs,) of the relative offsets of runs, in units of the errors.
 
-        Offsets are relative to the fitted coefficients. Relative to measured coefficients they would bias the fit low.
+        Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
+        the fit low.
         """
         self._run_errors = np.zeros(len(self.slid))
         if not len(self._members):
@@ -195,9 +202,8 @@ class CalibrationProblem:
         rub, stick, right = (each[0] for each in middle)
         mu0, tau0 = _nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
         shifts = self._members * (rub * mu0 + stick * tau0) / self.error
-        self._run_errors = (shifts * self.error).sum(
-            axis=0
-        )  # offset of each test per unit of the spread, for tests without sliding
+        # Offset of each test per unit of spread; unlike the directions, it includes tests without sliding.
+        self._run_errors = (shifts * self.error).sum(axis=0)
         shifts = np.where(self.slid, shifts, 0.0)
         sizes = np.linalg.norm(shifts, axis=1)
         there = sizes > 0
@@ -232,7 +238,7 @@ class CalibrationProblem:
         return self._independent(rows, scale, spread)
 
     def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Decorrelate rows (points, slid tests, k) within runs, in units of the errors; also return log norms."""
+        """Decorrelate rows (points, slid tests, k) within runs; return them in units of the errors, and log norms."""
         norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
             unit = self._offsets[:, self.slid]
@@ -245,7 +251,7 @@ class CalibrationProblem:
     def _residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return residuals (points, slid tests, ...) in units of the errors, with junction growth, and the columns.
+        """Return residuals (points, slid tests, ...) in units of the errors, and the columns with junction growth.
 
         mu0 and tau0 (GPa) have the shape (points, ...). Residuals of seizing interfaces are infinite.
         """
@@ -266,7 +272,8 @@ class CalibrationProblem:
     def best(self) -> _Best:
         """Best fit of mu0, tau0 and nuisance parameters.
 
-        Offsets of runs are free, so that residuals contain only the scatter within runs. Outliers have smaller weights.
+        Offsets of runs are free parameters, so that residuals contain only the scatter within runs. Outliers have
+        smaller weights.
         """
         from scipy.optimize import least_squares
 
@@ -324,7 +331,7 @@ class CalibrationProblem:
             start = _nonnegative(equations(x[np.newaxis, len(free) :])[0], np.ones(len(at_middle)), self.known)
             x[: len(free)] = np.array(start)[free] * size[free] + 1e-9
             while self.grows and free and not np.isfinite(residuals(x)).all() and x[: len(free)].max() > 1e-9:
-                x[: len(free)] /= 2  # the interface seizes
+                x[: len(free)] /= 2  # halve the strengths, because the interface seizes
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
             misfit = residuals(x)[: len(at_middle)] / robust[self.slid]
@@ -346,7 +353,7 @@ class CalibrationProblem:
         best = self.best
         chi_squared = float((best.residuals**2).sum() + (best.scores**2).sum())
         slid = int(self.slid.sum())
-        # If A/F is equal in all tests, only one combination is fitted.
+        # If A/F is equal in all tests, only one combination of mu0 and tau0 can be fitted.
         fitted = min(sum(value is None for value in self.known), 1 if self.variation < MIN_VARIATION else 2)
         freedom = max(0, slid - fitted - max(0, len(self._offsets) - 1))
         probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
@@ -366,14 +373,14 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _mean_ratio(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return the weighted mean A/F (1/GPa) of the tests that slid, (samples,), at scores (samples, nuisances)."""
+        """Return the weighted mean A/F (1/GPa), (samples,), of tests that slid, at scores (samples, nuisances)."""
         rub, stick, _ = self._columns(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
 
     @cached_property
     def growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests; None if α differs between tests, or if no test depends on α."""
+        """Junction growth α of the tests; None if α differs between tests, or if no test depends on it."""
         grown = [each.yields.growth for each in self._friction if each.yields and each.yields.growth]
         if grown:
             return grown[0] if len({each.text for each in grown}) == 1 else None
@@ -381,7 +388,7 @@ class CalibrationProblem:
         return parse_input("junction_growth", 0.0) if any(depend) else None
 
     def _growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of α of the tests; NaN if α differs between tests, or if no test depends on α."""
+        """Return samples of α of the tests; NaN if α differs between tests, or if no test depends on it."""
         from scipy.special import ndtr
 
         if self.growth is None or self.growth.is_exact:
@@ -391,14 +398,14 @@ class CalibrationProblem:
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """Range of hardness that all tests share; None without a common hardness."""
+        """Range of hardness that all tests share; None if the tests have different hardnesses or none."""
         first = self._friction[0].yields
         yields = [each.yields for each in self._friction]
         names = {each.key("hardness") if each and "hardness" in each.known else "" for each in yields}
         return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
 
     def _hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the common hardness (GPa) of all tests; NaN if there is none."""
+        """Return samples of the hardness (GPa) that all tests share; NaN if there is no common hardness."""
         from scipy.special import ndtr
 
         first = self._friction[0]
@@ -410,7 +417,7 @@ class CalibrationProblem:
     # ---- Density of mu0 and tau0 given the nuisances ----------------------------------------------------------------
 
     def _grid(self, points: Floats) -> _Grid:
-        """Return the grid of mu0 and tau0 at points of nuisance parameters and of the logarithm of the scale."""
+        """Return the grid of mu0 and tau0 for each point of the nuisance parameters and the logarithm of the scale."""
         from scipy.special import log_ndtr
 
         if self.grows and len(points) > MAX_GRID_POINTS:
@@ -459,7 +466,7 @@ class CalibrationProblem:
                 error = np.hypot(error, spread * self._run_errors[test])
             rubbing, lacking = (each[:, test, np.newaxis, np.newaxis] for each in (rub, right))
             log += log_ndtr((rubbing * mu0 + stick[:, test] * tau0 - lacking) / error[:, np.newaxis, np.newaxis])
-        # The prior is uniform in mu0 and in tau0 A/F, for any areas, junction growth and gain.
+        # The prior is uniform in mu0 and in tau0 A/F at all areas, junction growths and gains.
         best = log.reshape(len(points), -1).argmax(axis=1) if self.grows else np.zeros(len(points), int)
         sticking = stick.reshape(*stick.shape[:2], -1)[np.arange(len(points)), :, best]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -469,7 +476,7 @@ class CalibrationProblem:
             )  # fmt: skip
         if self.known[1] is None:
             volume = volume + np.log((cells.high - cells.low) / count)
-        volume = np.where(np.isfinite(volume), volume, 0.0)  # if all interfaces seize
+        volume = np.where(np.isfinite(volume), volume, 0.0)  # avoids NaN if all interfaces seize
         width = np.log(step) if self.known[0] is None else np.zeros(step.shape)
         log += (norm + volume)[:, np.newaxis, np.newaxis] + width[..., np.newaxis]
         return _Grid(cells, np.where(np.isfinite(log), log, -np.inf))
@@ -481,9 +488,9 @@ class CalibrationProblem:
     def _around_growth(
         self, cells: _Cells, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _Cells:
-        """Return cells around the best mu0 with junction growth.
+        """Return the limits of the grid around the best mu0 with junction growth.
 
-        The given columns belong to the measured coefficients.
+        `columns` must be the columns for the measured coefficients.
         """
         robust = self.best.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
 
@@ -500,7 +507,7 @@ class CalibrationProblem:
             return best_coefficients(residuals, start, tau0)
 
         if self.known[1] is None:
-            # Each test limits tau0: its largest value follows from mu0 = 0 and the area at the measured coefficient.
+            # Each test limits tau0. The largest tau0 follows from mu0 = 0 and the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = 2 * (math.sqrt(cells.depth) + math.sqrt(robust.size)) * error[:, self.slid] / robust
             with np.errstate(divide="ignore"):
@@ -511,12 +518,12 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0 the coefficient increases more slowly with mu0, but at least as fast as without growth.
+        # Below the best mu0, the coefficient increases more slowly with mu0, but no more slowly than without growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 
     def _coefficients(self, cells: _Cells, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
-        """Return start and step of the cells of mu0 >= 0 at each tau0, by the indices of points and rows."""
+        """Return the first value and the step of the mu0 grid at each tau0, by indices of points and of rows."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
         if cells.best is None:
@@ -537,9 +544,9 @@ class CalibrationProblem:
     # ---- Nuisances --------------------------------------------------------------------------------------------------
 
     def _sample(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
-        """Return samples of mu0 and tau0 (GPa), and scores (samples, nuisances).
+        """Return samples of mu0, tau0 (GPa) and scores (samples, nuisances).
 
-        If `freedom` is given, the errors have an unknown common factor.
+        If `freedom` is given, all errors share an unknown factor.
         """
         count = len(self.nuisances)
         active = [*range(count), *([count] if freedom is not None else [])]
@@ -548,7 +555,7 @@ class CalibrationProblem:
         for seed in range(1, MAX_ROUNDS if active else 0):
             if _effective(log_weight) > MIN_SAMPLE_FRACTION * ROUND_POINTS:
                 break
-            power = 1.0  # weights are flattened if a few points dominate
+            power = 1.0  # exponent that flattens the weights while a few points dominate
             while power > 1e-3 and _effective(power * log_weight) < 0.15 * ROUND_POINTS:
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
@@ -582,7 +589,7 @@ class CalibrationProblem:
     def _weigh(
         self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _Grid, Floats]:
-        """Draw points from the proposal, and return them with their grids and the logarithms of their weights."""
+        """Draw points from the proposal, and return them with their grids and log weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -601,15 +608,15 @@ class CalibrationProblem:
         return points, grid, np.where(np.isfinite(log), log, -np.inf)
 
     def _resample(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
-        """Draw samples from the grid cells of all nuisance points."""
+        """Draw samples from the grid cells of all nuisance points, in proportion to their weights."""
         random = np.random.default_rng(0)
         inside = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             excess = log_weight - np.logaddexp.reduce(inside, axis=1)
-        excess = np.where(np.isfinite(log_weight), excess, 0.0)  # if all interfaces seize
+        excess = np.where(np.isfinite(log_weight), excess, 0.0)  # avoids NaN if all interfaces seize
         log = inside + excess[:, np.newaxis]
         total = np.cumsum(np.exp(log - log.max()))
-        # Systematic resampling: nuisance points and their cells are represented in proportion to their weights.
+        # Systematic resampling represents nuisance points and their cells in proportion to their weights.
         wanted = (np.arange(NUM_STRENGTH_PAIRS) + random.random()) / NUM_STRENGTH_PAIRS * total[-1]
         place = np.minimum(np.searchsorted(total, wanted), total.size - 1)
         place = random.permutation(place)
@@ -623,7 +630,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def advice(self) -> tuple[tuple[str, float, float], ...]:
-        """Return three plans of further tests that separate mu0 and tau0, each with the expected standard errors.
+        """Return three plans for further tests that separate mu0 and tau0, each with expected standard errors.
 
         All tests have the median relative error of the present tests, or 5 % if the tests have no errors.
         """
@@ -633,7 +640,8 @@ class CalibrationProblem:
         predicted = rub * mu0 + stick * tau0
         relative = float(np.median(self.error / np.maximum(predicted, 1e-12))) if self.has_errors else 0.05
         ratio, count = self.pivot, len(self.error)
-        ball_ratio = 10 ** (1 / 3)  # Hertz: A/F is proportional to F^(-1/3), over a factor of 100 of the load
+        # Hertz: A/F is proportional to F^(-1/3), here over loads that differ by a factor of 100
+        ball_ratio = 10 ** (1 / 3)
         plans = (
             ("a smooth ball below yield, two decades of load", ratio * np.geomspace(1 / ball_ratio, ball_ratio, count)),
             ("as many tests on a second finish, elastic, three times as rough", np.full(count, ratio / 3)),
@@ -650,7 +658,7 @@ class CalibrationProblem:
 
 
 def _concatenate(grids: Sequence[_Grid]) -> _Grid:
-    """Concatenate grids along the axis of points."""
+    """Concatenate the grids of several batches of nuisance points."""
     cells = [grid.cells for grid in grids]
     names = ("triangle", "low", "high", *(("best", "below", "above") if cells[0].best is not None else ()))
     joined: dict[str, Any] = {name: np.concatenate([getattr(each, name) for each in cells]) for name in names}
@@ -658,9 +666,9 @@ def _concatenate(grids: Sequence[_Grid]) -> _Grid:
 
 
 def _run_members(tests: Sequence[FrictionTest]) -> Floats:
-    """Return an indicator (runs, tests) of the tests of each run.
+    """Return an indicator matrix (runs, tests) of the tests in each run.
 
-    There are no rows unless there are two runs, of which one has two tests.
+    The matrix has no rows unless there are at least two runs, one of which has at least two tests.
     """
     runs = [test.run for test in tests]
     names = [run for run in dict.fromkeys(runs) if run is not None]
@@ -685,7 +693,7 @@ def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) ->
 
 
 def _triangle(rows: Floats) -> Floats:
-    """Return triangular factors (points, 3, 3) of equations (points, tests, 3), with positive diagonals."""
+    """Return the triangular factors (points, 3, 3) of equations (points, tests, 3), with positive diagonals."""
     if rows.shape[1] < 3:
         rows = np.concatenate([rows, np.zeros((len(rows), 3 - rows.shape[1], 3))], axis=1)
     factor: Floats = np.asarray(np.linalg.qr(rows, mode="r"))
@@ -704,7 +712,7 @@ def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     corner = one[:, 2] / np.where(one[:, 1] == 0, 1e-300, one[:, 1])
 
     def of(tau0: Floats) -> Floats:
-        mu0 = one[:, 2] - one[:, 1] * tau0  # up to a positive factor
+        mu0 = one[:, 2] - one[:, 1] * tau0  # best mu0 times a positive factor
         return np.asarray((both[:, 2] - both[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
     least = np.min([of(np.maximum(each, 0.0)) for each in (centre, at_bound, corner, np.zeros(len(centre)))], axis=0)
@@ -730,6 +738,6 @@ def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Float
 
 
 def _effective(log_weight: Floats) -> float:
-    """Return the effective sample size of weighted samples."""
+    """Return the effective sample size for the given log weights."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

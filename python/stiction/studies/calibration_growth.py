@@ -1,4 +1,4 @@
-"""Most likely mu0 and range of tau0 with junction growth, for which friction tests are not linear in mu0 and tau0."""
+"""Best mu0 and range of tau0 with junction growth, for which friction tests are not linear in mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -8,18 +8,20 @@ import numpy as np
 
 from stiction._checks import Floats
 
-NUM_SCAN_POINTS, NUM_SCANS = 13, 3  # number of values of tau0 in a scan, and number of scans
-NUM_NEWTON_STEPS = 3  # Gauss-Newton steps for the best mu0 at a tau0
+# number of values of tau0 in one scan of its range, and number of successively finer scans
+NUM_SCAN_POINTS, NUM_SCANS = 13, 3
+NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps for the best mu0 at a given tau0
 DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0
 
 Residuals = Callable[[Floats, Floats], Floats]
-"""Function from mu0 and tau0 (GPa), (points, ...), to residuals (points, tests, ...) in units of the errors.
+"""Function that maps mu0 and tau0 (GPa), (points, ...), to residuals (points, tests, ...) in units of the errors.
 
-Residuals are infinite at seizure."""
+Residuals are infinite at seizure.
+"""
 
 
 def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the best mu0, at least 0, for each tau0, by the Gauss-Newton method.
+    """Return the best mu0 >= 0 for each tau0, by the Gauss-Newton method.
 
     Parameters
     ----------

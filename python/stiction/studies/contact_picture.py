@@ -1,6 +1,6 @@
-"""Contacts of single members: a typical member for figures, stored as a file, and a table of all contacts.
+"""Individual contacts: the contact picture of a typical member, stored as a file, and a table of all contacts.
 
-Results do not store single contacts, so the members are solved again.
+Results store only sums over contacts, so the members are solved again.
 """
 
 from __future__ import annotations
@@ -35,9 +35,10 @@ if TYPE_CHECKING:
     import xarray
 
 PICTURE_FILE = "picture.nc"  # name of the file in the folder of a result
-MAX_PICTURE_SIZE = 512  # largest number of rows and of columns of a stored map
+MAX_PICTURE_SIZE = 512  # largest number of rows or columns of a stored map
 LOADS_PER_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads of the adhesion figure, in units of the pull-off force
-ZOOM_DIVISOR = 8  # ratio of the map size to the window around the contact with the largest load
+# ratio of the size of the map to the size of the magnified window around the contact with the largest load
+ZOOM_DIVISOR = 8
 MIN_ZOOM_SIZE = 16
 
 _CONTACT_VARIABLES = {
@@ -54,7 +55,8 @@ _CONTACT_VARIABLES = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-_COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}  # units in column names
+# units in column names of the quantities that are dimensions of the members
+_COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
 def contact_picture(result: Result | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
@@ -144,7 +146,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 
 
 def find_typical_index(area: Floats) -> int:
-    """Return the index of the area nearest to the mean; NaN are ignored."""
+    """Return the index of the area nearest to the mean, ignoring NaN."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
@@ -201,7 +203,7 @@ def _build_map_picture(solution: OneLoad, table: ContactList) -> xarray.Dataset:
 
 
 def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map of contact numbers in which each asperity contact is a disc of its area."""
+    """Return a map of contact numbers in which each asperity contact is a disc with the area of the contact."""
     numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         low, high = (
@@ -218,7 +220,7 @@ def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
 
 
 def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None) -> pandas.DataFrame:
-    """Solve some members at elastic loads (mN) and return all their contacts, as described in `Result.contacts`."""
+    """Solve some members at elastic loads (mN) and return all their contacts in the format of `Result.contacts`."""
     import pandas
 
     study = result.study
@@ -258,7 +260,7 @@ def _check_members(members: int | Sequence[int], available: list[int]) -> list[i
 
 
 def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] | None) -> Iterator[tuple[float, int]]:
-    """Yield pairs of load and member: the given members, or the member with the contact area nearest to the mean."""
+    """Yield pairs of load and member: the given members, or the one whose contact area is nearest to the mean."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -17,27 +17,27 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-STEEPEST_FRACTION = 0.1  # fraction of the points of a body that count as the steepest points
+STEEPEST_FRACTION = 0.1  # fraction of the points of a body that count as steep
 
 STORED_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
-"""Probabilities of the stored quantiles of the contact areas, and of the pressures weighted by true contact area."""
+"""Probabilities of the stored quantiles of contact areas, and of pressures weighted by the true contact area."""
 
-MAX_CELLS_OF_SMALL_CONTACT = 4  # largest number of grid cells of a contact that the scan hardly resolves
+MAX_CELLS_OF_SMALL_CONTACT = 4  # largest number of grid cells of a contact that counts as barely resolved
 
 
 @dataclass(frozen=True, eq=False)
 class PairSlopes:
-    """Slopes of both bodies of a pair at every grid point, along (y and) x."""
+    """Slopes of both bodies of a pair at every grid point, along x and, for maps, along y."""
 
     upper: list[Floats]
     lower: list[Floats]
-    steep: dict[str, NDArray[np.bool_]]  # masks of the steepest points of the bodies
-    limits: dict[str, float]  # smallest slopes in these masks
-    measured: Any = ...  # mask of points measured in both bodies
+    steep: dict[str, NDArray[np.bool_]]  # masks of the steep points of each body
+    limits: dict[str, float]  # smallest slope within each mask
+    measured: Any = ...  # mask of points that are measured on both bodies
 
     @classmethod
     def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
-        """Compute the slopes of a pair on one grid with natural cubic splines."""
+        """Compute the slopes of two bodies that share a grid, using natural cubic splines."""
         slopes_by_side = {side: compute_slopes(body) for side, body in (("upper", upper), ("lower", lower))}
         magnitude = {
             side: np.sqrt(sum(np.square(slope) for slope in slopes)) for side, slopes in slopes_by_side.items()
@@ -64,7 +64,7 @@ class PairSlopes:
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
-    """Compute the slopes at every point, along (y and) x."""
+    """Compute the slopes at every point, along x and, for maps, along y."""
     from stiction.mechanics.patches import slopes
 
     return slopes(body.heights, body.spacings, periodic=False)
@@ -72,18 +72,18 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class ContactList:
-    """Contacts of a pair at a load, one entry per contact, and the distribution of the pressure; lengths in µm."""
+    """Table of the contacts of a pair at one load, with the distribution of the pressure; lengths are in µm."""
 
-    x: Floats  # centre, weighted by the pressure; y is 0 for profiles
+    x: Floats  # centre of the contact, weighted by the pressure; y is 0 for profiles
     y: Floats
     force: Floats  # mN
     area: Floats  # projected
-    slope_x: Floats  # mean slope; a contact opposes motion in directions in which the slope is positive
+    slope_x: Floats  # mean slope; a contact opposes motion in the directions in which the slope is positive
     slope_y: Floats
     cells: Floats  # number of grid cells
     at_edge: NDArray[np.bool_]  # True if the contact reaches the edge of the grid
     pressure: Floats  # (p,), GPa
-    weight: Floats  # (p,), relative weight of each pressure in the true contact area
+    weight: Floats  # (p,), fraction of the true contact area on which each pressure acts
 
     def compute_statistics(self) -> dict[str, Any]:
         """Compute the stored statistics: load fractions, and quantiles of contact area and pressure."""
@@ -98,7 +98,7 @@ class ContactList:
 
 
 def _compute_quantiles(values: Floats) -> Floats:
-    """Compute the same quantiles as `numpy.quantile`, but ten times faster for few values."""
+    """Compute quantiles equal to those of `numpy.quantile`, ten times faster for few values."""
     ordered, position = np.sort(values), np.array(STORED_PROBABILITIES) * (values.size - 1)
     below = position.astype(np.intp)
     low, high, weight = ordered[below], ordered[np.minimum(below + 1, values.size - 1)], position - below
@@ -110,11 +110,11 @@ LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {
     "share_at_edge": lambda table: table.force[table.at_edge].sum() / table.force.sum(),
     "fraction_on_small": lambda table: table.force[table.cells <= MAX_CELLS_OF_SMALL_CONTACT].sum() / table.force.sum(),
 }
-"""Formulas of contact statistics, by their names in `QUANTITIES`."""
+"""Formula of each contact statistic, by its name in `QUANTITIES`."""
 
 
 def list_contact_patches(solution: ContactSolution) -> ContactList:
-    """Compute the contact table of a half-space solution."""
+    """Compute the table of contacts from a half-space solution."""
     problem, pressure, patch = solution.problem, solution.values, solution.patch - 1
     total = np.bincount(patch, weights=pressure)
 
@@ -139,7 +139,7 @@ def list_contact_patches(solution: ContactSolution) -> ContactList:
 
 
 def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> ContactList:
-    """Compute the contact table of the asperity model; both bodies have the same grid."""
+    """Compute the table of contacts from the asperity model, for two bodies that share a grid."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
     normal = contacts.normal
     tilt = -normal[:, :2] / normal[:, 2:]
@@ -161,7 +161,7 @@ def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> Conta
 
 
 def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
-    """Compute the fraction of the load on the steepest tenth of each body from the mean slopes of the contacts."""
+    """Compute the fraction of the load on the steepest tenth of each body, from the mean slopes of contacts."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total = table.force.sum()
     return {

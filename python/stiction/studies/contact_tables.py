@@ -41,11 +41,13 @@ from stiction.studies.values import (
     written,
 )
 
-DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # degrees, directions of motion of measured areas
+DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # directions of motion of measured areas, in degrees
 MAX_DIRECTIONS = 360  # largest number of directions of motion of measured areas
-LINE_LOAD_MARGIN = 30.0  # factor by which the load curve of asperities on lines extends below and above the given loads
+# factor by which the load curve of asperities on lines extends below the smallest and above the largest given load
+LINE_LOAD_MARGIN = 30.0
 NUM_LINE_LOADS = 25
-HALF_PLANE_LOAD_MARGIN = 10.0  # the same factor for half-planes, smaller because every load needs its own solution
+# the same factor for half-planes, which is smaller because every load needs a separate solution
+HALF_PLANE_LOAD_MARGIN = 10.0
 NUM_HALF_PLANE_LOADS = 7
 MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio between successive loads of areal contact
 
@@ -54,7 +56,7 @@ MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio between successive loads of area
 
 
 class HertzCylinderTable(Table):
-    """Contact law of elastic cylinders with a given width."""
+    """Table of a contact law for elastic cylinders with a given width."""
 
     name: Literal["hertz-cylinder"]
     width: Length
@@ -65,7 +67,7 @@ class HertzCylinderTable(Table):
 
 
 class JacksonGreenTable(Table):
-    """Contact law of Jackson and Green with the yield strength and Poisson's ratio of the softer body."""
+    """Table of the contact law of Jackson and Green, with the yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
     yield_strength: Modulus
@@ -82,7 +84,7 @@ LAW_TABLES: dict[str, type[LawTable]] = {"hertz-cylinder": HertzCylinderTable, "
 
 
 def _read_law(value: object) -> LawName | LawTable:
-    """Read a law from its name, or from a table of its parameters."""
+    """Parse a contact law, given by its name or as a table of its parameters."""
     for name in LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
@@ -111,21 +113,20 @@ _MaterialName = Annotated[str, Field(min_length=1, max_length=80)]
 _PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 DetectionKey = Annotated[
     Detection,
-    Field(
-        description="Criterion for a contact: that of the paper, or minima of the gap (the only criterion for areas)."
-    ),
+    Field(description="Criterion for a contact: as in the paper, or minima of the gap (the only criterion for areas)."),
 ]
 CurvatureKey = Annotated[
-    Curvature, Field(description="Whether both bodies must be convex at a contact, or only their gap.")
+    Curvature, Field(description="Convexity required at a contact: of both bodies, or only of their gap.")
 ]
 MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
-PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]  # upper and lower body
+# Poisson's ratios of the upper and the lower body
+PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]
 
 
 class OnsetTable(Table):
-    """Friction parameters for which the onset of sliding is stored, with friction at all contacts.
+    """Friction parameters of the stored onset of sliding, which assumes friction at all contacts.
 
-    Other parameters need another run.
+    The onset with other parameters needs another run.
     """
 
     mu0: float = Field(default=0.4, ge=0, description="Molecular friction coefficient.")
@@ -145,7 +146,7 @@ LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `fric
 
 
 class ContactTable(Case):
-    """Keys of the table `[contact]` that all contact models and all kinds of surfaces share."""
+    """Keys of the table `[contact]` that apply to all contact models and all kinds of surfaces."""
 
     effective_modulus: Modulus = Field(
         default=quantity("10 GPa", "pressure"), description="Effective modulus E* of both bodies."
@@ -153,11 +154,11 @@ class ContactTable(Case):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Name of the quantity that is prescribed at each loading step."""
+        """Name of the quantity that is prescribed at each loading step: approach or load."""
         return "load"
 
     def steps(self) -> Floats:
-        """Return all approaches (µm) or loads (mN)."""
+        """Return the approaches (µm) or loads (mN) of all steps."""
         raise NotImplementedError
 
     def rules(self) -> tuple[Sliding, ...]:
@@ -173,7 +174,7 @@ class ContactTable(Case):
         return np.array([degrees_of(way) for way in self.directions_of_motion()])
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that form dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
         return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
 
 
@@ -181,7 +182,7 @@ class ContactTable(Case):
 
 
 class GeneratedContact(ContactTable):
-    """Keys of the contact table for the motion of generated surfaces."""
+    """Keys of the contact table that define the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
@@ -191,8 +192,8 @@ class GeneratedContact(ContactTable):
     direction: Directions = Field(default=None, description=DIRECTION_DESCRIPTION)
     sliding: Rules = Field(
         default="opposing",
-        description="Contacts with friction: only those that oppose the "
-        "motion, as in the paper, or all; or a list of both.",
+        description="Contacts with friction: only contacts that oppose the motion, as in the paper, or all contacts; "
+        "or a list of both rules.",
     )
 
     @model_validator(mode="after")
@@ -211,13 +212,13 @@ class GeneratedContact(ContactTable):
         return chosen if isinstance(chosen, tuple) else (chosen,)
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are lists, and so form dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that are given as lists, and so are dimensions."""
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
         return {name: values for name, values in super().motions().items() if is_list[name]}
 
 
 class GeneratedLoads(GeneratedContact):
-    """Keys of the contact table for the loads of generated surfaces."""
+    """Keys of the contact table that define the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -232,7 +233,7 @@ class GeneratedLoads(GeneratedContact):
 
 
 class MeasuredContact(ContactTable):
-    """Keys of the contact table for measured surfaces, which are pressed to loads and slide by both sliding rules."""
+    """Keys of the contact table for measured surfaces, which are pressed to loads; both sliding rules apply."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -255,7 +256,7 @@ class MeasuredContact(ContactTable):
 
 
 class MeasuredLinesContact(MeasuredContact):
-    """Keys of the contact table for lines of measured bodies, which slide in both directions."""
+    """Keys of the contact table for lines of measured bodies, with results for both directions of motion."""
 
     place: ClassVar[str] = "measured lines"
 
@@ -265,7 +266,7 @@ class MeasuredLinesContact(MeasuredContact):
 
 
 class MeasuredAreasContact(MeasuredContact):
-    """Keys of the contact table for measured areas, which slide in several directions."""
+    """Keys of the contact table for measured areas, with results for several directions of motion."""
 
     place: ClassVar[str] = "measured areas"
 
@@ -288,21 +289,19 @@ class HalfSpaceContactTable(ContactTable):
     boundary: Boundary = Field(
         default="free", description="Boundary at the edges: free, or periodic continuation of the surfaces."
     )
-    hardness: Modulus | None = Field(
-        default=None, description="Largest contact pressure; without it the contact is elastic."
-    )
+    hardness: Modulus | None = Field(default=None, description="Largest contact pressure; elastic contact if omitted.")
     junction_growth: float | None = Field(
         default=None,
         ge=0,
         le=MAX_JUNCTION_GROWTH,
-        description="α of p² + α s² = H², the growth of plastic contacts under shear; without it 0, with a caveat.",
+        description="α of p² + α s² = H², the growth of plastic contacts under shear; 0 with a caveat if omitted.",
     )
     compliance_share: Fraction = Field(
         default=0.5, description="Fraction of the compliance that the lower body contributes."
     )
     work_of_adhesion: WorkOfAdhesion | None = Field(
         default=None,
-        description="Energy per area that separates surfaces in contact; without it unknown, and treated as 0.",
+        description="Energy per area that separates surfaces in contact; if omitted, it is unknown and treated as 0.",
     )
     adhesion_range: Length | None = Field(
         default=None, description="Gap over which the attraction decays to 1/e; 0.5 nm by default."
@@ -310,8 +309,7 @@ class HalfSpaceContactTable(ContactTable):
 
     tilt: Tilt = Field(
         default="fixed",
-        description="Whether the upper body keeps its orientation, or "
-        "(free boundaries) tilts until the load is centred.",
+        description="Orientation of the upper body: fixed, or (with free boundaries) tilted until the load is centred.",
     )
 
     @model_validator(mode="after")
@@ -338,7 +336,7 @@ class HalfSpaceContactTable(ContactTable):
 
     @property
     def adheres(self) -> bool:
-        """True if the bodies adhere."""
+        """True if the work of adhesion is above 0."""
         return bool(self.work_of_adhesion)
 
     @model_validator(mode="after")
@@ -361,7 +359,7 @@ class HalfSpaceContactTable(ContactTable):
 
 
 class AsperityContactTable(ContactTable):
-    """Keys of the contact table for the asperity model, whose contacts do not interact."""
+    """Keys of the contact table for the asperity model, in which contacts do not interact."""
 
     place: ClassVar[str] = "asperities"
     hardness: ClassVar[None] = None
@@ -380,11 +378,11 @@ class AsperityContactTable(ContactTable):
     curvature: CurvatureKey = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments for the direction of motion of a contact model; empty for pairs pressed to loads."""
+        """Return the arguments of a contact model that set the direction of motion; none for pairs pressed to loads."""
         return {}
 
     def model(self, sliding: Sliding | None = None) -> ContactModel:
-        """Return the contact model for a sliding rule, by default the first rule of the table."""
+        """Return the contact model for a sliding rule; the default is the first rule of the table."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -396,7 +394,7 @@ class AsperityContactTable(ContactTable):
 
 
 class GeneratedAsperities(AsperityContactTable, GeneratedContact):
-    """Keys of the contact table for asperities of generated surfaces, which are pressed to approaches."""
+    """Keys of the contact table for asperities of generated surfaces, which are pressed to given approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
@@ -425,12 +423,12 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
         return array_of(self.approach)
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments for the direction of motion of a contact model."""
+        """Return the arguments of a contact model that set the direction of motion."""
         return {"shear": self.shear, "direction": self.direction}
 
 
 class AsperitiesOfGeneratedLines(GeneratedAsperities):
-    """Contact table for the asperity model and generated profiles."""
+    """Contact table for generated profiles with the asperity model."""
 
     place: ClassVar[str] = "asperities of generated lines"
 
@@ -438,7 +436,7 @@ class AsperitiesOfGeneratedLines(GeneratedAsperities):
 
 
 class AsperitiesOfGeneratedAreas(GeneratedAsperities):
-    """Contact table for the asperity model and generated surfaces."""
+    """Contact table for generated height maps with the asperity model."""
 
     place: ClassVar[str] = "asperities of generated areas"
 
@@ -446,14 +444,14 @@ class AsperitiesOfGeneratedAreas(GeneratedAsperities):
 
 
 class AsperitiesOfMeasuredLines(AsperityContactTable, MeasuredLinesContact):
-    """Contact table for the asperity model and lines of measured bodies."""
+    """Contact table for lines of measured bodies with the asperity model."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
 class AsperitiesOfMeasuredAreas(AsperityContactTable, MeasuredAreasContact):
-    """Contact table for the asperity model and measured height maps."""
+    """Contact table for measured height maps with the asperity model."""
 
     place: ClassVar[str] = "asperities of measured areas"
     onset: ClassVar[None] = None
@@ -462,25 +460,25 @@ class AsperitiesOfMeasuredAreas(AsperityContactTable, MeasuredAreasContact):
 
 
 class HalfSpaceOfGeneratedLines(HalfSpaceContactTable, GeneratedLoads):
-    """Contact table for half-planes and generated profiles."""
+    """Contact table for generated profiles with the half-plane model."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
 class HalfSpaceOfGeneratedAreas(HalfSpaceContactTable, GeneratedLoads):
-    """Contact table for half-spaces and generated surfaces."""
+    """Contact table for generated height maps with the half-space model."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
 class HalfSpaceOfMeasuredLines(HalfSpaceContactTable, MeasuredLinesContact):
-    """Contact table for half-planes and lines of measured bodies."""
+    """Contact table for lines of measured bodies with the half-plane model."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
 class HalfSpaceOfMeasuredAreas(HalfSpaceContactTable, MeasuredAreasContact):
-    """Contact table for half-spaces and measured height maps."""
+    """Contact table for measured height maps with the half-space model."""
 
     place: ClassVar[str] = "the half-space of measured areas"
 
@@ -503,19 +501,19 @@ CONTACT_CASES: dict[str, dict[str, type[Contact]]] = {
     "measured lines": {"asperities": AsperitiesOfMeasuredLines, "half-space": HalfSpaceOfMeasuredLines},
     "measured areas": {"half-space": HalfSpaceOfMeasuredAreas, "asperities": AsperitiesOfMeasuredAreas},
 }
-"""Classes of the table by kind of bodies and by the key `mechanics`; the first class of each kind is the default."""
+"""Classes of the table by kind of bodies and key `mechanics`; the first class of each kind is the default."""
 
 SHARED_CONTACT_TABLES: tuple[type[ContactTable], ...] = (
     AsperityContactTable, GeneratedAsperities, MeasuredContact, GeneratedContact, MeasuredAreasContact,
     HalfSpaceContactTable, GeneratedLoads,
 )  # fmt: skip
-"""Base classes with keys that several tables share; messages about misplaced keys name these classes."""
+"""Base classes whose keys several tables share; messages about misplaced keys name these classes."""
 
 
 def select_contact_case(
     surfaces: type[GeneratedSurfaces | MeasuredSurfaces], table: Mapping[str, Any]
 ) -> type[Contact]:
-    """Return the class of a contact table, selected by the surfaces and by its key `mechanics`."""
+    """Return the class of a contact table for the kind of surfaces and for the key `mechanics` of the table."""
     cases = CONTACT_CASES[surfaces.bodies]
     return cases[chosen("mechanics", table, cases)]
 
@@ -557,15 +555,15 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
 
 
 def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
-    """Return the given loads (mN) and a load curve in equal ratios that extends below and above them."""
+    """Return the given loads (mN) together with a geometric series of loads that extends below and above them."""
     curve = np.geomspace(requested.min() / ratio, requested.max() * ratio, steps)
-    # Given loads stay exact; curve loads almost equal to them are dropped.
+    # Given loads are kept exactly; loads of the series that nearly equal a given load are dropped.
     is_new = np.abs(curve[:, np.newaxis] / requested - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([requested, curve[is_new]]))
 
 
 def _fill_loads(requested: Floats) -> Floats:
-    """Return the given loads (mN) and loads between them, so that ratios are at most about `MAX_AREAL_LOAD_RATIO`."""
+    """Return the given loads (mN) with loads between them, so that ratios are at most `MAX_AREAL_LOAD_RATIO`."""
     requested = np.unique(requested)
     steps = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
@@ -593,7 +591,7 @@ def choose_load_steps(
     else:
         below = requested.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
         steps = np.unique(np.concatenate([_fill_loads(requested), below, [requested.max() * MAX_AREAL_LOAD_RATIO]]))
-    # Given loads stay exact; other loads are rounded to six digits.
+    # Given loads are kept exactly; other loads are rounded to six digits.
     exact = set(requested.tolist())
     rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in steps.tolist()])
     lowest, highest = VALID_RANGES["force"]

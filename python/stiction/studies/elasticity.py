@@ -16,17 +16,17 @@ from stiction.mechanics.materials import compliance_fraction, is_name_of, materi
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Elasticity of a pair, with the properties of its softer body."""
+    """Elasticity of a pair of bodies, with the properties of the softer body."""
 
     effective_modulus: float  # GPa
-    compliance_share: float = 0.5  # fraction of the compliance due to the lower body; 0.5 if only E* is given
-    poisson_ratio: float | None = None  # of the softer body
-    hardness: float | None = None  # of the softer body, GPa
-    source: str = ""  # text about the source of the modulus, if materials are given
+    compliance_share: float = 0.5  # fraction of the compliance that the lower body contributes; 0.5 if only E* is given
+    poisson_ratio: float | None = None  # Poisson's ratio of the softer body
+    hardness: float | None = None  # hardness of the softer body, GPa
+    source: str = ""  # origin of the modulus as a text, if materials are given
     hardness_source: str = ""
-    materials: tuple[str, str] | None = None  # of the upper and the lower body
-    poisson_ratios: tuple[float, float] | None = None  # of the upper and the lower body
-    alias_note: str = ""  # note if materials were given by alternative names
+    materials: tuple[str, str] | None = None  # names of the materials of the upper and the lower body
+    poisson_ratios: tuple[float, float] | None = None  # Poisson's ratios of the upper and the lower body
+    alias_note: str = ""  # note about standard names, if materials were given by alternative names
 
 
 def find_elasticity(
@@ -88,7 +88,7 @@ def _combine_material_with_moduli(upper: str | None, lower: str | None, young: A
     ratios = [] if poisson is None else parse_numbers("poisson", poisson)
     if len(moduli) != 1 or len(ratios) != 1 or not 0 <= ratios[0] <= 0.5:
         raise ArgumentError(
-            '{young} and {poisson} must be one value each, of the body without a material, as in "3 MPa" and "0.5"'
+            '{young} and {poisson} must have one value each, for the body without a material, as in "3 MPa" and "0.5"'
         )
     name = "upper_material" if upper else "lower_material"
     body = _load_material(name, str(upper or lower))
@@ -116,7 +116,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> Elasticity:
-    """Return the elasticity of two materials, including the hardness of the softer material if it yields."""
+    """Return the elasticity of a pair of materials, with the hardness of the softer material if it yields."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
     softer = softer_material(upper_body, lower_body) or min(
@@ -140,14 +140,14 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
 
 
 def _format_alias_note(names: Iterable[tuple[str, str]]) -> str:
-    """Return a note about alternative names of materials, from pairs of the given and the standard name."""
+    """Return a note that lists alternative names of materials with their standard names."""
     aliases = [f'"{given}"{{}} as {name}' for given, name in names if not is_name_of(given, name)]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
     return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text
 
 
 def _load_material(argument: str, name: str) -> Any:
-    """Return a material by its name. The error message names the argument, and has a hint if it is a file name."""
+    """Load a material by its name. The error message names the argument, and has a hint if a file was given."""
     try:
         return material(name)
     except ValueError as error:
@@ -160,5 +160,5 @@ def _load_material(argument: str, name: str) -> Any:
 
 
 def _round_to_three_digits(value: float) -> float:
-    """Round a number to three significant digits, the accuracy of material data."""
+    """Round a number to three significant digits, which is the accuracy of material data."""
     return float(f"{value:.3g}")

@@ -1,9 +1,9 @@
-"""Evaluate results at given loads, for which there are three definitions.
+"""Evaluation of results at given loads. A load can be defined in three ways.
 
-*mean*: the mean normal load of the ensemble reaches the load; values are ratios of means, as in the figures of the
-paper. *elastic*: the elastic load of each member, before any contact slides, equals the load. *normal*: the normal load
-of each member at the onset of sliding, which includes friction on slopes, equals the load. For small slopes the three
-definitions agree to four digits.
+*mean*: the mean normal load of the ensemble equals the given load, and values are ratios of means, as in the figures of
+the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load. *normal*: the
+normal load of each member at the onset of sliding, which includes friction on slopes, equals the given load. For small
+slopes the three definitions agree to four digits.
 """
 
 from __future__ import annotations
@@ -53,15 +53,15 @@ if TYPE_CHECKING:
 
 LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of single members that are reported as spread_low and spread_high
+SPREAD_QUANTILES = (0.1, 0.9)  # quantiles over single members that are reported as spread_low and spread_high
 NEGLIGIBLE_LOAD_RATIO = 0.01
-"""Ratio of load and pull-off force below which the load is negligible, so that a coefficient has no meaning."""
+"""Ratio of load to pull-off force below which the load is negligible, so that a coefficient has no meaning."""
 
 
-MIN_STIFFNESS_STEPS = 3  # smallest number of approaches or loads from which a stiffness is computed
+MIN_STIFFNESS_STEPS = 3  # smallest number of approaches or loads for which a stiffness is computed
 
 COMPLETE_STATUS, ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
-"""Statuses of contacts whose true area is the nominal area, or (a sum of overlapping asperities) more."""
+"""Statuses of contacts whose true area equals the nominal area, or exceeds it (a sum over overlapping asperities)."""
 
 
 def at_load(
@@ -74,17 +74,17 @@ def at_load(
     ----------
     result : Result, or xarray.Dataset of member sums
     loads : (l,) array_like of float, mN
-        Above 0. Of bodies that adhere 0 is read at `unloaded_load`.
+        Above 0. For bodies that adhere, a load of 0 is evaluated at `unloaded_load`.
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
-        Those of the study by default; nothing is computed again for others.
+        By default the values of the study. Other values need no new solutions.
     reading : {"mean", "elastic", "normal"}, optional
-        Which load is meant: "mean" of generated bodies by default, "elastic" of measured ones.
+        Definition of the load; by default "mean" for generated bodies and "elastic" for measured bodies.
     of : {"shifts", "surrogates"}, optional
-        Of measured areas, which members: those at relative positions of the two maps, where there are any, or the pairs
-        of surrogates.
+        Members of measured areas to evaluate: pairs at relative positions of the two maps (the default if there are
+        any), or pairs of surrogates.
     names : collection of str, optional
-        Quantities to evaluate besides friction; all by default. Of measured bodies the true area is always evaluated.
+        Quantities to evaluate besides friction; all by default. The true area of measured bodies is always evaluated.
 
     Returns
     -------
@@ -92,13 +92,14 @@ def at_load(
         friction_coefficient and status have the dimensions of the cells, sliding and direction if there are several,
         load, mu0 and tau0. With opposite directions there are also friction_by_axis, the mean over both directions of
         an axis, and friction_all_round, the mean over all directions. contact_area (µm²), contact_count,
-        normal_stiffness and quantities of validity have the dimensions of the cells and load. If the study asks for the
-        onset of sliding, there are tangential_stiffness (mN/µm), displacement_at_sliding (µm) and fraction_slipped; at
-        the mean load of an ensemble the latter two are means weighted by the load of each pair. Measured bodies also
-        have contact statistics, quantiles of areas and pressures, slopes of the gap and `gentle_friction`. The last
-        dimension is statistic ("mean", "lower", "upper"). spread_low and spread_high are the limits between which four
-        of five members lie, reading_difference is the relative difference between the three definitions of the load,
-        members is the number of members, and ok is the number of members with a coefficient.
+        normal_stiffness and quantities of validity have the dimensions of the cells and load. If the study includes the
+        onset of sliding, there are also tangential_stiffness (mN/µm), displacement_at_sliding (µm) and
+        fraction_slipped; at the mean load of an ensemble the latter two are means weighted by the load of each pair.
+        Measured bodies also have contact statistics, quantiles of areas and pressures, slopes of the gap and
+        `gentle_friction`. The last dimension is statistic ("mean", "lower", "upper"). spread_low and spread_high are
+        the limits between which four of five members lie, reading_difference is the relative difference between the
+        three definitions of the load, members is the number of members, and ok is the number of members with a
+        coefficient.
 
     Raises
     ------
@@ -132,7 +133,7 @@ def at_load(
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
     if measured and _is_requested("reading_difference", names):
-        # Largest relative difference of friction between the elastic and the normal load of each member.
+        # Largest relative difference between friction at the elastic load and at the normal load of each member.
         other: Reading = "normal" if reading == "elastic" else "elastic"
         members = _members_before_growth(result, values, *material, other, of, names)
         if areas is not None:
@@ -145,7 +146,7 @@ def at_load(
 
 
 def is_unloaded(result: Result) -> bool:
-    """Return whether all loads of the study are negligible compared with the mean pull-off force."""
+    """Return True if all loads of the study are negligible compared with the mean pull-off force."""
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
@@ -153,14 +154,14 @@ def is_unloaded(result: Result) -> bool:
 
 
 def unloaded_load(result: Result) -> float:
-    """Return a load (mN) of adhesive bodies that is negligible: the smallest solved load, or an even smaller load."""
+    """Return a negligible load (mN) of adhesive bodies: the smallest solved load, or an even smaller load."""
     negligible = NEGLIGIBLE_LOAD_RATIO * min(_pull_offs(result))
     lowest = float(result.study.contact.steps()[0])
     return lowest if lowest < negligible else 0.1 * negligible
 
 
 def _pull_offs(result: Result) -> list[float]:
-    """Return the mean pull-off force (mN) of each piece of a result."""
+    """Return the mean pull-off force (mN) of each part of a result."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
 
@@ -168,7 +169,7 @@ def _pull_offs(result: Result) -> list[float]:
 
 
 def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return axes (degrees, 0 to 180) for which there are two opposite directions, and the indices (a, 2) of these."""
+    """Return axes (degrees, 0 to 180) with two opposite directions, and the indices (a, 2) of the directions."""
     angles = np.mod(directions, 360.0)
     found, places = [], []
     for index, angle in enumerate(angles):
@@ -191,11 +192,11 @@ def _is_requested(name: str, names: Collection[str] | None) -> bool:
 def _evaluate_ensemble(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Return ensemble means at loads, like those of `friction_map`, with the dimension statistic."""
+    """Return ensemble means at loads, as `friction_map` does, with the dimension statistic."""
     import xarray
 
     def read(what: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
-        """Evaluate a quantity where the mean normal load reaches the loads, averaged over groups of directions."""
+        """Evaluate a quantity at steps where the mean normal load equals the loads, averaged over directions."""
 
         def average_groups(piece: xarray.Dataset) -> xarray.Dataset:
             found = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
@@ -207,7 +208,7 @@ def _evaluate_ensemble(
     head = result.head
     first = read("friction_coefficient")
     variables: dict[str, Any] = {"friction_coefficient": _with_statistic(first, "friction_coefficient")}
-    # Area and stiffness at the mean load depend slightly on mu0 and tau0, because friction changes the load.
+    # The area and stiffness at a mean load depend slightly on mu0 and tau0, because friction changes the load.
     variables["status"] = first["status"].variable
     every, about = None, first
     if "direction" in head.dims:
@@ -254,7 +255,7 @@ def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
 
 
 def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
-    """Return loads (mN) in equal ratios: from the largest load of a first step to the largest load of all cells."""
+    """Return loads (mN) in equal ratios, from the largest load of any first step to the largest load of all cells."""
     elastic = means(result, ["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
     if not highest > 0:
@@ -265,13 +266,13 @@ def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     return np.asarray(np.geomspace(lowest, highest, steps))
 
 
-DEFAULT_LOADS = 3  # loads at which a result is shown if its study does not ask for any
+DEFAULT_LOADS = 3  # number of loads at which a result is shown if its study specifies no load
 
 
 def default_loads(result: Result) -> Floats:
-    """Return the loads (mN) of the study or, if it has none, some loads that are reached.
+    """Return the loads (mN) of the study or, if it has none, a few loads within the range of the result.
 
-    Raises an error if there is no contact.
+    Raises a `ValueError` if there is no contact.
     """
     friction = result.study.friction
     if friction.load:
@@ -294,7 +295,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     variables: dict[str, Any] = {}
     for name in members.data_vars:
         if name in ("normal_load", "tangential_load") and not _is_requested(name, names):
-            continue  # members alone have them
+            continue  # these quantities are reported for single members only
         values = there[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
@@ -312,7 +313,8 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     status = there["status"].transpose("repetition", *dims).values
     ok = status == friction.STATUS_OK
     counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
-    frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]  # the reason, if no member has a coefficient
+    # the most frequent status, if no member has a coefficient
+    frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
     common = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), frequent)
     words = attributes_of("friction_coefficient")
     rest = [dim for dim in dims if dim != "direction"]
@@ -335,17 +337,17 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         warnings.simplefilter("ignore", RuntimeWarning)  # NaN if no member has a coefficient
         low, high = np.nanquantile(coefficient, SPREAD_QUANTILES, axis=(0, at))
     variables |= {
-        "spread_low": (rest, low, words | {"long_name": "a tenth of the members are below"}),
-        "spread_high": (rest, high, words | {"long_name": "a tenth of the members are above"}),
+        "spread_low": (rest, low, words | {"long_name": "10 % quantile of the members"}),
+        "spread_high": (rest, high, words | {"long_name": "90 % quantile of the members"}),
         "status": (dims, common, attributes_of("status")),
-        "ok": (dims, ok.sum(axis=0), {"units": "1", "long_name": "members with an answer"}),
+        "ok": (dims, ok.sum(axis=0), {"units": "1", "long_name": "members with a coefficient"}),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }  # fmt: skip
     return xarray.Dataset(variables, coordinates | {"statistic": INTERVAL_STATISTICS}, members.attrs)
 
 
 def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return statuses of area fractions (..., 3), and fractions that are 1 if complete and NaN above nominal."""
+    """Return statuses of area fractions (..., 3), and fractions that are at most 1 (half-space) or NaN above 1."""
     above = fraction[..., 0] > 1
     status = np.where(above, COMPLETE_STATUS if uses_half_space else ABOVE_NOMINAL_STATUS, friction.STATUS_OK)
     limited = np.minimum(fraction, 1.0) if uses_half_space else np.where(above[..., np.newaxis], np.nan, fraction)
@@ -354,7 +356,7 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
 
 @dataclass(frozen=True, eq=False)
 class OverMembers:
-    """Statistical dependence of members: independent, neighbours on lines, or pairs of several scans of a part."""
+    """Statistical dependence between members: none, between neighbours on lines, or between pairs that share a scan."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -362,7 +364,7 @@ class OverMembers:
 
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
-        """Find the dependence of members. Adjacent lines of maps, and adjacent positions on a line, are neighbours."""
+        """Determine the dependence. Members on adjacent lines, or at adjacent positions of a line, are neighbours."""
         surfaces: Any = study.surfaces
         if math.prod(surfaces.scan_counts) > 1:
             return cls(scans=surfaces.scans_of(np.asarray(places["repetition"])))
@@ -373,7 +375,7 @@ class OverMembers:
         return cls(order, lines[order])
 
     def mean(self, values: Floats) -> Floats:
-        """Return mean, lower and upper end (..., 3) of values (members, ...), some of which may be NaN."""
+        """Return the mean and the ends of its interval (..., 3) for values (members, ...), ignoring NaN."""
         if self.scans is not None:
             columns = values.reshape(values.shape[0], -1).T
             rows = [_ends_of(column, intervals.scans_mean(column, *self.scans)) for column in columns]
@@ -381,7 +383,7 @@ class OverMembers:
         if self.order is None or self.lines is None:
             return np.stack(intervals.sample_mean(values), axis=-1)
         flat = values[self.order].reshape(values.shape[0], -1)
-        # Columns with the same missing members are evaluated together, to save time.
+        # Columns with the same missing members are evaluated together, which saves time.
         masks, group = np.unique(np.isfinite(flat).T, axis=0, return_inverse=True)
         ends = np.empty((flat.shape[1], 3))
         for number, mask in enumerate(masks):
@@ -391,7 +393,7 @@ class OverMembers:
 
 
 def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
-    """Return mean, lower and upper end of the interval; the ends are above 0 if no value is negative."""
+    """Return the mean and the ends of its interval; the ends are above 0 if no value is negative."""
     if found is None:
         known = values[np.isfinite(values)]
         return float(known.mean()) if known.size else np.nan, np.nan, np.nan
@@ -422,7 +424,7 @@ def member_values(
     xarray.Dataset
         friction_coefficient, normal_load and tangential_load (mN) and status have the dimensions of the cells,
         repetition, sliding, direction, load, mu0 and tau0; a single sliding rule or direction is a dimension of length
-        one. Height maps with the asperity model at elastic loads also have lateral_load (mN). Other quantities have the
+        1. Height maps with the asperity model at elastic loads also have lateral_load (mN). Other quantities have the
         dimensions of the cells, repetition and load (and fraction_below), and are evaluated at the elastic load.
     """
     if reading == "mean":
@@ -458,7 +460,7 @@ def _members_before_growth(
 
 
 def areas_of(at: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
-    """Return the true area as a function of hardness and E*, at the loads of a dataset of `at_load`."""
+    """Return the true area as a function of hardness and E*, at the loads of a dataset from `at_load`."""
     result = Result.of(result)
     study, loads = result.study, at["load"].values
     area = at["contact_area"].sel(statistic="mean")
@@ -468,7 +470,7 @@ def areas_of(at: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpo
 
 
 def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolator:
-    """Return the true area as a function of the hardness at the study's E*, from a dataset of `member_values`."""
+    """Return the true area as a function of hardness at the study's E*, for a dataset of `member_values`."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
     study = result.study
@@ -476,7 +478,7 @@ def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolat
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:
-    """Return d ln(A/F) / d ln F, the logarithmic derivative of the mean true area per load, at loads (mN)."""
+    """Return d ln(A/F) / d ln F, where A is the mean true area, at loads (mN)."""
     steps = result.study.contact.steps()
     if steps.size > 1:
         zero = np.zeros(1)
@@ -490,7 +492,7 @@ def growth_of_area(result: Result, loads: Floats) -> Floats:
 
 
 def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
-    """Return the ratio of the true areas at the onset of sliding and before shear, (loads, mu0, tau0).
+    """Return the ratio of the true area at the onset of sliding to the area before shear, (loads, mu0, tau0).
 
     The ratio is infinite at seizure.
     """
@@ -502,7 +504,7 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
 
 
 def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
-    """Return `member_values` with the adhesive forces of the true area at the onset of sliding."""
+    """Return member values whose adhesive forces act on the true area at the onset of sliding."""
     import xarray
 
     study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
@@ -537,7 +539,7 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolato
 def member_sums(
     result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, of: Kind | None = None
 ) -> xarray.Dataset:
-    """Return contact sums of each member at elastic loads (mN), by default the sums of both forces.
+    """Return contact sums of each member at elastic loads (mN), by default the sums that define both forces.
 
     The dimensions are cells, repetition, sliding, direction and load.
     """
@@ -556,9 +558,9 @@ def member_sums(
 
 
 def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
-    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN), with the interval of a jackknife.
+    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN), with a jackknife interval.
 
-    The dimensions are cells, sliding, load, mu0, tau0 and statistic. It is NaN where mean(F_N) is not above 0.
+    The dimensions are cells, sliding, load, mu0, tau0 and statistic. The value is NaN if mean(F_N) is not above 0.
     """
     import xarray
 
@@ -581,7 +583,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
 
 @dataclass(frozen=True, kw_only=True)
 class PerLoad:
-    """Forces divided by the elastic load: tangential = elastic + mu0 rub + tau0 stick, normal = 1 + mu0 .. + tau0 .."""
+    """Forces over the elastic load: tangential = elastic + mu0 rub + tau0 stick, and similarly normal = 1 + ..."""
 
     elastic: float = 0.0
     rub: float = 1.0
@@ -599,7 +601,7 @@ class PerLoad:
         )  # fmt: skip
 
     def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """Compute mu_s for a true area of `area` times the computed area."""
+        """Compute mu_s if the true area is `area` times the computed area."""
         tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
         return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
@@ -630,10 +632,10 @@ def evaluate_piece(
     piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, *, ratio: bool,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate members in memory as `member_values` does.
+    """Evaluate members in memory, as `member_values` does for a result.
 
-    With `ratio`, values are interpolated over the logarithm of the load. `names` are quantities besides `_FRICTION`;
-    all by default.
+    With `ratio`, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate besides
+    `_FRICTION`; all by default.
     """
     import xarray
 
@@ -647,7 +649,7 @@ def evaluate_piece(
         normal, tangential = compute_loads(six, mu0, tau0)
         reached, below = off.reached[..., None, None, :, None, None], off.below[..., None, None, :, None, None]
     else:
-        # (..., load, mu0, tau0) where each member's own normal load is that of `loads`.
+        # (..., load, mu0, tau0) for the step at which the normal load of each member equals the given load
         normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
@@ -670,7 +672,7 @@ def evaluate_piece(
         rubbing = six["tangential_frictional"]
         both = [np.take(rubbing, rules.index(rule), axis=len(lead)) for rule in ("opposing", "all")]
         with np.errstate(divide="ignore", invalid="ignore"):
-            # The denominator, the sum of F |t·s|, equals the load up to squares of slopes.
+            # The denominator is the sum of F |t·s|. It equals the load except for terms of second order in the slopes.
             opposing = both[0] / both[1]
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
     wanted = None if names is None else {*_FRICTION, *names}
@@ -688,7 +690,8 @@ def evaluate_piece(
         if name in there:
             variables[name] = there[name]
     if "pull_off" in there:
-        bounds = (_over(there["pull_off_is_bound"], lead) != 0).astype(np.float64)  # NaN if missing
+        # NaN if the pull-off force is missing
+        bounds = (_over(there["pull_off_is_bound"], lead) != 0).astype(np.float64)
         variables["share_of_pull_off_bounds"] = (lead, bounds, attributes_of("share_of_pull_off_bounds"))
         parts = {name: _over(there[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
         unloaded = compute_load("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
@@ -708,10 +711,11 @@ def evaluate_piece(
 def _curves(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, ratio: bool
 ) -> tuple[dict[str, Floats], Crossing]:
-    """Return the sums of the members, and the crossings at which their elastic loads reach the given loads."""
+    """Return the sums of the members, and the crossings of their elastic loads with the given loads."""
     step = find_step_dimension(piece)
     lead = (*cells_of(piece), "repetition")
-    there = piece.variables  # coordinates are omitted, because their handling takes longer than the computation
+    # variables instead of arrays with coordinates, whose handling takes longer than the computation
+    there = piece.variables
     elastic = _over(there["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
     sums = {name: _over(there[name], (*lead, *MOTIONS, step), missing=True) for name in names}
@@ -719,7 +723,7 @@ def _curves(
 
 
 def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
-    """Return coordinates for the sliding rule and the direction, if the result has a single rule or direction."""
+    """Return coordinates for a single sliding rule or direction, which is not a dimension of the result."""
     one: dict[str, Callable[[], Any]] = {
         "sliding": lambda: study_of(piece).contact.rules(),
         "direction": lambda: study_of(piece).contact.degrees(),
@@ -728,7 +732,7 @@ def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
 
 
 def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add ratios of sums, and remove the sums that only serve these ratios."""
+    """Add ratios of sums, and remove the sums that are not needed otherwise."""
     dims, elastic = variables["normal_elastic"][:2]
     found: dict[str, Any] = {}
     if nominal_area is not None and "pull_off" in variables:
@@ -754,7 +758,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
 
 
 def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Return values as floats with the dimensions in the given order; `missing` dimensions get length one."""
+    """Return values as floats with the dimensions in the given order; dimensions in `missing` get the length 1."""
     own = [dim for dim in dims if dim in array.dims]
     values = array.transpose(*own).values.astype(np.float64)
     if not missing:
@@ -770,7 +774,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = find_step_dimension(piece)
     if "status" in piece:
-        # The status of a member without a coefficient is taken from the next step above the load.
+        # The status of a member without a coefficient is the status of the first step above the load.
         codes = _over(piece.variables["status"], (*cells_of(piece), "repetition", step)).astype(int)
         ladder = piece[step].values
         place = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)
@@ -784,7 +788,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
 def estimate_by_slopes(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Compute `gentle_friction` from gradients of a gap (...) and its slopes along directions (..., direction)."""
+    """Compute `gentle_friction` from rms gradients of gaps (...) and rms slopes along directions (..., direction)."""
     known = (gradient[..., np.newaxis] > 0) & (slope > 0)
     steep, along = (np.where(known, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope))
     found = [

@@ -16,7 +16,7 @@ from stiction._text import MAX_PATH_LENGTH, printable
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
-# Number of grid points above which several threads compute one transform. Smaller transforms are slower with threads.
+# Number of grid points above which several threads compute one transform; threads slow smaller transforms down.
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
@@ -25,7 +25,7 @@ CONNECTION_TIMEOUT = "15s"
 
 @contextlib.contextmanager
 def enter_executor(given: Executor | None) -> Iterator[Executor]:
-    """Enter the given executor, which the caller shuts down, or create an executor of threads.
+    """Enter the given executor, which the caller has to shut down, or a new executor of threads.
 
     Raises a `StudyError` if a worker process ends.
     """
@@ -56,7 +56,7 @@ def thread_executor(workers: int | None = None) -> Iterator[Executor]:
 def use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Return the function of a task, wrapped so that idle threads speed up its transforms.
+    """Return the function of a task, wrapped so that otherwise idle threads help with its transforms.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` the number of grid points of each task.
@@ -77,7 +77,7 @@ def use_idle_threads(
 
 @contextlib.contextmanager
 def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterator[Callable[..., None]]:
-    """Show a progress bar on a terminal or in a notebook, and yield a function that advances the bar."""
+    """Show a progress bar on a terminal or in a notebook, and yield a function that advances it."""
     if not enabled:
         yield lambda count=1: None
         return
@@ -105,7 +105,7 @@ class ClusterError(ValueError):
 
 @contextlib.contextmanager
 def _without_disconnect_log() -> Iterator[None]:
-    """Suppress the client's log of a lost scheduler, because a `ClusterError` reports it."""
+    """Suppress the log of the Dask client about a lost scheduler, because a `ClusterError` reports the loss."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
     levels = [logger.level for logger in loggers]
     try:

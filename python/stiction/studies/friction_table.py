@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     import xarray
 
 TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
-MIN_STIFFNESS_PRESSURES = 3  # smallest number of pressures for a stiffness
+MIN_STIFFNESS_PRESSURES = 3  # smallest number of pressures for which a stiffness is computed
 AVERAGED_DIRECTIONS = (
     0.0,
     90.0,
     180.0,
     270.0,
-)  # degrees; coefficients are means over these directions, because surfaces are isotropic
-MAX_FITTED_AREA = 0.1  # largest contact fraction to which the laws are fitted
-MAX_LAW_DEVIATION = 0.1  # relative deviation above which the table has a caveat about a fitted law
+)  # directions in degrees; coefficients are means over them, because the surfaces are isotropic
+MAX_FITTED_AREA = 0.1  # largest contact fraction at which the laws are fitted
+MAX_LAW_DEVIATION = 0.1  # relative deviation of a fitted law above which the table has a caveat
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -139,7 +139,7 @@ def table_study(
 
 
 def _checked_values(name: str, values: ArrayLike) -> list[float]:
-    """Return one or several numbers above 0 as a list."""
+    """Return one or several numbers as a list, after checking that they are above 0."""
     array = np.atleast_1d(float_array(name, values))
     if array.ndim != 1 or not array.size or not (array > 0).all():
         raise ValueError(f"{name} must be numbers above 0, got {short_repr(values)}")
@@ -157,7 +157,7 @@ def friction_table(
         Result of a study of `table_study`, or of any study of generated surfaces with the half-space model.
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
-        Those of the study by default.
+        By default the values of the study.
 
     Returns
     -------
@@ -204,9 +204,9 @@ def friction_table(
     approach, touching = (dataset[name].transpose(*_DIMENSION_ORDER).values for name in ("approach", "contact_area"))
     stiffness = np.full(approach.shape, np.nan)
     if steps.size >= MIN_STIFFNESS_PRESSURES:
-        # The approach is nearly a linear function of the logarithm of the load.
+        # The approach is nearly a linear function of ln(load), so its derivative is well defined.
         stiffness = steps / np.gradient(approach, np.log(steps), axis=-1, edge_order=2)
-    # Loads around the requested loads only serve as steps of the curve.
+    # Loads around the requested loads serve only as steps of the curve.
     requested = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested))
     dataset, pressure = dataset.isel(load=indices), steps[indices]
@@ -248,9 +248,9 @@ def friction_table(
 
 
 def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
-    """Fit a of A/A0 = a p, and b and c of k/A0 = b p^c, with shape (fractal dimension, amplitude, 3).
+    """Fit the laws A/A0 = a p and k/A0 = b p^c; the shapes are (fractal dimension, amplitude, 3).
 
-    Values are NaN if a pair has no area or stiffness.
+    Values are NaN if a pair of surfaces has no area or no stiffness.
     """
     names = ("area_factor", "stiffness_factor", "stiffness_exponent")
     parameters = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}

@@ -28,7 +28,7 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import SurfaceAmplitude
 
 LengthScale = Annotated[Length, Field(description="L of Eq. 1, which sets the longest wavelength.")]
-Gamma = Annotated[float, Field(gt=1, description="Ratio of neighbouring frequencies in Eq. 1.")]
+Gamma = Annotated[float, Field(gt=1, description="Ratio γ of successive frequencies in Eq. 1.")]
 NumWaveDirections = Annotated[int, Field(ge=1, le=MAX_VALUES, description="M of Eq. 1: number of directions.")]
 NumFrequencies = Annotated[
     int, Field(ge=1, le=MAX_VALUES, description="n_max of Eq. 1: number of frequencies per direction.")
@@ -47,14 +47,15 @@ AreaAmplitude = Annotated[
 ]
 
 
-# Largest product of the numbers of directions and frequencies, which limits the run time per point.
+# limit of the number of directions times the number of frequencies, because the run time per point is proportional to
+# it
 MAX_HARMONICS = 1_000_000
 
 
 class GeneratedSurfaceKeys(Case):
     """Keys of `[surfaces]` that all generated ensembles share: fractal dimension and amplitude."""
 
-    bodies: ClassVar[str] = "generated areas"  # name of these bodies in `ContactTable.place`
+    bodies: ClassVar[str] = "generated areas"  # name of these bodies in messages about `ContactTable.place`
     is_areal: ClassVar[bool] = True
     """True if members are pairs of height maps rather than profiles."""
 
@@ -68,11 +69,11 @@ class GeneratedSurfaceKeys(Case):
 
     fractal_dimension: DimensionsOrRange = Field(
         default=DimensionRange(start=1.0, stop=1.7, count=50),
-        description="D, as defined by `convention`; for surfaces that of a section.",
+        description="D, as defined by `convention`; for surfaces, D of a section.",
     )
     amplitude: Lengths = Field(
         default=(quantity("0.1 um", "length"),),
-        description="Amplitude to which each profile or surface is scaled, measured as `amplitude_measure`.",
+        description="Amplitude to which each profile or surface is scaled; `amplitude_measure` defines it.",
     )
 
     @model_validator(mode="after")
@@ -95,7 +96,7 @@ class GeneratedSurfaceKeys(Case):
         return array_of(self.amplitude)
 
     def cells(self) -> dict[str, Floats]:
-        """Return the values of the dimensions that precede the members in a result."""
+        """Return the dimensions that precede the members in a result, with their values."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
@@ -114,7 +115,7 @@ class GeneratedProfiles(GeneratedSurfaceKeys):
     extent: Length = Field(default=quantity("40 um", "length"), description="Length of a profile.")
     points: int = Field(
         default=150_000, ge=MIN_POINTS, le=MAX_POINTS,
-        description="Number of points of a profile; the spacing is the extent divided by it.",
+        description="Number of points of a profile; the spacing is the extent divided by this number.",
     )  # fmt: skip
     gamma: Gamma = 1.5
     directions: NumWaveDirections = 40
@@ -170,7 +171,7 @@ class WeierstrassMandelbrotSurfaces(GeneratedAreas):
 
 
 def _to_fractal_dimensions(exponents: Any) -> Any:
-    """Convert a Hurst exponent, a list or a range to D = 2 - H in increasing order."""
+    """Convert a Hurst exponent, or a list or range of exponents, to D = 2 - H in increasing order."""
     try:
         if isinstance(exponents, Mapping):
             limits = {"start": round(2 - exponents["stop"], 12), "stop": round(2 - exponents["start"], 12)}
@@ -209,12 +210,12 @@ class SelfAffineSurfaces(GeneratedAreas):
             "Distance between rows and between columns, instead of `extent`.",
         ),
     }
-    """Allowed values and meaning of alternative keys, which are named like the arguments of `self_affine_surface`."""
+    """Allowed values and meanings of alternative keys, which have the names of `self_affine_surface`'s arguments."""
 
     @model_validator(mode="before")
     @classmethod
     def _translate_argument_names(cls, given: Any) -> Any:
-        """Replace the alternative keys by the standard keys, which they override."""
+        """Replace alternative keys by the standard keys; they override the defaults of the standard keys."""
         if not isinstance(given, Mapping) or not cls.other_keys.keys() & given.keys():
             return given
         table = {key: value for key, value in given.items() if key not in cls.other_keys}

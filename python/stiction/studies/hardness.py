@@ -1,6 +1,7 @@
-"""Uncertain inputs of a measured pair, and its true area as a function of hardness and E*.
+"""Uncertain inputs of a measured pair, and the true area as a function of hardness and E*.
 
-A few members of the pair are solved at some other hardnesses and moduli (nodes), and the area is interpolated.
+The first members of the pair are also solved at other hardnesses and moduli (nodes), between which the area is
+interpolated.
 """
 
 from __future__ import annotations
@@ -41,41 +42,46 @@ NUM_MAP_MEMBERS, NUM_LARGE_MAP_MEMBERS, NUM_PROFILE_MEMBERS = 4, 2, 16
 MIN_LARGE_MAP_POINTS = 2**19
 """Number of grid points above which a map is large.
 
-Areas of members of 384² points differ by 0.1 % if all contacts yield, and by 2 % if some contacts yield."""
+A small number of members suffices: areas of members of 384² points differ by 0.1 % if all contacts yield, and by 2 % if
+some contacts yield.
+"""
 
-MIN_ERROR_MEMBERS = 2  # smallest number of members for an estimate of the error of the interpolated area
+MIN_ERROR_MEMBERS = 2  # smallest number of members from which the error of the interpolated area is estimated
 
 NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
-"""Positions of the nodes within the range of ln H, from 0 to 1, by the number of moduli.
+"""Positions of the nodes within the range of ln H, from 0 to 1, by the number of moduli (1 or 3).
 
-The hardness of the study and an infinite hardness (elastic bodies) are added."""
+Nodes at the hardness of the study and at infinite hardness (elastic bodies) are added.
+"""
 
 MAX_NARROW_HALF_RANGE = 0.2
-"""Half width of the range of ln E* up to which no solutions at other moduli are needed.
+"""Largest half width of the range of ln E* for which no solutions at other moduli are needed.
 
-The area then follows from its growth with the load."""
+The area then follows from its dependence on the load.
+"""
 
 SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
-"""Step of ln H and number of the nodes that junction growth adds below the range of the hardness.
+"""Spacing in ln H, and number, of the nodes that junction growth adds below the range of the hardness.
 
-At smaller hardnesses all contacts are assumed to be plastic, with an area proportional to 1/H."""
+Below these nodes, all contacts are assumed to be plastic, with an area proportional to 1/H.
+"""
 
 NODE_QUANTILES = (0.005, 0.995)
-"""Quantiles of a range at which the outermost nodes lie."""
+"""Quantiles of an input at which the outermost nodes lie."""
 _MODULUS_LABELS = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
 THREE_DIGIT_ERROR = 0.006  # largest relative error of a number rounded to three digits
 
 
 @dataclass(frozen=True)
 class LabelledInput:
-    """Uncertain input of a study, with a label for texts."""
+    """Uncertain input of a study, with a label for messages and reports."""
 
     label: str
     estimate: UncertainInput
 
 
 def find_inputs(study: Study) -> dict[str, LabelledInput]:
-    """Return the uncertain inputs of a study by their names; empty for generated surfaces."""
+    """Return the uncertain inputs of a study by name; empty for generated surfaces."""
     if not study.is_measured:
         return {}
     table, contact = study.known, study.contact
@@ -133,7 +139,7 @@ def find_moduli(study: Study) -> Moduli:
 
 
 def find_materials(study: Study) -> tuple[Material, ...]:
-    """Return the materials of both bodies; empty if the study names none, or if a name is unknown."""
+    """Return the materials of both bodies; empty if the study has no names of materials, or if a name is unknown."""
     try:
         return tuple(material(name) for name in study.contact.materials or ())
     except ValueError:
@@ -141,7 +147,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Floats | float:
-    """Return the ratio of E* to the E* of the study, for samples of the inputs by their names."""
+    """Return the ratio of E* to the E* of the study for samples of the inputs, given by name."""
     return find_moduli(study).relative_modulus(samples)
 
 
@@ -151,11 +157,11 @@ def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Flo
 def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     """Return the nodes: hardnesses divided by the relative modulus (GPa), and relative moduli (E* over the study's E*).
 
-    The last hardness is infinite, for elastic bodies. There are no hardnesses if hardness and E* are exact or have
+    The last hardness is infinite, for elastic bodies. No hardnesses are returned if hardness and E* are exact or have
     narrow ranges, and the study has neither dwell times nor junction growth.
     """
     inputs, creep, hardness = find_inputs(study), find_creep(study), study.contact.hardness
-    # The half width of the range of ln E* is the root sum of squares of the contributions of its inputs.
+    # Contributions of the inputs to the half width of the range of ln E* are added as a root sum of squares.
     steps = [
         np.ptp(np.log(compute_relative_modulus(study, {name: entry.estimate.quantile(NODE_QUANTILES)}))) / 2
         for name, entry in inputs.items()
@@ -180,7 +186,7 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
 
 
 def _choose_shear_nodes(study: Study, softest: float) -> Floats:
-    """Return the nodes below a hardness (GPa) that junction growth needs, for any mu0 and tau0."""
+    """Return further nodes below the smallest hardness (GPa), which junction growth needs for any mu0 and tau0."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
     return np.asarray(softest * np.exp(-SHEAR_NODE_STEP * np.arange(1, NUM_SHEAR_NODES + 1)))
@@ -230,8 +236,8 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
     """Return the true areas (µm²) of a member at one node, with shape (areas, loads).
 
     `task` contains the index of the member, the relative modulus, and the hardness divided by the relative modulus.
-    With junction growth the second area is the area of the contacts that oppose the motion, multiplied by their slope
-    factors and averaged over directions. Areas are NaN at loads that the member cannot carry.
+    With junction growth there is a second area: contacts that oppose the motion, weighted by their slope factors and
+    averaged over directions. Areas are NaN at loads that the member cannot carry.
     """
     index, modulus, ratio = task
     bodies, contact, hardness = load_bodies(study), study.contact, modulus * ratio
@@ -258,7 +264,7 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
 
 
 def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
-    """Return the tangential load per shear strength (µm²) of the contacts that oppose the motion, for each load."""
+    """Return the sum of area times slope factor (µm²) over contacts that oppose the motion, for each load."""
     opposing = curve.with_sliding("opposing")
     directions = [opposing] if is_areal else [opposing, opposing.with_direction("-x")]
     sums = np.mean([direction.tangential_adhesive for direction in directions], axis=0)
@@ -266,7 +272,7 @@ def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
 
 
 def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
-    """Load the areas at the nodes that are stored with a result; None if they are missing or for other nodes."""
+    """Load the areas stored with a result; None if they are missing or belong to other nodes."""
     study = result.study
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
@@ -286,20 +292,20 @@ def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
 class AreaInterpolator:
     """Interpolation of the true area as a function of hardness and E*, at each load.
 
-    By similarity, the solution at (F, E*, H) equals the solution at (F/e, E*/e, H/e). With e equal to the ratio of E*
-    to the study's E*, the latter has the study's E*, but another load and hardness. A is the true area, F the load.
+    By similarity, the solution at (F, E*, H) equals the solution at (F/e, E*/e, H/e). If e is the ratio of E* to the
+    study's E*, the second solution has the study's E*, but another load and hardness. A is the true area, F the load.
     """
 
     hardness: float | None  # GPa, hardness of the study
     node_hardnesses: Floats  # (n,) hardnesses H/e at the nodes, GPa
     node_areas: Floats  # (loads, m, n) e A/F at the nodes, 1/GPa
     elastic_areas: Floats  # (loads, m) e A/F of elastic bodies, 1/GPa
-    moduli: Floats  # (m,) relative moduli e
+    moduli: Floats  # (m,) relative moduli e at the nodes
     growth: Floats  # (loads,) logarithmic derivative d ln(A/F) / d ln F
-    errors: Floats  # (loads, n) relative standard error of A at the nodes over A at the study's hardness
+    errors: Floats  # (loads, n) relative standard error of the ratio of A at the nodes to A at the study's hardness
     pressures: Floats  # (loads,) nominal pressures, GPa
     opposing_areas: Floats | None = None  # (loads, n) A/F of contacts that oppose the motion, at the study's E*
-    cache: dict[Any, Any] = field(default_factory=dict)  # cache of samples that several points share
+    cache: dict[Any, Any] = field(default_factory=dict)  # samples that several points share
 
     @classmethod
     def from_result(
@@ -322,7 +328,8 @@ class AreaInterpolator:
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
         solved = result.alongside(load_areas_over_hardness)
-        # With junction growth, the friction itself depends on the areas at the nodes, so all loads use them.
+        # With junction growth, the friction itself depends on the areas at the nodes. All loads therefore use these
+        # areas.
         grows = bool(study.contact.junction_growth)
         if solved is not None and (grows or set(loads.tolist()) <= set(solved["load"].values.tolist())):
             means = solved.mean("repetition")
@@ -347,7 +354,8 @@ class AreaInterpolator:
         if own_hardness is None:
             none = np.zeros((loads.size, 0))
             return cls(None, np.zeros(0), none[:, np.newaxis], column, np.ones(1), growth, none, pressures)
-        # Without solutions at other hardnesses, `area_per_load` is scaled to the area at the study's hardness.
+        # Without solutions at other hardnesses, the model `area_per_load` is scaled to the area at the study's
+        # hardness.
         elastic_areas = np.full((loads.size, 1), KAPPA / (float(study.contact.effective_modulus) * gradient))
         none = np.zeros((loads.size, 1))
         return cls(
@@ -362,7 +370,7 @@ class AreaInterpolator:
         )
 
     def area_ratio(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
-        """Return the ratio of the true area to the area of the study, for hardnesses (GPa) and relative moduli."""
+        """Return the ratio of the true area to the study's true area, for hardnesses (GPa) and relative moduli."""
         if hardness is None or self.hardness is None:
             areas, study_areas = self.elastic_areas[load][:, np.newaxis], self.elastic_areas[load][:, np.newaxis]
         else:
@@ -376,30 +384,30 @@ class AreaInterpolator:
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
-        """Return the relative standard error of `area_ratio` at hardnesses divided by the relative modulus (GPa)."""
+        """Return the relative standard error of `area_ratio`, for hardnesses divided by the relative modulus (GPa)."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.node_hardnesses), self.errors[load]))
 
     def growth_ratio(
         self, load: int, rule: str, hardness: Floats, under_shear: Floats, modulus: Floats | float = 1.0
     ) -> Floats:
-        """Return the ratio of the true area of sheared contacts at the onset of sliding to their area before shear.
+        """Return the ratio of the true area of sheared contacts at the onset of sliding to the area before shear.
 
         Parameters
         ----------
         load : int
             Index of the load.
         rule : {"all", "opposing"}
-            With "opposing", only contacts that oppose the motion are sheared. Their area is an upper bound, because it
-            is computed with H' at the other contacts too.
+            With "opposing", only contacts that oppose the motion are sheared. The result is then an upper bound,
+            because H' is applied to the other contacts too.
         hardness, under_shear : array of float, GPa
-            H, and H' by `hardness_under_shear`; NaN of H' means seizure.
+            H, and H' from `hardness_under_shear`; H' is NaN at seizure.
         modulus : array_like of float
             Ratio of E* to the study's E*.
 
         Returns
         -------
         array of float
-            Infinite at seizure, which means that H' is NaN, or that the nominal area does not carry the load at H'.
+            Infinite at seizure: H' is NaN, or the nominal area cannot carry the load at H'.
         """
         known = under_shear > self.pressures[load]
         pressure = np.where(known, under_shear, hardness)
@@ -407,24 +415,24 @@ class AreaInterpolator:
         return np.where(known, np.where(pressure == hardness, 1.0, ratio), np.inf)
 
     def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return the true area of the sheared contacts in arbitrary units; only ratios of these areas are used."""
+        """Return the true area of the sheared contacts in arbitrary units, for use in ratios."""
         if rule == "all" or self.opposing_areas is None:
             return self.area_ratio(load, hardness, modulus)
         ratio = np.asarray(hardness / modulus)
         return area_per_load(ratio.ravel(), self.node_hardnesses, *self.sheared_areas(load, rule)).reshape(ratio.shape)
 
     def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return `_sheared_area` before shear, cached because the hardnesses are the same for many mu0 and tau0."""
+        """Return `_sheared_area` before shear, cached because many values of mu0 and tau0 share the same hardnesses."""
         key = "before", load, rule
         cache = self.cache.get(key)
         if cache is None or cache[0] is not hardness or cache[1] is not modulus:
             cache = hardness, modulus, self._sheared_area(load, rule, hardness, modulus)
-            if hardness.size > 1:  # an array of samples
+            if hardness.size > 1:  # only arrays of samples are worth caching
                 self.cache[key] = cache
         return np.asarray(cache[2])
 
     def sheared_areas(self, load: int, rule: str) -> tuple[Floats, float]:
-        """Return A/F (1/GPa) of the sheared contacts at the nodes and for elastic bodies, at the study's E*."""
+        """Return A/F (1/GPa) of the sheared contacts at the study's E*, at the nodes and for elastic bodies."""
         middle = self.moduli.size // 2
         areas, elastic_areas = self.node_areas[load, middle], float(self.elastic_areas[load, middle])
         if rule == "all" or self.opposing_areas is None:
@@ -433,7 +441,7 @@ class AreaInterpolator:
 
 
 def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
-    """Interpolate areas over the load by power laws; beyond the loads of the dataset the areas are constant."""
+    """Interpolate areas over the load by power laws; outside the loads of the dataset the areas are constant."""
     import xarray
 
     known_loads = areas["load"].values
@@ -441,12 +449,12 @@ def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
     below = np.floor(place).astype(int)
     lower, upper = (areas.isel(load=index).drop_vars("load") for index in (below, np.ceil(place).astype(int)))
     weight = xarray.DataArray(place - below, dims="load")
-    # Exact at loads of the dataset, even if the areas at the next load are NaN.
+    # This form is exact at loads of the dataset, even if the areas at the next load are NaN.
     return lower ** (1 - weight) * upper**weight
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:
-    """Estimate the relative standard error of the ratio of the areas at the nodes and at the study's hardness.
+    """Estimate the relative standard error (loads, n) of the ratio of areas at the nodes and at the study's hardness.
 
     The shape is (loads, n).
     """

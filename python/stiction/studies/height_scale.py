@@ -1,7 +1,7 @@
-"""Friction and true area of a measured pair whose heights are multiplied by a factor, as by another finish.
+"""Friction and true area of a measured pair whose heights are multiplied by a factor, as if finished differently.
 
-Each factor is computed as a separate study, which is stored in the folder of the result. Between these factors the
-results are interpolated.
+Each factor is computed as a separate study, which is stored in the folder of the result. Results for factors in between
+are interpolated.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ if TYPE_CHECKING:
     import xarray
 
 HEIGHT_SCALE_FOLDER = "height_scale"
-"""Name of the folder in a result folder that contains one study for each factor."""
+"""Name of the folder, within the folder of a result, that contains one study for each factor."""
 
 FACTOR_STEP = 0.5
-"""Largest difference of log2 of two factors between which results are interpolated."""
+"""Largest difference of log2(factor) between two computed factors for which results are interpolated."""
 
-FACTOR_DIGITS = 6  # significant digits of a factor, which names its folder
+FACTOR_DIGITS = 6  # significant digits of a factor in the name of its folder
 
 ScaledSides = Literal["both", "upper", "lower"]
 """Surfaces whose heights are scaled."""
@@ -65,14 +65,14 @@ _INTERPOLATED_VARIABLES = (
 
 
 class MissingFactorsError(ArgumentError):
-    """Error raised for factors of the heights that are not computed yet.
+    """Error raised if results are requested at factors of the heights that have not been computed.
 
     Attributes
     ----------
     factors : ndarray of float
-        Factors to compute.
+        Factors that have to be computed.
     seconds : float
-        Estimated time of one core to compute them.
+        Estimated time on one core.
     """
 
     def __init__(self, factors: Floats, seconds: float) -> None:
@@ -91,8 +91,8 @@ def parse_factors(factors: Any) -> Floats:
     Parameters
     ----------
     factors : float, array_like or str
-        Factors from 0.01 to 100. A text contains a list, "0.5,1,2", or a range, "0.25..4", which stands for its ends
-        and the powers of the square root of 2 between them.
+        Factors from 0.01 to 100. A text is a list, "0.5,1,2", or a range, "0.25..4", which expands to its ends and all
+        powers of √2 between the ends.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def parse_factors(factors: Any) -> Floats:
 
 
 def _parse_factor_text(text: str) -> Floats:
-    """Parse a text with a list of factors, or with a range, which stands for its ends and the powers between them."""
+    """Parse a text that is a list of factors, or a range, which expands to its ends and the powers between them."""
     try:
         if ".." not in text:
             if text.count(",") == 1:
@@ -121,8 +121,8 @@ def _parse_factor_text(text: str) -> Floats:
         raise
     except ValueError:
         raise ArgumentError(
-            '{height_scale} must be factors, as in "0.5,1,2", or an increasing range within {least:g} to {most:g}, as '
-            'in "0.25..4", got {got}',
+            '{height_scale} must be a list of factors, as in "0.5,1,2", or an increasing range within {least:g} to '
+            '{most:g}, as in "0.25..4", got {got}',
             least=MIN_FACTOR, most=MAX_FACTOR, got=short_repr(text),
         ) from None  # fmt: skip
     nodes = _list_enclosing_powers(low, high)
@@ -130,14 +130,14 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _list_enclosing_powers(low: float, high: float) -> Floats:
-    """Return the powers of 2, in steps of `FACTOR_STEP` of the exponent, that enclose a range of factors."""
+    """Return powers of 2, with exponents in steps of `FACTOR_STEP`, that enclose a range of factors."""
     first, last = math.floor(math.log2(low) / FACTOR_STEP), math.ceil(math.log2(high) / FACTOR_STEP)
     powers = np.exp2(FACTOR_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
     return np.unique([float(f"{each:.{FACTOR_DIGITS}g}") for each in powers.tolist()])
 
 
 def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
-    """Return the factors that still have to be solved, so that all given factors can be interpolated."""
+    """Return the factors that must still be solved before results at all given factors can be interpolated."""
     missing = np.array([factor for factor in factors.tolist() if _find_neighbors(solved, factor) is None])
     if not missing.size:
         return missing
@@ -146,9 +146,9 @@ def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
 
 
 def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the solved factors just below and above a factor.
+    """Return the indices of the nearest solved factors below and above a factor.
 
-    Both indices are the same if the factor itself is solved. Returns None if the neighbors are too far apart.
+    Both indices are the same if the factor itself is solved. None is returned if the neighbors are too far apart.
     """
     upper = int(np.searchsorted(solved, factor))
     if upper < solved.size and solved[upper] == factor:
@@ -158,7 +158,7 @@ def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
 
 
 def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Study:
-    """Return the study of a measured pair with heights multiplied by a factor.
+    """Return the study of a measured pair with its heights multiplied by a factor.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def find_factor_folder(path: Path, factor: float, scaled: ScaledSides) -> Path:
 
 
 def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float, StoredResult]:
-    """Open the finished studies of all factors of a result, by factor in ascending order.
+    """Open the finished studies of all factors of a result, in ascending order of the factor.
 
     The result itself is included as factor 1. All studies are opened with the friction parameters of the result.
     """
@@ -202,7 +202,7 @@ def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float
 
 
 def _lacks_hardness(stored: StoredResult) -> bool:
-    """Return whether uncertain inputs require areas at other hardnesses or moduli that are not stored yet."""
+    """Return True if uncertain inputs require areas at other hardnesses or moduli that are not stored yet."""
     needs_areas = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
     return needs_areas and load_areas_over_hardness(stored) is None
 
@@ -217,10 +217,11 @@ def compute_factors(
     result: StoredResult, factors: Any, scaled: ScaledSides = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute the missing factors that a stored result needs to evaluate the given factors.
+    """Compute the factors that a stored result lacks for an evaluation at the given factors.
 
-    Each factor is stored as a separate study, so that an interrupted run keeps the finished factors. `announce`
-    receives a line before each factor. Raises the errors of `evaluate_height_scale` and of `compute_missing`.
+    Each factor is stored as a separate study, so that an interrupted run keeps the finished factors. `announce` is
+    called with a line of text before each factor. Raises the errors of `evaluate_height_scale` and of
+    `compute_missing`.
     """
     missing = find_missing_factors(parse_factors(factors), np.array(list(open_stored_factors(result, scaled))))
     with enter_executor(executor) as workers:
@@ -230,7 +231,7 @@ def compute_factors(
             folder = find_factor_folder(result.path, factor, scaled)
             existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing and find_member_differences(existing.study, study):
-                remove_result(existing)  # it belongs to another pair
+                remove_result(existing)  # the stored study belongs to another pair
             compute_missing(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
             if _lacks_hardness(stored) and (areas := compute_areas_over_hardness(stored.study, workers)) is not None:
@@ -268,9 +269,9 @@ def evaluate_height_scale(
     Raises
     ------
     MissingFactorsError
-        If a factor is not computed, and cannot be interpolated between computed factors.
+        If a factor is neither computed nor close enough to computed factors for an interpolation.
     ValueError
-        If the study has no two measured surfaces or is not finished, or if a factor is out of range.
+        If the study does not have two measured surfaces, or is not finished, or if a factor is out of range.
 
     Notes
     -----
@@ -302,7 +303,7 @@ def evaluate_height_scale(
                 for factor, indices in zip(factors, neighbors, strict=True)
             ]
         )
-        if "statistic" in first[name].dims:  # always the last dimension
+        if "statistic" in first[name].dims:  # the dimension `statistic` is always the last one
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
         variables[name] = (("height_scale", *first[name].dims), interpolated, first[name].attrs)
@@ -332,7 +333,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 
 
 def _interpolate_factors(values: Floats, solved: Floats, factor: float, neighbors: tuple[int, int]) -> Floats:
-    """Interpolate values between solved factors (first axis); NaN if the value of a neighbor is NaN."""
+    """Interpolate values between solved factors (first axis); NaN if a neighboring value is NaN."""
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors

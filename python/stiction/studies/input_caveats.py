@@ -1,4 +1,4 @@
-"""Caveats about inputs: implausible heights, spikes, noise, loads and coefficients."""
+"""Caveats about inputs: implausible heights, form, spikes, noise, loads and coefficients."""
 
 from __future__ import annotations
 
@@ -34,39 +34,41 @@ LIMIT_REASONS = {
     "hump": "the spectrum has a hump",
     "tip": "features are sharper than the tip resolves",
 }
-"""Descriptions of the reasons for a wavelength limit."""
+"""Descriptions of the reasons for which wavelengths are not attributed to the surface."""
 
-MAX_HEIGHT_OVER_EXTENT = 10.0  # above this ratio of height to length, the unit of heights must be wrong
-MAX_PLAUSIBLE_MU0 = 2.0  # clean metals in vacuum have lower molecular friction coefficients
+MAX_HEIGHT_OVER_EXTENT = 10.0  # ratio of height to length above which the unit of the heights must be wrong
+MAX_PLAUSIBLE_MU0 = 2.0  # above all measured molecular friction coefficients, including clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
-"""Largest fraction of the mean square height that a fitted parabola may contain before the scan has a form caveat.
+"""Largest fraction of the mean square height that a fitted parabola may account for before the scan has a form caveat.
 
-A surface whose heights are dominated by its longest wavelengths has a fraction of about one half."""
+The fraction is about one half for a surface whose heights are dominated by its longest wavelengths.
+"""
 
 MAX_SPIKE_RATIO = 12.0
-"""A point is a spike if its second difference exceeds this multiple of the robust standard deviation.
+"""Multiple of the robust standard deviation of second differences above which a point is a spike.
 
-The robust standard deviation is the median of the absolute second differences, divided by 0.67."""
+The robust standard deviation is the median of the absolute second differences, divided by 0.67.
+"""
 
-MAX_NOISE_SLOPE_FRACTION = 0.01  # there is a caveat if the instrument adds more of the mean square slope
-MAX_PEAK_FRACTION = 0.1  # there is a caveat if one peak has more of the fourth spectral moment
+MAX_NOISE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope from the instrument above which there is a caveat
+MAX_PEAK_FRACTION = 0.1  # fraction of the fourth spectral moment in one peak above which there is a caveat
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     "the surface; two scans of one place show which (stiction characterise --repeated)"
 )
-MAX_SPECTRA_RATIO = 2.0  # there is a caveat if spectra of one surface differ by a larger factor
+MAX_SPECTRA_RATIO = 2.0  # ratio of two spectra of one surface above which there is a caveat
 MAX_PRESSURE_OVER_MODULUS = 0.1
-"""Ratio of nominal pressure to E* above which the given load is probably the load on the whole part."""
+"""Ratio of nominal pressure to E* above which the given load is probably the load on the whole component."""
 
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
-    """Return caveats about two bodies as read from files, their study, and loads (mN)."""
-    bowed = study.surfaces.level == "quadratic"  # a subtracted form is no caveat
+    """Return caveats about two bodies as read from files, about their study, and about loads (mN)."""
+    bowed = study.surfaces.level == "quadratic"  # no caveat about form if it is subtracted
     vouched = bool(study.surfaces.vouched)
 
     def of_part(file: MeasuredFile, body: Body) -> list[Caveat]:
-        """Return caveats about the scans of a part; of each kind, the one with the longest wavelength."""
+        """Return caveats about the scans of a body: of each kind, the caveat with the longest wavelength."""
         kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             found = [Caveat(each.text, f"{each.cure} ({each.name})", "caution") for each in of_scan.caveats]
@@ -109,7 +111,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
 
 
 def _without_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat; filtering is none if its cutoff exceeds the longest one of both scans (µm)."""
+    """Return the remedy of a caveat, without the cutoff if it exceeds the longest one of both scans (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.cure
     return (
@@ -127,12 +129,12 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _kind(caveat: Caveat) -> str:
-    """Return the text without its numbers."""
+    """Return the text of a caveat without its numbers."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
 def _joined(upper: Caveat, lower: Caveat) -> str:
-    """Return the text of two caveats of a kind, with both numbers where they differ."""
+    """Return the common text of two caveats of one kind, with both numbers if they differ."""
     others = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def number(own: re.Match[str]) -> str:
@@ -154,8 +156,8 @@ def find_scan_caveats(
 ) -> list[Caveat]:
     """Return caveats about a scan: heights, form, spikes, and wavelengths not attributed to the surface.
 
-    `textured` scans may have lines and humps. `has_readings` is true if the filtered scan is pressed as well, and
-    `elastic` if there is no hardness.
+    `textured` scans may have lines and humps in their spectra. `has_readings` is true if the filtered scan is pressed
+    as well, and `elastic` is true if no hardness is given.
     """
     return [
         *_of_body(body, form=form),
@@ -164,7 +166,7 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
-    """Return the caveats about the files of a measured study; none if the files are missing."""
+    """Return caveats about the files of a measured study; none if files are missing."""
     surfaces = study.surfaces
     if surfaces.kind != "measured":
         return ()
@@ -176,20 +178,20 @@ def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
 
 
 def _extent(body: Body) -> tuple[float, float]:
-    """Return the extents along both axes, µm; a profile is 1 µm wide, and a spectrum has no bounds."""
+    """Return the extents along both axes, µm; a profile is 1 µm wide, and a spectrum has an infinite extent."""
     if isinstance(body, JoinedSpectrum):
         return np.inf, np.inf
     return (1.0, body.extent) if isinstance(body, Profile) else body.extent
 
 
 def spectra_differ(joined: JoinedSpectrum) -> bool:
-    """Return whether the power of a scan differs significantly from that of others, by more than a factor of two."""
+    """Return True if the power of one scan differs significantly from the others, by more than a factor of two."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
 
 def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield caveats about several scans of one surface: disagreement, or missing wavelengths."""
+    """Yield caveats about several scans of one surface: contradictory spectra, or missing wavelengths."""
     if spectra_differ(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
@@ -200,7 +202,7 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 def _of_instrument(
     body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool, elastic: bool
 ) -> Iterator[Caveat]:
-    """Yield caveats about wavelengths from the instrument, and about those that the tip does not resolve."""
+    """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
     try:
         limit = instrument_limit(body, texture=textured)
         blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
@@ -220,7 +222,7 @@ def _of_instrument(
         yield Caveat(text, cure, severity, limit.cut_off, has_readings and limit.matters)
     if blunt.reason == "tip" and blunt.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
         text = f"{_waves(blunt)}, which the tip does not resolve: the surface is steeper"
-        # Without a hardness, steeper slopes reduce the true area without a limit.
+        # Without a hardness, steeper slopes reduce the true area without limit.
         how: Severity = "fault" if elastic and blunt.matters else "caution"
         cure = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         yield Caveat(text, cure, how, blunt.cut_off)
@@ -236,11 +238,12 @@ def _of_instrument(
 
 
 def _waves(limit: InstrumentLimit) -> str:
-    """Return the mean square slope fraction of unreliable wavelengths, with their limit."""
-    fraction = f"{100 * limit.slope_fraction:.0f} %"  # few digits, so that caveats of two scans are equal
+    """Return a text with the fraction of the mean square slope in unreliable wavelengths, and their limit."""
+    # rounded to few digits, so that caveats of similar scans are equal
+    fraction = f"{100 * limit.slope_fraction:.0f} %"
     along = f" along {limit.axis}" if limit.axis else ""
     wavelength = format_with_unit(limit.wavelength, "um")
-    return f"{fraction} of the mean square slope is from wavelengths below {wavelength}{along}"
+    return f"{fraction} of the mean square slope comes from wavelengths below {wavelength}{along}"
 
 
 def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
@@ -255,7 +258,7 @@ def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
     level = levelled(body, "line").heights
     parabola = 1 - levelled(body, "quadratic").heights.var() / level.var() if np.ptp(level) > 0 else 0.0
     if form and parabola > MAX_FORM_FRACTION:
-        text = f"form (a parabola) is {100 * parabola:.0f} % of the mean square height, and carries the load"
+        text = f"form (a parabola) contributes {100 * parabola:.0f} % of the mean square height, and carries the load"
         yield Caveat(text, "try --level quadratic", "caution")
     bends = np.abs(np.diff(body.heights, 2))
     usual = float(np.median(bends)) / 0.6745

@@ -1,8 +1,9 @@
-"""Uncertain inputs: numbers, values with a standard uncertainty, and ranges, parsed from text and drawn as samples.
+"""Uncertain inputs (numbers, ranges, and values with a standard uncertainty), their parser, and their samples.
 
-Distributions are propagated by sampling (JCGM 101, 2008). A range of a hardness, a modulus or a strength is a
-log-normal distribution with 95 % between its ends. A range of a coefficient, and a value with a standard uncertainty,
-are normal distributions truncated at 0. A range that starts at 0 is a uniform distribution.
+Distributions are propagated by sampling (JCGM 101, 2008). A range of a hardness, a modulus or a strength stands for a
+log-normal distribution with 95 % of its probability between the ends. A range of a coefficient, and a value with a
+standard uncertainty, stand for normal distributions truncated at 0. A range that starts at 0 stands for a uniform
+distribution.
 """
 
 from __future__ import annotations
@@ -25,10 +26,11 @@ from stiction.studies.values import Table, as_tuple
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-NUM_SAMPLES = 2**14  # number of samples, at which budget fractions of equal inputs differ by less than 0.01
+# number of samples; with this number, the budget fractions of two equal inputs differ by less than 0.01
+NUM_SAMPLES = 2**14
 MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
-"""Pattern that occurs only in texts with a range, an uncertainty or a hardness scale."""
+"""Pattern that matches only texts with a range, an uncertainty or a hardness scale."""
 
 _VICKERS_BY_ROCKWELL = {
     20: 238,
@@ -43,35 +45,36 @@ _VICKERS_BY_ROCKWELL = {
     65: 832,
     68: 940,
 }
-"""Vickers hardness of steels by Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
+"""Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-ROCKWELL_CONVERSION_ERROR = 0.05  # relative half width of the range of a hardness converted from HRC: 10 to 20 HV
+# relative half width of the range of a hardness that is converted from HRC; corresponds to 10 to 20 HV
+ROCKWELL_CONVERSION_ERROR = 0.05
 _VICKERS_PRESSURE = 9.80665e-3 / 0.9272
-"""Mean pressure (GPa) of 1 HV, which is 1 kgf per mm² of the faces; the projected area is 0.9272 of the faces."""
+"""Mean pressure (GPa) of 1 HV: 1 kgf per mm² of indentation surface, whose projection is 0.9272 of this surface."""
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
 _PERCENT_PATTERN = re.compile(
     r"(.+?)\s*%\s*(.*)"
-)  # a relative uncertainty, optionally followed by the unit of the value
+)  # relative uncertainty, which may be followed by the unit of the value
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
-_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # "HV10", "HV 0.5": kgf
+_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # as in "HV10", "HV 0.5"
 InputKind = Literal["", "pressure", "modulus", "hardness"]
-MAX_POISSON_RATIO = 0.5  # of an incompressible body
-MAX_JUNCTION_GROWTH = 100.0  # α; a von Mises body whose hardness is three yield strengths has α = 27
-MAX_CREEP_EXPONENT = 0.5  # of indentation creep; the hardness then falls to a third in a decade of time
+MAX_POISSON_RATIO = 0.5  # an incompressible body has this ratio
+MAX_JUNCTION_GROWTH = 100.0  # of α, which is 27 for a von Mises body whose hardness is three yield strengths
+MAX_CREEP_EXPONENT = 0.5  # at this exponent the hardness falls to a third within a decade of time
 
 
 @dataclass(frozen=True)
 class UncertainInput:
-    """An input as a distribution, in core units."""
+    """Input as a probability distribution, in core units."""
 
-    value: float  # the number, or the middle of the range (geometric mean for a log-normal distribution)
+    value: float  # the number, or the middle of the range (the geometric mean for a log-normal distribution)
     low: float  # lower end of the 95 % interval, or of a uniform distribution
     high: float
     distribution: Distribution
     text: str  # text as written by the user
-    maximum: float = math.inf  # largest possible value
+    maximum: float = math.inf  # upper bound of the samples
 
     @property
     def is_exact(self) -> bool:
@@ -80,11 +83,11 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """Number in up to six digits, or the range as written by the user."""
+        """Number with up to six digits, or the range as written by the user."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     def agrees_with(self, text: str) -> bool:
-        """Return whether a text describes the same distribution of a hardness, possibly in another unit."""
+        """Return True if a text describes the same distribution of a hardness, possibly in another unit."""
         try:
             other = self if text == self.text else parse_input("", text, "hardness")
         except ValueError:
@@ -92,7 +95,7 @@ class UncertainInput:
         return self.distribution == other.distribution and np.allclose([self.low, self.high], [other.low, other.high])
 
     def quantile(self, probability: ArrayLike) -> Floats:
-        """Return the quantiles at probabilities."""
+        """Return the quantiles of the distribution at given probabilities."""
         values = np.asarray(probability, dtype=np.float64)
         return np.minimum(self._quantile(values), self.maximum)
 
@@ -106,7 +109,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        truncated = ndtr(-self.value / deviation)  # probability that is truncated at 0
+        truncated = ndtr(-self.value / deviation)  # probability below 0, which is truncated
         return np.asarray(np.maximum(self.value + deviation * ndtri(truncated + probability * (1 - truncated)), 0.0))
 
 
@@ -126,14 +129,14 @@ def parse_input(name: str, given: Any, kind: InputKind = "") -> UncertainInput:
     text = " ".join(given.split())
     parsed = _parse_text(name, _TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
     if not parsed.high <= MAX_NUMBER:
-        raise ValueError(f"{name} must be at most {MAX_NUMBER:g} with its uncertainty, got {short_repr(text)}")
+        raise ValueError(f"{name} must be at most {MAX_NUMBER:g}, including its uncertainty, got {short_repr(text)}")
     if parsed.distribution == "normal" and parsed.high - parsed.low < 2 * Z_95 * MIN_RELATIVE_DEVIATION * parsed.value:
-        raise ValueError(f"{name} must have a larger uncertainty or none, got {short_repr(text)}")
+        raise ValueError(f"{name} must have a larger uncertainty, or none, got {short_repr(text)}")
     return replace(parsed, text=text)
 
 
 def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Parse a text with single blanks as a distribution."""
+    """Parse a text as a distribution; words are separated by single blanks."""
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first, last = match.groups()
@@ -171,7 +174,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
             raise ValueError(f"{name} must have an uncertainty above 0, got {short_repr(text)}")
         if kind in ("hardness", "modulus") and value < Z_95 * deviation:
             raise ValueError(
-                f"{name} must be at least twice its standard uncertainty, since it is above 0, got "
+                f"{name} must be at least twice its standard uncertainty, because it is positive, got "
                 f"{short_repr(text)}; specify a range, low..high"
             )
         return UncertainInput(value, value - Z_95 * deviation, value + Z_95 * deviation, "normal", text)
@@ -200,7 +203,7 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, given: Any, kind: str) -> float:
-    """Parse a number of at least 0. An input with a kind of quantity may be a text with a unit."""
+    """Parse a number of at least 0. If a kind of quantity is given, a text with a unit is accepted too."""
     if isinstance(given, str) and not kind:
         return _parse_number(name, given)
     scale = _TRAILING_UNIT_PATTERN.search(given) if kind == "hardness" and isinstance(given, str) else None
@@ -227,7 +230,7 @@ def _parse_value(name: str, given: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Return two texts with units. If only one text has a unit, it applies to both."""
+    """Return two texts with units; a unit in only one of the texts applies to both."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text
@@ -249,7 +252,7 @@ def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) ->
 
 
 def stratified_points(dimensions: int) -> Floats:
-    """Return stratified points of a Sobol sequence in the unit cube, with shape (NUM_SAMPLES, dimensions)."""
+    """Return points of a Sobol sequence in the unit cube, with shape (NUM_SAMPLES, dimensions)."""
     return sobol_points(dimensions, NUM_SAMPLES, seed=2016)
 
 
@@ -265,15 +268,16 @@ INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
     "poisson": "", "creep": "", "junction_growth": "",
 }  # fmt: skip
-"""Kind of quantity of each input that may be a range."""
+"""Kinds of quantity of the inputs for which a range is accepted."""
 
 
 def parse_study_input(name: str, given: Any) -> UncertainInput:
-    """Parse an input by its name in `INPUT_KINDS`. Error messages do not contain the name."""
+    """Parse an input by its name in `INPUT_KINDS`. Error messages do not include the name."""
     parsed = parse_input("", given, INPUT_KINDS[name])
     if name == "poisson":
         if parsed.high > MAX_POISSON_RATIO:
-            raise ValueError(f"must be from 0 to {MAX_POISSON_RATIO:g} with its uncertainty, got {short_repr(given)}")
+            limits = f"from 0 to {MAX_POISSON_RATIO:g}, including its uncertainty"
+            raise ValueError(f"must be {limits}, got {short_repr(given)}")
         parsed = replace(parsed, maximum=MAX_POISSON_RATIO)
     if name == "junction_growth" and parsed.high > MAX_JUNCTION_GROWTH:
         raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH:g}, got {short_repr(given)}")
@@ -287,10 +291,10 @@ _BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1
 
 
 class UncertainInputsTable(Table):
-    """Ranges and uncertainties of inputs; the contacts are computed with their central values."""
+    """Ranges and uncertainties of the inputs; the contacts are solved at the central values."""
 
     mu0: _InputText | None = Field(
-        default=None, description="Molecular friction coefficient, a range or value ± deviation."
+        default=None, description="Molecular friction coefficient as a range, or as value ± standard uncertainty."
     )
     tau0: _InputText | None = Field(default=None, description="Adhesive shear strength.")
     hardness: _InputText | None = Field(default=None, description="Hardness of the softer body.")
@@ -305,7 +309,8 @@ class UncertainInputsTable(Table):
     )
     interface: str | None = Field(
         default=None, min_length=1, max_length=4096,
-        description="Name or file of an interface, which has μ0 and τ0 jointly; without the file, their ranges apply.",
+        description="Name or file of an interface, which defines μ0 and τ0 jointly; if the file is missing, the "
+        "ranges of μ0 and τ0 apply.",
     )  # fmt: skip
 
     @field_validator("*")

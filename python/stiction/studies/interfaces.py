@@ -1,4 +1,4 @@
-"""Friction tests, and strengths of interfaces from tests, files and published sources.
+"""Friction tests, and the strength of interfaces from tests, files and published sources.
 
 An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
 mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
@@ -46,14 +46,15 @@ if TYPE_CHECKING:
 
 FILE_HEADER = "# stiction interface"  # first line of an interface file
 FILE_COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "junction growth", "area per load of the tests (1/GPa)")
-MAX_INTERFACE_BYTES = 50_000_000  # largest size of an interface file that is read
+MAX_INTERFACE_BYTES = 50_000_000  # largest size of an interface file, in bytes
 _NUMBER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
-"""Probabilities of the residuals below which a sliding rule is excluded, and below which the errors are scaled."""
+"""Probability of the residuals below which a sliding rule is excluded (first) or the errors are scaled (second)."""
 
-BOUND_TOLERANCE = 0.01  # fraction of the width of an interval; a lower end closer to its bound is set to the bound
-INTERVAL_COVERAGE = 0.95  # probability that an interval contains the value
+# a lower end that is closer to its bound than this fraction of the width of the interval is set to the bound
+BOUND_TOLERANCE = 0.01
+INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the value
 SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 
 HARDNESS_ENTRY = "hardness of the draws"
@@ -64,20 +65,22 @@ GROWTH_ENTRY = "junction growth of the draws"
 
 The entry is missing if no test depends on α, or if α differs between tests."""
 
-MIN_RELATIVE_PRESSURE = 1.001  # smallest ratio of the pressure of sliding contacts to the nominal pressure
+MIN_RELATIVE_PRESSURE = 1.001  # smallest ratio of the pressure in sliding contacts to the nominal pressure
 VON_MISES_GROWTH = 27.0  # α at which the shear strength of a body is its hardness divided by √27 (von Mises)
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
-"""Smallest ratio of the true area to the area of plastic contact, and smallest relative increase of a coefficient, for
-which the coefficient depends on α."""
+"""Limits for a dependence on α: ratio of the true area to the area of plastic contact, and relative increase.
+
+A coefficient depends on α if the ratio, and the relative increase of the coefficient, exceed these limits.
+"""
 
 _AREA_ERROR_NAME = "area over hardness"
 
-Interval = tuple[float, float, float]  # a value, and the lower and upper end of its 95 % interval
+Interval = tuple[float, float, float]  # a value, and the lower and the upper end of its 95 % interval
 
 
 @dataclass(frozen=True)
 class Ball:
-    """A smooth ball on a smooth flat, elastic, with the contact area of Hertz.
+    """Smooth elastic ball on a smooth flat, with the contact area of Hertz.
 
     Attributes
     ----------
@@ -103,7 +106,7 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # for the central values of the moduli
+    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # E* for the central values of the moduli
     moduli: Moduli = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
 
     def __post_init__(self) -> None:
@@ -127,10 +130,10 @@ class Ball:
 
 @dataclass(frozen=True, kw_only=True)
 class _TestFriction(PerLoad):
-    """Forces per load and true area per load of the surfaces of a test, at the load of the test."""
+    """Forces per load and true area per load of the surfaces of a test, at its load."""
 
-    scatter: float = 0.0  # relative standard error of `stick`, the adhesive sum
-    surfaces: Hashable = None  # name of the surfaces; tests with the same name share the error of the area
+    scatter: float = 0.0  # relative standard error of the adhesive sum `stick`
+    surfaces: Hashable = None  # name of the surfaces; tests with equal names share the error of the area
     hardness: float = math.nan
     yields: _AreaFactor | None = None
 
@@ -141,10 +144,11 @@ class ShearStrength:
 
     sliding: Sliding
     mu0: Floats
-    tau0: Floats | None = None  # None if `mu0` is the ratio T/F of sliding contacts, whatever mu0 and tau0
+    # None if `mu0` is the ratio T/F in sliding contacts, so that mu0 and tau0 are not separate
+    tau0: Floats | None = None
 
     def under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
-        """Return the pressure H' (GPa) of sliding plastic contacts, from their hardness H (GPa)."""
+        """Return the pressure H' (GPa) in sliding plastic contacts for a hardness H (GPa)."""
         if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
             return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
         return hardness_under_shear(hardness, self.mu0, self.tau0, alpha)
@@ -154,10 +158,11 @@ class ShearStrength:
 class _AreaFactor:
     """Ratio of the true area to the computed area, as a function of uncertain inputs."""
 
-    known: Mapping[str, UncertainInput]  # uncertain inputs: hardness, creep exponent, moduli and α of junction growth
+    # uncertain inputs by name: hardness, creep exponent, moduli and α of junction growth
+    known: Mapping[str, UncertainInput]
 
     def key(self, name: str) -> str:
-        """Return the name of the nuisance parameter of an input; equal inputs of two results have the same name."""
+        """Return the name of the nuisance parameter of an input; results with equal inputs share one name."""
         return f"{name} {self.known[name].text}"
 
     @property
@@ -166,7 +171,7 @@ class _AreaFactor:
         return [self.key(name) for name in self.known]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return values of the inputs, from probabilities by the names of the nuisance parameters."""
+        """Return values of the inputs for given probabilities, both by the names of the nuisance parameters."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
@@ -175,46 +180,47 @@ class _AreaFactor:
         return None
 
     def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area, from probabilities of the nuisance parameters."""
+        """Return the ratio of the true area to the computed area for given probabilities of the nuisance parameters."""
         return self.area_of(self.values(columns), strength)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area, from values of the inputs.
+        """Return the ratio of the true area to the computed area for given values of the inputs.
 
-        With a strength, the true area at the onset of sliding is used, with junction growth; infinite at seizure.
+        If a strength is given, the true area is the area at the onset of sliding, with junction growth; it is infinite
+        at seizure.
         """
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class _BallAreaFactor(_AreaFactor):
-    """Area factor of a Hertzian contact, whose area is proportional to E*^(-2/3)."""
+    """Area factor of a Hertzian point contact, whose area is proportional to E*^(-2/3)."""
 
     moduli: Moduli
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the area to the area at the central moduli; elastic contacts do not grow."""
+        """Return the ratio of the area to the area at the central moduli; elastic contacts ignore the strength."""
         return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
 
 @dataclass(frozen=True)
 class _ResultAreaFactor(_AreaFactor):
-    """Area factor of a result of measured bodies at a load."""
+    """Area factor at a load of a result of measured bodies."""
 
     areas: AreaInterpolator
     study: Study
     wait: float
-    error: str | None  # name of the nuisance parameter for the error of the interpolated area
+    error: str | None  # name of the nuisance parameter that represents the error of the interpolated area
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
-        """Return the area factor of a result of measured half-spaces; None if no input is uncertain."""
+        """Return the area factor of a result of measured half-spaces; None if all inputs are exact."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
         known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
         creep = find_creep(study)
         if wait != 1 and creep is None:
-            raise ValueError("wait requires a pair that was pressed with wait and creep")
+            raise ValueError("wait requires a result of a pair that was pressed with wait and creep")
         if not known and creep is None and find_junction_growth(study) is None:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
@@ -241,9 +247,10 @@ class _ResultAreaFactor(_AreaFactor):
         return find_junction_growth(self.study)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area, from values of the inputs.
+        """Return the ratio of the true area to the computed area for given values of the inputs.
 
-        With a strength, the true area at the onset of sliding is used, with junction growth; infinite at seizure.
+        If a strength is given, the true area is the area at the onset of sliding, with junction growth; it is infinite
+        at seizure.
         """
         hardness = samples.get("hardness", np.asarray(self.areas.hardness or math.nan))
         hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
@@ -251,7 +258,7 @@ class _ResultAreaFactor(_AreaFactor):
         factor = self.areas.area_ratio(0, None if self.areas.hardness is None else hardness, modulus)
         if self.growth is not None and strength is not None:
             pressure = strength.under_shear(hardness, samples.get("junction_growth", self.growth.value))
-            if strength.tau0 is None:  # keep the area finite at any load on the nominal area
+            if strength.tau0 is None:  # the pressure exceeds the nominal pressure, so that the area remains finite
                 pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
             factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
             hardness = np.where(np.isfinite(factor), pressure, hardness)
@@ -261,7 +268,7 @@ class _ResultAreaFactor(_AreaFactor):
 
 
 MIN_COEFFICIENT_UNCERTAINTY = 1e-15
-"""Smallest standard uncertainty of a measured coefficient; the weights of smaller ones would overflow."""
+"""Smallest standard uncertainty of a measured coefficient; smaller values would cause an overflow of the weights."""
 
 
 @dataclass(frozen=True)
@@ -305,7 +312,7 @@ class FrictionTest:
     wait: float | str = 1.0
 
     def __post_init__(self) -> None:
-        """Convert load, coefficient and uncertainty to numbers."""
+        """Convert the load, the coefficient and the uncertainty to numbers."""
         area = getattr(self.result, "nominal_area", None)
         given = (
             to_core_units("load", self.load, "force") if area is None else loads_to_core_units("load", self.load, area)
@@ -337,7 +344,7 @@ class FrictionTest:
             try:
                 percentage = float(given.strip().removesuffix("%"))
             except ValueError:
-                raise ValueError(f"uncertainty must be a number of percent, got {given!r}") from None
+                raise ValueError(f"uncertainty must be a percentage, as in '3 %', got {given!r}") from None
             return number("uncertainty", 0.01 * percentage * float(self.coefficient or 0.0), above=0)
         if isinstance(given, str):
             given, is_force = to_core_units("uncertainty", given, "force"), True
@@ -353,27 +360,27 @@ class FrictionTest:
 
 @dataclass(frozen=True)
 class Fit:
-    """Joint distribution of mu0 and tau0 for one sliding rule, and the quality of the fit."""
+    """Joint distribution of mu0 and tau0 for one sliding rule, with the quality of the fit."""
 
     sliding: Sliding
-    chi_squared: float  # value at the best fit, with the errors as given
-    freedom: int  # number of tests that slid minus fitted parameters
-    probability: float  # probability of a larger chi_squared; NaN without errors or freedom
+    chi_squared: float  # chi-squared at the best fit, with the errors as given
+    freedom: int  # number of tests that slid minus number of fitted parameters
+    probability: float  # probability of a larger chi_squared; NaN without errors or degrees of freedom
     scale: float  # factor by which the errors were multiplied
     trend: float  # probability that the trend of the residuals with the load is random
     mu0: Floats  # samples
-    tau0: Floats  # GPa, same samples
-    hardness: Floats  # GPa, same samples; NaN if the tests do not share one hardness
-    junction_growth: Floats  # α, same samples; NaN if no test depends on α, or if α differs between tests
-    area_per_load: Floats  # A/F (1/GPa) of the tests at the onset of sliding, same samples; NaN if unknown
+    tau0: Floats  # GPa, for the same samples as mu0
+    hardness: Floats  # GPa, for the same samples; NaN if the tests have different hardnesses
+    junction_growth: Floats  # α, for the same samples; NaN if no test depends on α, or if α differs between tests
+    area_per_load: Floats  # A/F (1/GPa) of the tests at the onset of sliding, for the same samples; NaN if unknown
     scores: Mapping[Hashable, Floats] = field(
         default_factory=dict
-    )  # normal scores of the nuisance parameters, same samples
+    )  # normal scores of the nuisance parameters, for the same samples
 
 
 @dataclass(frozen=True)
 class Interface:
-    """Strength of an interface: joint distribution of mu0 and tau0.
+    """Strength of an interface as a joint distribution of mu0 and tau0.
 
     Attributes
     ----------
@@ -424,7 +431,7 @@ class Interface:
 
     @property
     def identified(self) -> Interval:
-        """Sum mu0 + tau0 A/F at the A/F of the tests (of each sample, if known), with its 95 % interval."""
+        """Sum mu0 + tau0 A/F with its 95 % interval, at the A/F of the tests (of each sample, if known)."""
         ratio = self.fits[0].area_per_load
         if not np.isfinite(ratio).all():
             return self.at(self.area_per_load)
@@ -432,22 +439,22 @@ class Interface:
 
     @property
     def mu0(self) -> Interval:
-        """Molecular friction coefficient and its interval; NaN if mu0 and tau0 are not separated."""
+        """Molecular friction coefficient with its interval; NaN if mu0 and tau0 are not separated."""
         return self.strength_intervals[0] if self.separated else (math.nan,) * 3
 
     @property
     def tau0(self) -> Interval:
-        """Adhesive shear strength (GPa) and its interval; NaN if mu0 and tau0 are not separated."""
+        """Adhesive shear strength (GPa) with its interval; NaN if mu0 and tau0 are not separated."""
         return self.strength_intervals[1] if self.separated else (math.nan,) * 3
 
     @cached_property
     def strength_intervals(self) -> tuple[Interval, Interval]:
-        """mu0 and tau0 (GPa) with their intervals, even if they are not separated."""
+        """Molecular friction coefficient and adhesive shear strength (GPa) with intervals, even if not separated."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @cached_property
     def at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa) shifted to mu0 = 0 or to tau0 = 0, if the interval of mu0 or tau0 includes 0.
+        """Samples of mu0 and tau0 (GPa) that are shifted to mu0 = 0 or tau0 = 0, for each whose interval includes 0.
 
         The shift does not change the sum mu0 + tau0 A/F at the A/F of the tests.
         """
@@ -463,9 +470,9 @@ class Interface:
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> Interval:
-        """Return the median and the 95 % interval of a coefficient, which is a function of mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a coefficient, given as a function of mu0 and tau0 (GPa).
 
-        The interval covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
+        The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
         fit = self.fits[0]
         value, low, high = credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
@@ -480,7 +487,7 @@ class Interface:
 
     @property
     def excluded(self) -> tuple[Sliding, ...]:
-        """Sliding rules that the tests exclude, provided that another rule fits."""
+        """Sliding rules that the tests exclude; empty if no other rule fits."""
         likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY_PROBABILITY]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED_PROBABILITY and likely)
 
@@ -521,7 +528,7 @@ class Interface:
         fit, random = self.fits[0], np.random.default_rng(1)
         friction = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
-        def scores(name: Hashable) -> Floats:  # the tests and the prediction use the same samples of common inputs
+        def scores(name: Hashable) -> Floats:  # the tests and the prediction share the samples of their common inputs
             return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
 
         area = np.exp(friction.scatter * scores(friction.surfaces))
@@ -562,7 +569,7 @@ class Interface:
         return replace(parse_study_input("junction_growth", self.about[GROWTH_ENTRY]), value=median)
 
     def has_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether α has the same distribution as α of the tests; None counts as 0."""
+        """Return True if α has the same distribution in the tests and in `growth`; None means α = 0."""
         test_growth = self.growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
@@ -572,10 +579,10 @@ class Interface:
 
 
 def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
-    """Return the median of samples and the ends of their 95 % interval.
+    """Return the median and the ends of the 95 % interval of samples.
 
-    The interval has equal tails, unless the shortest interval with 95 % of the samples begins at the bound: then the
-    shortest interval is returned.
+    The interval has equal tails. If the shortest interval with 95 % of the samples begins at the bound, that interval
+    is returned instead.
     """
     ordered = np.sort(values)
     num_inside = math.ceil(INTERVAL_COVERAGE * len(ordered)) - 1
@@ -590,7 +597,7 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
 
 
 def depends_on_growth(friction: _TestFriction, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth with α = 27 (von Mises) would change a coefficient noticeably."""
+    """Return True if junction growth with α = 27 (von Mises) would change a coefficient noticeably."""
     if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     coefficient, coefficient_with_growth = tabor_friction(friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH])
@@ -598,8 +605,8 @@ def depends_on_growth(friction: _TestFriction, mu0: float, tau0: float) -> bool:
 
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
-    """Return the sliding rules for which a result has friction."""
-    if isinstance(result, Ball):  # a ball has a single contact, with the same friction for both rules
+    """Return the sliding rules for which a result contains friction."""
+    if isinstance(result, Ball):  # A ball has a single contact, for which both rules give the same friction.
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)
@@ -607,10 +614,10 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
-    """Return forces and true area of the surfaces of a test, at its load and for a sliding rule."""
+    """Return the forces and the true area of the surfaces of a test, at its load and for a sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
-        raise ValueError("wait requires a result of pair, which has the creep exponent")
+        raise ValueError("wait requires a result of `pair` with a creep exponent")
     if isinstance(result, Ball):
         return _TestFriction(stick=result.area_per_load(load), yields=test.yields)
     if isinstance(result, FrictionCurve):
@@ -619,10 +626,11 @@ def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
 
 
 def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
-    """Return forces and true area of a curve, for the sliding rule and the first direction of the curve."""
+    """Return forces and true area at a load of a curve, for the sliding rule and the first direction of the curve."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
-        raise ValueError(f"load must be within that of the curve, {loads.min():g} to {loads.max():g} mN, got {load:g}")
+        limits = f"{loads.min():g} to {loads.max():g} mN"
+        raise ValueError(f"load must be within the range of the curve, {limits}, got {load:g}")
     order = np.argsort(loads)
 
     def at(name: str) -> float:
@@ -636,13 +644,13 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
 
 
 def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFriction:
-    """Return forces and true area of a result as means over members and directions, with a standard error."""
+    """Return the forces and the true area of a result, averaged over members and directions, with a standard error."""
     dataset = getattr(result, "dataset", result)
     sums = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
     six_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
     is_reached = np.isfinite(list(six_sums.values())).all(axis=0)
     if not is_reached.any():
-        raise ValueError(f"load must be a load that the result reaches, got {load:g} mN")
+        raise ValueError(f"load must be within the range of the result, got {load:g} mN")
     stick = six_sums["tangential_adhesive"][is_reached]
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
     means = {name: values[is_reached].mean() for name, values in six_sums.items()}
@@ -663,14 +671,14 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     interface : Interface
         Interface to write.
     path : path
-        Path of the file. A file of another kind is not replaced.
+        Path of the file. An existing file is replaced only if it is an interface file.
     about : mapping of str to str, optional
         Further lines of the header, such as materials, conditions and operator.
 
     Raises
     ------
     ValueError
-        If another file has this name, or the file cannot be written.
+        If a file of another kind has this name, or if the file cannot be written.
 
     See Also
     --------
@@ -707,7 +715,7 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
 
 
 def read_interface(path: str | Path) -> Interface:
-    """Read an interface from a file of `write_interface`.
+    """Read an interface from a file that `write_interface` wrote.
 
     Parameters
     ----------
@@ -722,7 +730,7 @@ def read_interface(path: str | Path) -> Interface:
     Raises
     ------
     ValueError
-        If the file cannot be read, or is not an interface.
+        If the file cannot be read, or is not an interface file.
 
     See Also
     --------
@@ -739,13 +747,13 @@ def read_interface(path: str | Path) -> Interface:
     try:
         lines = read_content(Path(path), MAX_INTERFACE_BYTES, FILE_HEADER.encode()).decode("utf-8").splitlines()
     except NotReadableError as error:
-        raise ValueError(f"{printable_path(path)}: is not an interface: {error}") from None
+        raise ValueError(f"{printable_path(path)}: is not an interface file: {error}") from None
     except OSError as error:
         raise ValueError(
             f"{printable_path(path)}: cannot be read as an interface: {describe_os_error(error)}"
         ) from None
     except UnicodeDecodeError:
-        raise ValueError(f"{printable_path(path)}: is not a text file, and therefore not an interface") from None
+        raise ValueError(f"{printable_path(path)}: is not a text file, and therefore not an interface file") from None
     head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
     try:
@@ -815,7 +823,7 @@ def read_interfaces(folder: str | Path) -> dict[str, dict[str, str]]:
 
 
 def interface(name_or_path: str | Path) -> Interface:
-    """Return an interface by its name in `interfaces`, or from a file of `stiction calibrate`.
+    """Return an interface by its name in `interfaces`, or read it from a file that `stiction calibrate` wrote.
 
     Parameters
     ----------
@@ -862,7 +870,7 @@ def interface(name_or_path: str | Path) -> Interface:
 
 
 def find_interface(study: Study) -> Interface | None:
-    """Return the interface of a study; None if the study has none, or if its file is missing or has changed."""
+    """Return the interface of a study; None if the study has none, or if the file is missing or has changed."""
     text = study.known.interface
     if text is None:
         return None

@@ -1,6 +1,7 @@
 """95 % confidence intervals of means over independent repetitions at a load, and over neighboring positions.
 
-The script docs/scripts/intervals.py measures their coverage, and their width relative to the best possible one.
+The script docs/scripts/intervals.py measures the coverage of the intervals, and their width relative to the best
+possible interval.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE = 0.95
-SLOPE_STEPS = 4  # number of steps on each side of a crossing from which the slope of a mean is fitted
+SLOPE_STEPS = 4  # number of steps on each side of a crossing that are used to fit the slope of a mean
 MAX_LOAD_RATIO = 10.01
-"""Largest ratio of neighboring solved loads between which values are interpolated."""
-CHUNK_SIZE = 2**15  # numbers that are processed at a time, so that they fit into the processor cache
-MIN_SAMPLE_SIZE = 3  # smallest number of values for an interval
-MIN_NEIGHBORS = 8  # smallest number of neighboring values for an interval, because mean and correlation are fitted
+"""Largest ratio of successive solved loads between which values are interpolated."""
+CHUNK_SIZE = 2**15  # number of values that are processed together, so that they fit into the processor cache
+MIN_SAMPLE_SIZE = 3  # smallest number of values for which an interval is computed
+MIN_NEIGHBORS = 8  # smallest number of neighboring values for an interval, because both mean and correlation are fitted
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # smaller skewness is neglected, because the scale is then linear to round-off
+_MIN_SKEWNESS = 1e-9  # skewness that is neglected, because the scale is then linear except for round-off
 MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is replaced by the normal distribution
 
 
@@ -36,7 +37,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class Crossing:
-    """First crossings of loads (l,) by curves (..., k).
+    """First crossings of the loads (l,) by curves (..., k).
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
@@ -45,14 +46,14 @@ class Crossing:
     fraction: Floats  # (..., l)
     reached: NDArray[np.bool_]  # (..., l)
     below: NDArray[np.bool_]  # (..., l) True for loads below the load of the first step
-    scale: tuple[Floats, Floats] | None = None  # curves and loads, if ratios to the load are interpolated
+    scale: tuple[Floats, Floats] | None = None  # curves and loads, if ratios of values to loads are interpolated
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
         """Find the first upward crossings by linear interpolation.
 
-        With `ratio`, the ratio of value and load is interpolated as a function of the logarithm of the load. A load
-        between two steps is then reached only if the ratio of their loads is at most `MAX_LOAD_RATIO`.
+        With `ratio`, the ratio of value to load is interpolated as a function of the logarithm of the load. A load
+        between two steps is then reached only if the ratio of the loads of these steps is at most `MAX_LOAD_RATIO`.
         """
         if ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -71,7 +72,7 @@ class Crossing:
         return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
 
     def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
-        """Remove crossings after a step at which curves (..., k) are NaN, except crossings at the load of a step."""
+        """Remove crossings that follow a step at which curves (..., k) are NaN, except crossings exactly at a step."""
         before, there = self._around(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (there == loads)))
 
@@ -83,9 +84,9 @@ class Crossing:
         return before, after
 
     def at(self, values: Floats, *, sums: bool = True) -> Floats:
-        """Interpolate values (..., more, k) at the loads, (..., more, l); NaN at loads that are not reached.
+        """Interpolate values (..., more, k) at the loads, (..., more, l); NaN at loads that a curve does not reach.
 
-        For `sums`, the ratio to the load is interpolated linearly.
+        With `sums`, the ratio of value to load is interpolated linearly.
         """
         own = self.index.ndim - 1
         more = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - own), -1)
@@ -98,8 +99,8 @@ class Crossing:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # At a crossing exactly at a step, the step before it may be NaN.
-        with np.errstate(invalid="ignore"):  # some values are infinite, such as the stiffness of complete contact
+        # If a crossing is exactly at a step, the value of the step before may be NaN.
+        with np.errstate(invalid="ignore"):  # some values may be infinite, such as the stiffness of complete contact
             there = np.where(fraction == 1, after, before + fraction * (after - before))
         if sums and self.scale is not None:
             there = there * self.scale[1]
@@ -122,14 +123,15 @@ class MeansAtLoads:
     """Means of values at given mean normal loads, with jackknife intervals (docs/explanation/intervals.md).
 
     Let v and n be the values and the normal loads of the repetitions at the crossing, and e the exponent of the mean
-    curve, mean(v) ~ mean(n)^e. Without one repetition, the logarithm of the mean at the load changes by the change of
-    ln mean(v) minus e times the change of ln mean(n). If the mean is zero, or changes its sign without some repetition,
-    a symmetric first-order interval is used. The means (c, k) of c curves are given first, then the repetitions.
+    curve, mean(v) ~ mean(n)^e. If one repetition is omitted, the logarithm of the mean at the load changes by the
+    change of ln mean(v) minus e times the change of ln mean(n). If the mean is zero, or changes its sign when a
+    repetition is omitted, a symmetric first-order interval is used instead. The constructor receives the means (c, k)
+    of c curves; the repetitions are added afterwards.
     """
 
     def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
         self.crossing = Crossing.of(normal, loads)
-        # The points (p,) are all pairs of a curve and a load that the curve reaches.
+        # The points (p,) are all pairs of a curve and a load that this curve reaches.
         self._curve, load = np.nonzero(self.crossing.reached)
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -143,7 +145,7 @@ class MeansAtLoads:
         self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
-        """Add repetitions, given by normal loads (c, k, r) and values (c, k, r)."""
+        """Add repetitions with normal loads (c, k, r) and values (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
         at_a_time, others = max(1, CHUNK_SIZE // max(1, self._load.size)), self._repetitions - 1
@@ -151,7 +153,7 @@ class MeansAtLoads:
             each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
         )
         for first in range(0, normal.shape[2], at_a_time):
-            # Values (p, r) of each repetition, and the change of the mean if this repetition is omitted.
+            # Values (p, r) of each repetition, and the change of the mean if the repetition is omitted.
             own_load, own_value = (self._at(each[..., first : first + at_a_time]) for each in (normal, values))
             self._loads.add(own_load)
             self._values.add(own_value)
@@ -162,7 +164,7 @@ class MeansAtLoads:
                 self._plain.add(by_value - slope * by_load)
 
     def interval(self) -> tuple[Floats, Floats]:
-        """Return the lower and upper ends (c, l) of the intervals, after all repetitions were added."""
+        """Return the lower and upper ends (c, l) of the intervals, once all repetitions have been added."""
         mean = self._mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -181,14 +183,14 @@ class MeansAtLoads:
         return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
 
     def _over_loads(self, of_points: Floats) -> Floats:
-        """Return the values of the points (p,) as an array (c, l), with NaN for loads that are not reached."""
+        """Return the values of the points (p,) as an array (c, l), which is NaN for loads that are not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
 
 
 class _Extent:
-    """Running sum, minimum and maximum of values (p, r) along r."""
+    """Running sum, minimum and maximum over r of values (p, r)."""
 
     def __init__(self, size: int) -> None:
         self._sum = np.zeros(size)
@@ -200,12 +202,12 @@ class _Extent:
         self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
 
     def leaves_more_than_nothing(self, mean: Floats) -> NDArray[np.bool_]:
-        """Return whether the sum has the same sign if any single value is omitted."""
+        """Return True if the sum keeps the sign of the mean whichever single value is omitted."""
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
 
 class PowerSums:
-    """Running sums of powers of jackknife values (..., r), from which the half width of an interval follows."""
+    """Running sums of powers of jackknife values (..., r), from which the half width of an interval is computed."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -219,11 +221,11 @@ class PowerSums:
             self._sums[index] += power.sum(axis=-1)
 
     def is_finite(self) -> NDArray[np.bool_]:
-        """Return whether all values were finite."""
+        """Return True if all values were finite."""
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
-        """Return the half width of the interval after all values were added."""
+        """Return the half width of the interval, once all values have been added."""
         count = self._count
         first, second, third, fourth = self._sums
         mean = first / count
@@ -237,7 +239,7 @@ class PowerSums:
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
-    """Return least-squares slopes (p,) of mean values (p, k) with respect to mean normal loads, near the steps (p,)."""
+    """Return least-squares slopes (p,) of mean values (p, k) over mean normal loads, near the steps (p,)."""
     first = np.maximum(index - 1 - SLOPE_STEPS, 0)[:, np.newaxis]
     last = np.minimum(index + SLOPE_STEPS, normal.shape[1] - 1)[:, np.newaxis]
     steps = first + np.arange(2 * SLOPE_STEPS + 2)
@@ -254,7 +256,7 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
 
 
 def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of values (r, ...) along the first axis and its interval by Student's t; NaN are ignored.
+    """Return the mean along the first axis of values (r, ...), ignoring NaN, and its interval by Student's t.
 
     If no value is negative, Student's t applies to the logarithm of the mean, so that the interval is above 0.
     """
@@ -272,7 +274,7 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
     """Return the ends of the interval of a mean with a given half width.
 
-    The interval is symmetric for the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
+    The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
     """
     mean, half_width = np.asarray(mean, float), np.asarray(half_width, float)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -287,7 +289,7 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
 
 @lru_cache(maxsize=32)
 def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants of the mixture: 1' R^-1 1, variance inflation, and quantile and density of Student's t."""
+    """Return constants of the mixture: 1' R^-1 1, variance inflation, and quantiles and densities of Student's t."""
     rho, lags = _CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -299,8 +301,9 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the mean of neighboring, correlated values (r, ...) along the first axis, and its interval.
 
     The interval is derived in docs/explanation/intervals.md. It belongs to a mixture of autoregressive processes with
-    correlations ρ from 0 to 0.95, weighted by their likelihood and by sqrt(1 - ρ), on a scale without skewness. It is
-    limited to the range of the values, and NaN for fewer than `MIN_NEIGHBORS` values or if all values are equal.
+    correlations ρ from 0 to 0.95, weighted by their likelihood and by sqrt(1 - ρ), on a scale without skewness. It lies
+    within the range of the values, and is NaN if there are fewer than `MIN_NEIGHBORS` values or if all values are
+    equal.
     """
     count = values.shape[0]
     # Each row (c, r) is summed separately, so that its bits do not depend on the other rows.
@@ -316,7 +319,7 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the ends of the intervals of rows of values (c, r), NaN where all values are equal."""
+    """Return the ends of the intervals of rows of values (c, r); NaN for rows with equal values."""
     from scipy.special import stdtr
 
     # Values are divided by their standard deviation, to avoid overflow.
@@ -339,7 +342,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     weights /= weights.sum(axis=1, keepdims=True)
     errors = np.sqrt(squares / (count - 1) * inflation)
 
-    # The distribution of the mixture is concave above 0, so Newton steps from below the quantile stay below it.
+    # The distribution of the mixture is concave above 0, so Newton steps that start below the quantile stay below it.
     high, moves = quantile * errors.min(axis=1), np.ones(mean.shape, bool)
     for _ in range(_MAX_STEPS):
         t = high[:, np.newaxis] / errors
@@ -360,12 +363,12 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
 
 
 def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Return the mean and its interval of values (r, ...) at neighboring positions, by means of lines if several."""
+    """Return the mean of values (r, ...) at neighboring positions and its interval; lines are averaged first."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first, index = np.unique(lines, return_index=True, return_inverse=True)
     each = values
-    if first.size > 1:  # one value for each line, whose mean is that of all values
+    if first.size > 1:  # one value for each line; their mean is the mean of all values
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first.size, *values.shape[1:]))
         np.add.at(sums, index, values)
@@ -380,12 +383,13 @@ def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Flo
 
 @dataclass(frozen=True)
 class ScansMean:
-    """Mean over members of several scans of two parts, and the components of its variance."""
+    """Mean over members of several scans of two parts, with the components of its variance."""
 
     mean: float
-    variances: tuple[float, ...]  # of the mean: from scans of the upper part, of the lower part, and from positions
-    freedom: float  # of the variance of the mean, by Satterthwaite (1946)
-    test: float  # standard deviation from the mean of a test of other scans at one position in one direction
+    # variance of the mean due to scans of the upper part, scans of the lower part, and positions
+    variances: tuple[float, ...]
+    freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
+    test: float  # standard deviation of a single test on other scans, at one position in one direction, around the mean
     test_freedom: float
 
     @property
@@ -395,10 +399,10 @@ class ScansMean:
 
 
 def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
-    """Return the mean of member values (r, ...) over all pairs of scans; None for fewer than two pairs.
+    """Return the mean of member values (r, ...) over all pairs of scans; None if there are fewer than two pairs.
 
-    Two-way random effects (Searle, Casella & McCulloch, Variance Components, 1992, chapter 4); mean squares that do not
-    exceed the last one are pooled.
+    The model has two-way random effects (Searle, Casella & McCulloch, Variance Components, 1992, chapter 4). Mean
+    squares that do not exceed the residual mean square are pooled with it.
     """
     flat = values.reshape(values.shape[0], -1)
     every = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)
@@ -419,7 +423,7 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     freedom = float(freedoms[~apart].sum())
     rest = float(sums[~apart].sum()) / max(freedom, 1.0)
     shares = np.append(np.where(apart, squares - rest, 0.0)[:2], rest)
-    # Each separate mean square enters the variance once; the residual one is subtracted for each of these.
+    # Each separate mean square enters the variance once, and the residual mean square is subtracted for each of them.
     weights = np.append(np.where(apart, squares, 0.0)[:2], (1 - apart.sum()) * rest)
     each = np.maximum([*freedoms[:2], freedom], 1.0)
     within = (flat - every[upper, lower][:, np.newaxis]).ravel()
@@ -434,12 +438,12 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
 
 
 def _test_freedom(parts: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of the variance of a test, a sum of components.
+    """Return the degrees of freedom of the variance of a test, which is a sum of components.
 
-    They are at most those of Satterthwaite, so that the interval is at least as wide as that of each component alone.
-    With two scans, the variance between scans has one degree of freedom. If its estimate is small, the degrees of
-    freedom of Satterthwaite are those of the other components, and intervals covered only 0.86 to 0.90 of the tests;
-    with this limit they cover 0.94 to 0.99.
+    They are limited, so that the interval is at least as wide as the interval of each component alone. With two scans,
+    the variance between scans has one degree of freedom. If its estimate is small, Satterthwaite's degrees of freedom
+    are close to those of the other components, and intervals covered only 0.86 to 0.90 of the tests. With this limit,
+    they cover 0.94 to 0.99.
     """
     from scipy.special import stdtridf
 

@@ -26,20 +26,20 @@ from stiction.studies.study import Study
 if TYPE_CHECKING:
     import xarray
 
-RESULT_TITLE = "stiction study"  # attribute `title` of every result
-MAX_PIECE_BYTES = 2**26  # memory for one piece of a result that is read in pieces
+RESULT_TITLE = "stiction study"  # value of the attribute `title` in every result
+MAX_PIECE_BYTES = 2**26  # largest size of a part of a result that is held in memory, in bytes
 
 MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
 }  # fmt: skip
-"""Data types of the coordinates that describe each member of measured bodies."""
+"""Data types of the coordinates that describe the members of measured bodies."""
 
 Arrays = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """Dimensions, shape, data type and attributes of an array of a result."""
+    """Dimensions, shape, data type and attributes of one array of a result."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -57,7 +57,7 @@ def list_coordinates(
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
     """Return the coordinates of a result, or of some repetitions, in the order of the dimensions.
 
-    Each entry consists of the description of the array and its values.
+    Each entry is a pair: the description of the array, and its values.
     """
     values: dict[str, NDArray[Any]] = {
         **study.surfaces.cells(),
@@ -98,12 +98,12 @@ def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
 
 
 def member_bytes(study: Study) -> int:
-    """Return the total size, in bytes, of the arrays of one member."""
+    """Return the total size in bytes of all arrays of one member."""
     return sum(spec.size for spec in list_variables(study, [0]).values())
 
 
 def piece_length(size: int) -> int:
-    """Return the number of members in a piece, for members of `size` bytes. It is a power of two."""
+    """Return the number of members in a piece, a power of two, for members of `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -115,7 +115,7 @@ def variable_names(study: Study) -> tuple[str, ...]:
 
 
 def _list_dims(study: Study, name: str) -> tuple[str, ...]:
-    """Return the dimensions of a stored variable. Sliding rule and direction are dimensions only if they are lists."""
+    """Return the dimensions of a stored variable, which include motions only if they are given as lists."""
     dims = {"step": study.step, "fraction_below": "fraction_below"} | {motion: motion for motion in study.motions()}
     return (*study.surfaces.cells(), "repetition", *(dims[axis] for axis in QUANTITIES[name].along if axis in dims))
 
@@ -133,7 +133,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build the dataset of some repetitions from arrays of `stack_members`, whose shapes must match the study."""
+    """Build the dataset of some repetitions from arrays of `stack_members`, whose shapes are checked."""
     import xarray
 
     variables = list_variables(study, repetitions)
@@ -170,13 +170,13 @@ _DIVISORS = {
     "um^2": (0, 2, "L²"),
     "um": (0, 1, "L"),
 }
-"""Powers of E* and L by which a quantity is divided, and the divisor as text, for each unit."""
+"""For each unit, the powers of E* and L by which a quantity is divided, and the divisor as text."""
 
 
 def nondimensional(
     result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
 ) -> xarray.Dataset:
-    """Divide loads, areas, pressures and lengths of a dataset by E* and L, so that all values are dimensionless.
+    """Divide loads, areas, pressures and lengths of a dataset by powers of E* and L, so that they are dimensionless.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def nondimensional(
     Raises
     ------
     ValueError
-        If length or modulus are not above 0 or missing, or a variable has an unknown unit.
+        If length or modulus is missing or not above 0, or if a variable has an unknown unit.
 
     Notes
     -----
@@ -252,7 +252,7 @@ def nondimensional(
     return xarray.Dataset(
         {str(name): divide(str(name), array.variable) for name, array in result.data_vars.items()},
         {str(name): divide(str(name), array.variable) for name, array in result.coords.items()},
-        # The attribute `study` is omitted, because its values have units.
+        # The attribute `study` is omitted, because it contains values with units.
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus},
     )

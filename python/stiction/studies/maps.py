@@ -1,8 +1,8 @@
-"""Ensemble means and intervals at the approach or load step where the mean normal load reaches a load.
+"""Ensemble means and intervals at given loads, interpolated between approach or load steps.
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios. Repetitions without contact
-count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds it; values are
-not extrapolated. Members without a solution at a load are omitted.
+count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds the load;
+values are not extrapolated. Members without a solution at some load are omitted.
 """
 
 from __future__ import annotations
@@ -27,13 +27,14 @@ if TYPE_CHECKING:
     import xarray
 
 Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-NUM_VALUES_IN_MEMORY = 2**20  # numbers in memory for the curves of a cell at a time, for any number of mu0 and tau0
-CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that precede the members
-MOTIONS = ("sliding", "direction")  # dimensions of results for several sliding rules and directions
+# largest number of values in memory for the curves of one cell, for any number of mu0 and tau0
+NUM_VALUES_IN_MEMORY = 2**20
+CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that may precede the members in a result
+MOTIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
 _LOADS = ("contact_count", *friction.SIX_SUMS[:3])
 
 _NEEDED = {"friction_coefficient": ("contact_count", *friction.SIX_SUMS), "normal_stiffness": _LOADS}
-"""Sums from which a quantity is computed; all other quantities are stored directly."""
+"""Sums from which each derived quantity is computed; all other quantities are stored directly."""
 
 
 def _list_needed_variables(quantity: str) -> tuple[str, ...]:
@@ -44,7 +45,7 @@ def _list_needed_variables(quantity: str) -> tuple[str, ...]:
 def friction_map(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    """Compute the friction coefficient of the ensemble at given normal loads, mean(F_T) / mean(F_N).
+    """Compute the friction coefficient mean(F_T) / mean(F_N) of the ensemble at given normal loads.
 
     Parameters
     ----------
@@ -151,8 +152,8 @@ def stiffness_map(
     Raises
     ------
     ValueError
-        As for `friction_map`, with fewer than three approaches or loads, and for free half-planes, which have no
-        approach.
+        As for `friction_map`; also if there are fewer than three approaches or loads, and for free half-planes, which
+        have no approach.
 
     See Also
     --------
@@ -160,9 +161,9 @@ def stiffness_map(
 
     Notes
     -----
-    The stiffness is d mean(F_N) / dδ. The derivative along the approach δ is that of the parabola through an approach
-    and its two neighbours, so its resolution is that of the approaches. It can be negative, because the load is not
-    monotone in the approach. In half-space studies, whose steps are loads, it is the mean of the derivatives of the
+    The stiffness is d mean(F_N) / dδ. The derivative is computed from the parabola through an approach and its two
+    neighbours, so the spacing of the approaches limits its resolution. The stiffness can be negative, because the load
+    is not monotone in the approach. In half-space studies, whose steps are loads, the stiffness is the mean over the
     pairs at equal elastic load.
 
     Examples
@@ -179,12 +180,12 @@ def stiffness_map(
         kind = "approaches" if step == "approach" else "loads"
         raise ValueError(f"a stiffness needs at least 3 {kind}, got {head.sizes.get(step, 0)}")
     if step == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
-        raise ValueError("a free half-plane has no approach, so there is no stiffness of it")
+        raise ValueError("a free half-plane has no approach, and therefore no stiffness; use periodic boundaries")
     return ensemble_map(result, loads, mu0, tau0, "normal_stiffness")
 
 
 def cells_of(dataset: xarray.Dataset) -> list[str]:
-    """Return the dimensions of a dataset that precede its members."""
+    """Return the dimensions that precede the members in a dataset."""
     return [name for name in CELLS if name in dataset.dims]
 
 
@@ -218,7 +219,7 @@ def means(result: Result | xarray.Dataset, names: Iterable[str] | None = None) -
 def solved_pieces(
     result: Result, names: Iterable[str] | None = None, change: Change | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield the pieces of a result, without members that have no solution at some load."""
+    """Yield the pieces of a result, omitting members that have no solution at some load."""
     for piece in result.pieces(names):
         elastic = piece["normal_elastic"]
         known = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
@@ -231,7 +232,7 @@ def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate a quantity of the ensemble as `friction_map` does; `change` is applied to each piece of the result."""
+    """Evaluate a quantity of the ensemble as `friction_map` does; `change` is first applied to each piece."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
@@ -242,12 +243,13 @@ def ensemble_map(
     missing = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
     missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]
     if missing or not cells_of(dataset):
-        raise ValueError(f"the dataset has nothing along {(missing or ['fractal_dimension'])[0]!r}")
+        raise ValueError(f"the dataset has no dimension {(missing or ['fractal_dimension'])[0]!r}")
     for name in _list_needed_variables(what):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
     quantity = _EnsembleQuantity(dataset if change is None else change(dataset), what, load_values, *material)
-    # The first pass over the members finds where the mean loads are reached. The second pass finds the intervals there.
+    # The first pass over the members finds the steps at which the mean loads are reached. The second pass computes the
+    # intervals there.
     averages, others, count = _average_sums(
         lambda: solved_pieces(result, quantity.names(), change), what, quantity.step
     )
@@ -273,7 +275,7 @@ def ensemble_map(
 
 
 class _EnsembleQuantity:
-    """Quantity of an ensemble at loads (mN), for all mu0 and tau0 (GPa)."""
+    """Quantity of an ensemble at given loads (mN), for all mu0 and tau0 (GPa)."""
 
     def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
         self.head, self.what, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
@@ -281,14 +283,14 @@ class _EnsembleQuantity:
         self.dims = [*(motion for motion in MOTIONS if motion in head.dims), *cells_of(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
-        # A dataset that contains only loads has a friction coefficient, but no quantities of validity.
+        # A dataset that contains only loads has a friction coefficient, but no validity quantities.
         self.judged = all(name in head for name in SUMS)
 
     def names(self) -> tuple[str, ...]:
-        """Return the names of the variables that have to be read."""
+        """Return the names of the variables that must be read from the result."""
         variables = _list_needed_variables(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
-            variables = (*variables, "approach")  # of each pair
+            variables = (*variables, "approach")  # the approach of each pair
         return (*variables, *(name for name in SUMS if self.judged and name not in variables))
 
     def curves(
@@ -304,7 +306,7 @@ class _EnsembleQuantity:
     def build_dataset(
         self, at: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
     ) -> xarray.Dataset:
-        """Return the values of all cells as a dataset."""
+        """Build a dataset from the values of all cells."""
         import xarray
 
         mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
@@ -348,12 +350,12 @@ class _EnsembleQuantity:
 
 
 def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Rearrange values of curves (c, l), with one curve per mu0 and tau0, to the dimensions load, mu0 and tau0."""
+    """Reshape values of curves (c, l), which has one curve per mu0 and tau0, to the dimensions load, mu0 and tau0."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums, Sums]:
-    """Return the contact sums by motion, cell, step and repetition, and the sums in which a quantity is linear."""
+    """Return contact sums by motion, cell, step and repetition, and the sums on which a quantity depends linearly."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 
@@ -405,7 +407,7 @@ def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str,
 
 
 def material_of(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return the given mu0 and tau0 (GPa), by default the study's."""
+    """Return the given mu0 and tau0 (GPa); the defaults are the values of the study."""
     if mu0 is None or tau0 is None or "study" in dataset.attrs:
         study = study_of(dataset)
         mu0 = study.friction.mu0 if mu0 is None else mu0

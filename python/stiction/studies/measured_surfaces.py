@@ -1,4 +1,4 @@
-"""Table `[surfaces]` of a study of measured bodies: files, how to read them, and the members they provide."""
+"""Table `[surfaces]` of a study of measured bodies: files, reading options, and the members they provide."""
 
 from __future__ import annotations
 
@@ -62,12 +62,12 @@ from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.surface import Surface, parse_lengths
 
 Column = int | str
-Body = Profile | Surface | JoinedSpectrum  # content of a file
+Body = Profile | Surface | JoinedSpectrum  # body that a file can contain
 MAX_FILE_NAME_LENGTH = 4096  # characters
 MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
 MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
-CutoffPair = tuple[float, float]  # cutoffs of the upper and the lower scan, µm
+CutoffPair = tuple[float, float]  # cutoffs of the upper and of the lower scan, µm
 
 
 def _parse_unit(value: object) -> str:
@@ -78,7 +78,7 @@ def _parse_unit(value: object) -> str:
 
 def _parse_column(value: object) -> Column:
     if isinstance(value, bool) or not isinstance(value, (str, int)) or (isinstance(value, int) and value < 0):
-        raise ValueError(f"must be a name or a number from 0 on, got {short_repr(value)}")
+        raise ValueError(f"must be a name or a whole number of at least 0, got {short_repr(value)}")
     return value
 
 
@@ -126,23 +126,23 @@ def _validate_one_or_list(read: Callable[[object], Any], max_count: int = 2) -> 
     return PlainValidator(values)
 
 
-MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # range of `height_factor`
+MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # limits of `height_factor`
 
 
 class BodyInMemory:
-    """Container of a body in memory. It is not a dataclass, so that copies of a study share the body."""
+    """Wrapper of a body in memory. It is not a dataclass, so that copies of a study share the body."""
 
     def __init__(self, body: Any) -> None:
         self.body = body
 
 
 class MeasuredFile(Table):
-    """Measured profile, surface or joined spectrum, in a file with its reading options or in memory."""
+    """Measured profile, surface or joined spectrum: either a file with reading options, or a body in memory."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     def __eq__(self, other: object) -> bool:
-        """Compare all fields except the body, which the checksum identifies."""
+        """Compare all fields except the body, because the checksum identifies the body."""
         return isinstance(other, MeasuredFile) and self._identity() == other._identity()
 
     def __hash__(self) -> int:
@@ -190,18 +190,18 @@ class MeasuredFile(Table):
         description="Machining process: lines and humps in the spectrum are then attributed to the surface.",
     )
     max_cut_off: LengthOrZero | None = Field(
-        default=None, description="Largest cutoff at which this scan is filtered; 0 for no filter, by default no limit."
+        default=None, description="Largest cutoff of the filter for this scan; 0 for no filter, unlimited by default."
     )
     height_factor: float = Field(
         default=1.0,
         ge=MIN_HEIGHT_FACTOR,
         le=MAX_HEIGHT_FACTOR,
-        description="Factor on the heights, for example to study another finish.",
+        description="Factor by which the heights are multiplied, for example to study another finish.",
     )
     body: BodyInMemory | None = Field(default=None, repr=False, description="Body in memory (Python only).")
     others: Annotated[tuple[MeasuredFile, ...], as_tuple] | None = Field(
         default=None,
-        description="Further scans at other places on the same part; a list of files sets the first file and these.",
+        description="Further scans at other places on the same part; in a list of files, all files after the first.",
     )
 
     @model_validator(mode="before")
@@ -214,12 +214,12 @@ class MeasuredFile(Table):
 
     @property
     def scans(self) -> tuple[MeasuredFile, ...]:
-        """All scans of the part: this file and the scans at other places."""
+        """All scans of the part: this file, and the scans at other places."""
         return self, *(self.others or ())
 
     @property
     def name(self) -> str:
-        """File name without the folder, followed by the number of further scans."""
+        """File name without the folder, with the number of further scans."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _map_scans(self, change: Callable[[MeasuredFile], MeasuredFile]) -> MeasuredFile:
@@ -227,7 +227,7 @@ class MeasuredFile(Table):
 
     @classmethod
     def from_body(cls, body: Any, name: str) -> MeasuredFile:
-        """Create an entry for a body in memory, also one of another library.
+        """Create an entry for a body in memory, which may be an object of another library.
 
         Raises an `ArgumentError` if the body is invalid.
         """
@@ -244,7 +244,7 @@ class MeasuredFile(Table):
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def with_saved_bodies(self, folder: Path, side: str) -> MeasuredFile:
-        """Write bodies in memory to files in a folder, and return the entry with these files instead."""
+        """Write bodies in memory to files in a folder, and return the entry that refers to these files."""
         return self._map_scans(lambda scan: scan._save_body(folder, side))
 
     def _save_body(self, folder: Path, side: str) -> MeasuredFile:
@@ -265,7 +265,7 @@ class MeasuredFile(Table):
         return MeasuredFile(file=str(path), missing="mask" if has_missing else "error", **options).with_checksums()
 
     def read(self) -> Body:
-        """Read the profile, surface or spectrum, in µm. Raises a `ValueError` if the file has another checksum."""
+        """Read the profile, surface or spectrum, in µm. Raises a `ValueError` if the checksum of the file differs."""
         return _scale_heights(self.height_factor, self._read())  # type: ignore[no-any-return]
 
     def _read(self) -> Body:
@@ -282,7 +282,7 @@ class MeasuredFile(Table):
     def with_height_factor(self, factor: float) -> MeasuredFile:
         """Return the entry with all heights multiplied by a factor.
 
-        Raises a `ValueError` if the product with the present factor is out of range.
+        Raises a `ValueError` if the product with the existing factor is out of range.
         """
         total = factor * self.height_factor
         if not MIN_HEIGHT_FACTOR <= total <= MAX_HEIGHT_FACTOR:
@@ -296,7 +296,7 @@ class MeasuredFile(Table):
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def cut_off_at(self, wavelength: float) -> float:
-        """Return the cutoff wavelength (µm) at which this scan is filtered, for a cutoff of the pair."""
+        """Return the cutoff wavelength (µm) at which this scan is filtered if the pair has the given cutoff."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated(self) -> Floats:
@@ -379,7 +379,7 @@ def _compute_checksum(body: Body) -> str:
 
 @functools.lru_cache(maxsize=16)
 def _read_body(file: MeasuredFile) -> Body:
-    """Read the body of a file. The entry contains the checksum, so that the cache parses each file once."""
+    """Read the body of a file. The argument includes the checksum, so the cache parses each version of a file once."""
     if is_spectrum(Path(file.file)):
         for name in ("unit", "spacing", "channel", "columns", "crop"):
             if getattr(file, name) is not None:
@@ -401,7 +401,7 @@ def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
 
 @dataclass(frozen=True)
 class Member:
-    """Member of a study of measured bodies: its pair, the shift of the upper body (µm), and the origin of the pair."""
+    """Member of a study of measured bodies: a pair, the shift of the upper body (µm), and the origin of the pair."""
 
     pair: Pair
     x: float
@@ -412,7 +412,7 @@ class Member:
 
 @dataclass(frozen=True)
 class SharedProperties:
-    """Properties that all members of a study share. Lengths are in µm, along x, or along y and x."""
+    """Properties that all members of a study share. Lengths are in µm along x, or along y and x."""
 
     upper: Body
     lower: Body
@@ -420,7 +420,7 @@ class SharedProperties:
     shape: Sequence[int]
     spacing: Sequence[float]
     used: Sequence[float]
-    scans: Sequence[Any]  # upper and lower scan, of which the spacing and the extent are used
+    scans: Sequence[Any]  # upper and lower scan, whose spacing and extent are recorded
 
 
 @dataclass(frozen=True)
@@ -444,7 +444,7 @@ class Members(Protocol):
 class MeasuredSurfaceKeys(Case):
     """Keys of `[surfaces]` that all studies of measured surfaces share."""
 
-    bodies: ClassVar[str] = "measured areas"  # name of these bodies in `ContactTable.place`
+    bodies: ClassVar[str] = "measured areas"  # name of these bodies in messages about `ContactTable.place`
     is_areal: ClassVar[bool] = True
     """True if members are independent pairs of height maps rather than profiles."""
     pressed: ClassVar[str]
@@ -458,26 +458,25 @@ class MeasuredSurfaceKeys(Case):
     lower: MeasuredFile = Field(description="Counterface; may be the same file as the slider.")
     cut_off: CutOffs = Field(
         default=(quantity("0 um", "length"),),
-        description="Cutoff wavelength of the Gaussian low-pass filter for both bodies; 0 for no filter. "
-        "A list is a dimension of the result, and its first value is quoted.",
+        description="Cutoff wavelength of the Gaussian low-pass filter for both bodies; 0 for no filter. With a list, "
+        "the cutoff is a dimension of the result, and the result at the first value is quoted.",
     )
     vouched: Literal[True] | None = Field(
-        default=None, description="Attributes all wavelengths to the surfaces, whatever their spectra look like."
+        default=None, description="True if all wavelengths are attributed to the surfaces, whatever their spectra."
     )
 
     both_readings: Literal[True] | None = Field(
         default=None,
-        description="Set if `pair` added a second cutoff because of "
-        "wavelengths not attributed to the surface: the interval "
-        "at the first cutoff then covers the interval at the second.",
+        description="True if `pair` added a second cutoff because some wavelengths may not belong to the surface: the "
+        "interval at the first cutoff then also covers the interval at the second.",
     )
 
     def cells(self) -> dict[str, Floats]:
-        """Return the values of the dimensions that precede the members in a result."""
+        """Return the dimensions that precede the members in a result, with their values."""
         return {"cut_off": array_of(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
-        """Return the cutoff (µm) of the quoted result, which is the first cutoff of the study."""
+        """Cutoff (µm) of the quoted result, which is the first cutoff of the study."""
         return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
@@ -504,14 +503,14 @@ class MeasuredSurfaceKeys(Case):
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
-        """Return the members of two scans, each with its own cutoff (µm, 0 for none).
+        """Return the members of two scans, each of which is filtered at its own cutoff (µm, 0 for none).
 
         Raises a `ValueError` if there are no members.
         """
         raise NotImplementedError
 
     def filtered(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
-        """Yield both scans, each low-pass filtered at its own cutoff (µm, 0 for none)."""
+        """Yield both scans after low-pass filtering, each at its own cutoff (µm, 0 for none)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
@@ -529,7 +528,7 @@ MAX_OFFSETS = 100_000  # largest number of positions on a pair of lines or maps
 
 
 class MeasuredLines(MeasuredSurfaceKeys):
-    """Keys of `[surfaces]` for lines of two measured files; the upper line slides along the lower line."""
+    """Keys of `[surfaces]` for lines of two measured files; each upper line slides along the lower line."""
 
     place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Lines"
@@ -542,11 +541,11 @@ class MeasuredLines(MeasuredSurfaceKeys):
     level: Literal["line", "quadratic", "mean", "none"] = Field(
         default="line", description="Form to remove from each line."
     )
-    along: Along = Field(default="x", description="Whether lines of maps are rows or columns.")
+    along: Along = Field(default="x", description="Direction of the lines in a map: rows or columns.")
     offsets: int = Field(
         default=1, ge=1, le=MAX_OFFSETS,
-        description="Number of positions on each pair of lines; for two "
-        "profiles without surrogates every member is a position.",
+        description="Number of positions on each pair of lines. For two profiles without surrogates, each member is "
+        "one position.",
     )  # fmt: skip
     travel: LengthOrZero | None = Field(
         default=None,
@@ -564,8 +563,8 @@ class MeasuredLines(MeasuredSurfaceKeys):
         | None
     ) = Field(
         default=None,
-        description="Positions of the slider on the lower line, instead of `offsets` and `travel`; the slider is "
-        "shortened where it would extend beyond the end.",
+        description="Positions of the slider on the lower line, instead of `offsets` and `travel`. The slider is "
+        "shortened if it would extend beyond the end of the line.",
     )  # fmt: skip
 
     @model_validator(mode="after")
@@ -575,7 +574,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
         return self
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMembers:
-        """Return the members: lines of both scans, or of their surrogates, at several relative positions."""
+        """Return the members: lines of both scans or of their surrogates, at several relative positions."""
         upper, lower = self.filtered(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -591,11 +590,12 @@ class LineMembers:
 
     pairs: LinePairs
     scans: tuple[Body, Body]
-    offsets: int = 1  # positions on each pair, if there are several pairs; otherwise every member is a position
-    positions: tuple[float, ...] | None = None  # positions (µm) on each pair; None for a quasi-random sequence
+    # number of positions on each pair if there are several pairs; otherwise each member is one position
+    offsets: int = 1
+    positions: tuple[float, ...] | None = None  # positions (µm) on each pair; None selects a quasi-random sequence
 
     def member(self, index: int) -> Member:
-        """Return a member: a slider, and the part of the counterface below it."""
+        """Return a member: a slider, and the section of the counterface below it."""
         pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, place = divmod(index, offsets) if pairs.several else (0, index)
         count = pairs.max_count()
@@ -610,8 +610,8 @@ class LineMembers:
                 )
             return self._member_at(slider, track, round(self.positions[place] / slider.spacing), line)
         if max_steps == 0 and place > 0:
-            raise ValueError("several positions need a slider shorter than its counterface; give a travel")
-        # Offset 0 is excluded for a single pair, because both lines may be the same line.
+            raise ValueError("several positions require a slider shorter than its counterface; give a travel")
+        # Offset 0 is excluded for a single pair, because its two lines may be the same line.
         is_unshifted = pairs.several and offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             steps = 0
@@ -622,7 +622,7 @@ class LineMembers:
         return self._member_at(slider, track, steps, line)
 
     def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> Member:
-        """Return the member whose slider starts `steps` points after the start of the counterface."""
+        """Return the member whose slider begins `steps` points after the beginning of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(track, offset, slider)
         return Member(pair, offset, self.pairs.place(line), line=line, surrogate=self.pairs.surrogates != "none")
@@ -634,7 +634,7 @@ class LineMembers:
 
 
 def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedProperties:
-    """Return the shared properties of lines; `used` is the fraction of the upper scan that the slider covers."""
+    """Return the shared properties of lines. `used` is the fraction of the upper scan that the slider covers."""
     return SharedProperties(
         slider, track, slider.extent * THICKNESS, [len(slider)], [slider.spacing], [used, len(slider) / len(track)],
         scans,
@@ -654,12 +654,12 @@ class MeasuredAreas(MeasuredSurfaceKeys):
     rotate: float = Field(default=0.0, ge=-360, le=360, description="Rotation of the upper map, degrees.")
     surrogates: int = Field(
         default=0, ge=0, le=1_000_000,
-        description="Number of members, from the first, that are pairs of "
-        "surrogates: random surfaces with the same spectra.",
+        description="Number of members that are pairs of surrogates: random surfaces with the same spectra. They come "
+        "first.",
     )  # fmt: skip
 
     gap: Literal[True] | None = Field(
-        default=None, description="Marks a single file as the gap between two faces, which is pressed unchanged."
+        default=None, description="True if the single file is the gap between two faces, which is pressed unchanged."
     )
     positions: (
         Annotated[
@@ -669,17 +669,17 @@ class MeasuredAreas(MeasuredSurfaceKeys):
         | None
     ) = Field(
         default=None,
-        description="Shifts (x, y) of the first point of the upper map from the first point of the lower map; all "
-        "members have the size of the smallest overlap.",
+        description="Shifts (x, y) of the first point of the upper map relative to the first point of the lower map. "
+        "All members have the size of the smallest overlap.",
     )  # fmt: skip
 
     @property
     def first_scanned(self) -> int:
-        """Index of the first member that consists of pieces of the maps, after the surrogates."""
+        """Index of the first member that consists of pieces of the maps; surrogates come before it."""
         return self.surrogates
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMember:
-        """Return the members: first surrogates of both maps, then pieces at relative positions; or the gap."""
+        """Return the members: surrogates of both maps followed by pieces at relative positions, or the gap."""
         upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
@@ -702,7 +702,7 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
 
     press: Literal["surrogates"] = Field(default="surrogates", description="Random areas with the same spectra.")
     level: Literal["plane", "quadratic", "mean"] = Field(
-        default="plane", description="Form to remove from each file; for a profile, a plane is a line."
+        default="plane", description="Form to remove from each file; a plane is a straight line for a profile."
     )
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers:
@@ -731,7 +731,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Return pairs of pieces of two levelled maps, of which the upper map is rotated (degrees) and flipped."""
+    """Return pairs of pieces of two levelled maps. The upper map is flipped, and rotated by an angle in degrees."""
     levelled_upper = levelled(upper, level)
     return MapPairs(
         flipped(rotated(levelled_upper, rotation) if rotation else levelled_upper),
@@ -748,10 +748,11 @@ class AreaMembers:
 
     pairs: MapPairs | IsotropicPairs | SpectrumPairs
     scans: tuple[Body, Body]
-    surrogates: int | None = None  # number of members, from the first, that are pairs of surrogates; by default all
+    # number of members that are pairs of surrogates, which come first; all members by default
+    surrogates: int | None = None
 
     def member(self, index: int) -> Member:
-        """Return a pair of surrogates, or of pieces of maps at a relative position."""
+        """Return a pair of surrogates, or a pair of pieces of maps at a relative position."""
         pairs, count = self.pairs, self.surrogates
         if count is None or index < count:
             return Member(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
@@ -767,7 +768,7 @@ class AreaMembers:
         """Return the properties that all members share."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectrumPairs):  # the spacing is half the shortest wavelength
+        if isinstance(pairs, SpectrumPairs):  # the spacing of surrogates is half the shortest wavelength
             wavelengths = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
             scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in wavelengths]
         return SharedProperties(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans)
@@ -775,7 +776,7 @@ class AreaMembers:
 
 @dataclass(frozen=True, eq=False)
 class GapMember:
-    """The only member of a measured gap: a flat face, and a rough face at the measured distance."""
+    """Single member of a measured gap: a flat face, and a rough face at the measured distance."""
 
     flat: Surface
     rough: Surface
@@ -795,4 +796,4 @@ class GapMember:
 
 
 MeasuredSurfaces = MeasuredAreas | MeasuredLines | MeasuredSurrogates
-"""Table `[surfaces]` of a study of measured files. Each class is one way to press two files."""
+"""Table `[surfaces]` of a study of measured files. Each class presses the two files in another way."""

@@ -1,4 +1,4 @@
-"""Solution of a member of a study: contact sums and statistics at all loads, or a pair at one load."""
+"""Solutions of the members of a study: contact sums and statistics at all loads, or a single pair at one load."""
 
 from __future__ import annotations
 
@@ -60,25 +60,26 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 STIFFNESS_STEP = 0.02
-"""Half width of the finite difference for the stiffness of asperities, as a fraction of the approach."""
+"""Half width, relative to the approach, of the finite difference from which the stiffness of asperities is computed."""
 
-MPA_OVER_MM = 1e6  # stiffness per area, MPa/mm in one GPa/µm; lines are 1 µm thick
+MPA_OVER_MM = 1e6  # converts a stiffness per area from GPa/µm to MPa/mm; lines have a width of 1 µm
 
 JUMP_DISTANCE = 1e-11
-"""Relative distance of an approach before a jump of the load, which must exceed the tolerance of `find_crossings`."""
+"""Relative distance from a jump of the load to the approach before it; exceeds the tolerance of `find_crossings`."""
 
 
 UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
-"""Numbers of members, and of cutoffs of each member, for which the unloading stiffness of plastic bodies is solved."""
+"""Numbers of members, and of cutoffs per member, for which the unloading stiffness of plastic bodies is solved."""
 
 
 def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
 ) -> Arrays:
-    """Compute the contact sums of a pair at the elastic loads of its study, and the statistics of measured bodies.
+    """Compute the contact sums of a pair at the elastic loads of its study, with statistics for measured bodies.
 
-    Arrays have the shape (rules, directions, loads) if they depend on the motion, otherwise (loads,). At loads without
-    a solution they are NaN, and the number of contacts is 0. The unloading stiffness takes about a third of the time.
+    Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
+    loads without a solution, values are NaN and the number of contacts is 0. The unloading stiffness takes about a
+    third of the time.
     """
     contact = study.contact
     loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
@@ -95,7 +96,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
-    """Return the values of a variable at loads without a solution: NaN, no contacts, or the status "not-solved"."""
+    """Return the value of a variable at loads without a solution: NaN, 0 contacts, or the status "not-solved"."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
     shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
     if name == "status":
@@ -111,7 +112,7 @@ def _list_profile_directions(contact: ContactTable) -> list[Shear]:
 def _solve_half_space(
     contact: HalfSpaceContactTable, upper: Any, lower: Any, values: Arrays, slopes: PairSlopes | None, *, unloads: bool
 ) -> None:
-    """Solve the half-space at all loads. A load without a solution does not affect the other loads."""
+    """Solve the half-space at all loads. A failure at one load does not affect the other loads."""
     areal = isinstance(upper, Surface)
     first: list[float] | Literal["+x"] = contact.degrees().tolist() if areal else "+x"
     solve = functools.partial(
@@ -120,7 +121,7 @@ def _solve_half_space(
     sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
-        """Return the load curve for each sliding rule and direction, from a curve for the direction +x."""
+        """Yield the load curve of each sliding rule and direction, computed from a curve for the direction +x."""
         ways = (
             [curve]
             if areal
@@ -161,13 +162,13 @@ def _solve_half_space(
 
 
 def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
-    """Compute independent Hertz contacts at the approaches that carry the elastic loads.
+    """Compute independent Hertzian contacts at the approaches that carry the elastic loads.
 
-    With the detection criterion "cell" the load jumps at some approaches. Sums at a load within such a jump are
-    interpolated between the states just before and just after it.
+    With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
+    interpolated between the states just before and just after the jump.
     """
     model, areal = contact.model(), isinstance(upper, Surface)
-    if areal:  # one curve for all directions of maps, or one for each direction of profiles
+    if areal:  # one curve for all directions of a map, or one curve for each direction of a profile
         models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
     else:
         models = [
@@ -181,7 +182,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     ok = np.flatnonzero(status == STATUS_OK)
     if not ok.size:
         return
-    # Contacts at minima of the gap start at zero load, so the load does not jump.
+    # Contacts at minima of the gap start at zero load, so the load has no jumps.
     fractions = [1 - STIFFNESS_STEP, 1 - JUMP_DISTANCE * (first_model.detection == "cell"), 1, 1 + STIFFNESS_STEP]
     steps, place = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
     low, before, at, high = place.reshape(len(fractions), ok.size)
@@ -216,7 +217,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
 
 
 def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
-    """Find the contact candidates up to an approach (µm), so that they are searched only once.
+    """Find the contact candidates up to an approach (µm), so that later calls need no new search.
 
     Returns both bodies if contacts are not minima of the gap.
     """
@@ -230,16 +231,16 @@ def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactM
 
 @dataclass(frozen=True, eq=False)
 class OneLoad:
-    """Pair of bodies pressed by a single elastic load."""
+    """Pair of bodies that are pressed together by one elastic load."""
 
     upper: Any
     lower: Any
-    curve: HalfSpaceCurve | LoadCurve  # curve with this load only, with motion along +x
+    curve: HalfSpaceCurve | LoadCurve  # load curve that contains only this load, for motion along +x
     model: ContactModel | None = None  # contact model of the asperities
 
     @classmethod
     def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> OneLoad | None:
-        """Press a pair to a load (mN) with the contact model of its study; None if there is no solution."""
+        """Press a pair to a load (mN) with the contact model of its study; return None if there is no solution."""
         upper, lower = pair
         contact = study.contact
         if isinstance(contact, HalfSpaceContactTable):
@@ -258,7 +259,7 @@ class OneLoad:
         return cls(upper, lower, pushed, model=model)
 
     def table(self) -> ContactList:
-        """Return a table with a row for each contact."""
+        """Return a table with one row per contact."""
         if isinstance(self.curve, HalfSpaceCurve):
             return list_contact_patches(self.curve.at(0))
         assert self.model is not None
@@ -269,40 +270,45 @@ class OneLoad:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE = 64  # bytes
-SLIP_LOAD_FRACTION = 0.5  # fraction of the sliding load at which a result contains the slipped fraction
+SLIP_LOAD_FRACTION = 0.5  # fraction of the sliding load at which the slipped fraction is stored in a result
 
 MEMBER_COSTS = {
     "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
     "half-space": 1e-3, "half-plane": 8e-4,
 }  # fmt: skip
-"""Rough times of one core (s), which determine the number of members in a block.
+"""Rough computing times on one core (s), from which the number of members in a block is chosen.
 
-"onset" is the time of an onset of sliding. Times per grid point are for generated profiles and areas and for measured
-areas with the asperity model. Times per load are for asperities of measured areas and lines, and for half-spaces and
-half-planes in addition to their solution."""
+"onset" is the time of one onset of sliding. "profile", "asperities" and "point" are times per grid point of generated
+profiles, of generated areas, and of measured areas with the asperity model. "area" and "line" are times per load of
+asperities on measured areas and lines. "half-space" and "half-plane" are times per load in addition to the solution.
+"""
 
 SOLUTION_COSTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
-"""Time of one core (s) of a half-space solution divided by a power of the number of points, and this power.
+"""Coefficient and exponent of the time (s) on one core of a half-space solution, as a power of the number of points.
 
-The keys are False for lines and True for areas."""
+The keys are False for lines and True for areas.
+"""
 
 ITERATION_COSTS = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
-"""Time of one core (s) of an iteration with adhesion divided by a power of the number of points, and this power.
+"""Coefficient and exponent of the time (s) on one core of an iteration with adhesion, as a power of the points.
 
-The keys are False for lines and True for areas."""
+The keys are False for lines and True for areas.
+"""
 
 ITERATIONS_PER_LOAD = 15
 MAX_PULL_OFF_ITERATIONS = 12_000
 PULL_OFF_ITERATIONS = {False: 100_000, True: 5000}
-"""Numbers of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
+"""Factor of the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
 
-They are proportional to E* Sq Sdq / (4 w) of the gap up to a maximum. Bodies near complete contact take the most."""
+The number is proportional to E* Sq Sdq / (4 w) of the gap, up to a maximum. Bodies near complete contact need the most
+iterations.
+"""
 
 _kept = threading.local()
 
 
 def member_sums(study: Study, index: int) -> Arrays:
-    """Compute all variables of a member of a study, as arrays without the dimension of members.
+    """Compute all variables of a member of a study, as arrays without a dimension for members.
 
     Measured bodies also have the `MEMBER_COORDINATES`. Values at loads without a solution are NaN. Raises a
     `ValueError` if the bodies cannot be loaded.
@@ -325,7 +331,7 @@ def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[A
 
 
 def estimate_member_time(study: Study) -> float:
-    """Estimate the time (s) of a member on one core."""
+    """Estimate the time (s) to compute a member on one core."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
     points, areal = count_points(study), study.is_areal
@@ -344,7 +350,7 @@ def estimate_member_time(study: Study) -> float:
 
 
 def estimate_solution_time(study: Study) -> float:
-    """Estimate roughly the time (s) on one core of a half-space solution at one load."""
+    """Roughly estimate the time (s) of a half-space solution at one load on one core."""
     areal = study.is_areal
     besides = MEMBER_COSTS["half-space" if areal else "half-plane"]
     if study.contact.adheres:
@@ -362,7 +368,7 @@ def _cost_of_iteration(study: Study) -> float:
 def _estimate_relative_stiffness(study: Study) -> float:
     """Return E* Sq Sdq / (4 w) of the gap of the first member; 0 if files are missing.
 
-    By the Cauchy-Schwarz inequality this is at least the elastic energy of complete contact per area, divided by w.
+    By the Cauchy-Schwarz inequality, this is at least the elastic energy per area of complete contact, divided by w.
     """
     contact, gap = study.contact, np.zeros((0, 0))
     with contextlib.suppress(ValueError, OSError):
@@ -380,7 +386,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
 
 
 def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
-    """Yield the values of a repetition for each cell, with cell index, fractal dimension and amplitude."""
+    """Yield the values of a repetition for each cell, with the cell's index, fractal dimension and amplitude."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return
@@ -415,7 +421,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
-    """Compute the onset of sliding along the first direction at each approach; values are 0 without contact."""
+    """Compute the onset of sliding along the first direction at each approach; values without contact are 0."""
     contact = study.contact
     assert isinstance(contact, AsperityContactTable)
     assert contact.onset is not None
@@ -469,9 +475,9 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _reuse_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that the tasks of a thread reuse, because new memory pages are slow.
+    """Return an uninitialised array that all tasks of a thread reuse, because allocating new memory pages is slow.
 
-    The array is aligned to the cache lines of the processor, so that wide writes do not cross them.
+    The array is aligned to cache lines of the processor, so that vector writes do not cross them.
     """
     memory: Floats | None = getattr(_kept, "memory", None)
     if memory is None or memory.shape != shape:
@@ -485,7 +491,7 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
 
 def _solve_measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
-    """Yield a member at each cutoff, and write the coordinates of the member to `arrays`."""
+    """Yield the sums of a member at each cutoff, and write the coordinates of the member to `arrays`."""
     unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))

@@ -1,7 +1,7 @@
 """Members of a study: pairs of generated or measured bodies.
 
-A member is a generated repetition, two lines or two maps at a relative position, or a pair of surrogates. The study and
-the number of the member determine it completely.
+A member is a generated repetition, two lines or two maps at a relative position, or a pair of surrogates. It is
+determined completely by the study and its number.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ from stiction.surfaces.profile import Profile, Side, combine_missing, scale_prof
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
-MAX_BATCH_BYTES = 64_000_000  # memory for the profiles of each body at a time, whatever the size of the study
-MAX_CACHED_PAIRS = 16  # pairs of filtered and levelled scans that stay in memory
-NUM_AVERAGED_MEMBERS = 16  # members over which the fraction of measured points is averaged
-TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # by whether the scan is areal
+# largest memory for the profiles of each body in a batch, in bytes, for studies of any size
+MAX_BATCH_BYTES = 64_000_000
+MAX_CACHED_PAIRS = 16  # number of pairs of filtered and levelled scans that stay in memory
+NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
+TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # key: True for maps, False for profiles
 
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
@@ -72,7 +73,7 @@ def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float
 def generate_pairs(
     study: Study, repetition: int, dimensions: Floats, amplitude: float
 ) -> Iterator[tuple[Profile, Profile]]:
-    """Yield a pair of profiles for each fractal dimension. Many dimensions take hardly longer than a single one."""
+    """Yield a pair of profiles for each fractal dimension. The time hardly depends on the number of dimensions."""
     surfaces: Any = study.surfaces
     batch_size = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
     for first in range(0, dimensions.size, batch_size):
@@ -106,7 +107,7 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
 
 
 def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
-    """Scale a surface to an amplitude, in the measure of its study."""
+    """Scale a surface to an amplitude, which is measured as the study defines."""
     surfaces: Any = study.surfaces
     return surface.with_amplitude(amplitude, surfaces.amplitude_measure)
 
@@ -120,7 +121,7 @@ def pair_of(
     ----------
     study : Study
     repetition : int
-        Number from 0 on. It may exceed the number of repetitions of the study.
+        Number of the pair, at least 0. It may exceed the number of repetitions of the study.
     fractal_dimension : float
         At least 1 and below 2, in the study's convention.
     amplitude : float, µm
@@ -134,7 +135,7 @@ def pair_of(
     Raises
     ------
     ValueError
-        If a number is outside its range, the study's profiles cannot be computed, or its bodies are measured.
+        If an argument is out of range, if the profiles of the study cannot be computed, or if its bodies are measured.
 
     Examples
     --------
@@ -162,16 +163,16 @@ def pair_of(
 
 
 def _describe_grid(body: Any) -> tuple[Any, ...]:
-    """Return type, shape and spacing of a scan, for comparison with other scans.
+    """Return type, shape and spacing of a scan, to compare scans with each other.
 
-    The spacing is rounded, because the positions in a file have round-off.
+    The spacing is rounded, because positions in a file are subject to round-off.
     """
     steps = [f"{step:.5g}" for step in np.atleast_1d(getattr(body, "spacing", 0.0))]
     return type(body), np.shape(getattr(body, "heights", body)), *steps
 
 
 class LoadedBodies:
-    """Measured bodies of a study, which are read once, and their members.
+    """Measured bodies of a study, which are read only once, and their members.
 
     The constructor raises a `ValueError` if a file has changed.
     """
@@ -184,7 +185,7 @@ class LoadedBodies:
                 raise ValueError(f"surfaces.{side}: the scans of a part must have the same points and spacing")
             heights = [scan.heights.tobytes() for scan in scans if isinstance(scan, Profile | Surface)]
             if len(set(heights)) < len(heights):
-                raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each place once")
+                raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each scan only once")
         if surfaces.first_scanned and math.prod(surfaces.scan_counts) > 1:
             raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
         self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_members)
@@ -203,13 +204,14 @@ class LoadedBodies:
     def member(self, index: int, wavelength: float) -> Member:
         """Return a member at a cutoff (µm, 0 for unfiltered scans)."""
         surfaces = self._surfaces
-        # Each pair of scans has its own positions, but surrogates of all pairs of scans need different random numbers.
+        # Each pair of scans has its own positions. Surrogates of different pairs of scans need different random
+        # numbers.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         member_of_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scans_of(index)).member(member_of_pair)
 
     def attributes(self) -> BodyAttributes:
-        """Return the attributes of the bodies for a result: nominal area, history, grid and missing data."""
+        """Return the attributes of the bodies that a result stores: nominal area, history, grid and missing data."""
         properties = self.members(self._surfaces.quoted_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
@@ -230,11 +232,11 @@ class LoadedBodies:
         )
 
     def _find_measured_fraction(self) -> float:
-        """Return the fraction of the area with data in both bodies, as a mean over the first members."""
+        """Return the fraction of the area that is measured on both bodies, averaged over the first members."""
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         fractions = []
-        with contextlib.suppress(ValueError, IndexError):  # there may be fewer members
+        with contextlib.suppress(ValueError, IndexError):  # the study may have fewer members
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing(*self.member(index, self._surfaces.quoted_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
@@ -242,7 +244,7 @@ class LoadedBodies:
 
 
 def count_points(study: Study) -> int:
-    """Return the number of grid points of a member; that of a typical scan if files are missing."""
+    """Return the number of grid points of a member; if files are missing, return the size of a typical scan."""
     surfaces: Any = study.surfaces
     if not study.is_measured:
         return math.prod(surfaces.shape) if study.is_areal else int(surfaces.points)
@@ -258,7 +260,7 @@ def first_pair(study: Study) -> Any:
 
 
 def load_bodies(study: Study) -> LoadedBodies:
-    """Load the measured bodies of a study. They are cached, and read again only if a file has changed."""
+    """Load the measured bodies of a study. They are cached, and read again only if a file changes."""
     surfaces = study.surfaces
     assert isinstance(surfaces, MeasuredSurfaces)
     stamps = tuple(scan.find_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
@@ -271,5 +273,5 @@ def _load_cached(surfaces: MeasuredSurfaces, seed: int, _: object) -> LoadedBodi
 
 
 def body_attributes(study: Study) -> BodyAttributes:
-    """Return the attributes of the measured bodies of a study; empty for generated bodies."""
+    """Return the attributes of the measured bodies of a study, or an empty object for generated bodies."""
     return load_bodies(study).attributes() if study.is_measured else BodyAttributes()

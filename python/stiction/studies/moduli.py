@@ -1,4 +1,4 @@
-"""Uncertainty of E* of a pair, given directly or by Young's moduli and Poisson's ratios of both bodies."""
+"""Uncertainty of the E* of a pair, which is given directly or by Young's moduli and Poisson's ratios."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Moduli:
     effective_modulus : UncertainInput or None
         E* (GPa), if it is given directly.
     bodies : tuple of mapping of str to UncertainInput
-        Otherwise "young" (GPa) and "poisson" of the upper and the lower body, if given.
+        "young" (GPa) and "poisson" of the upper and of the lower body, if given instead of E*.
     is_one_material : bool
         True if both bodies are the same material, so that one sample of the moduli applies to both.
     """
@@ -58,7 +58,7 @@ class Moduli:
         return {name: value for name, value in inputs.items() if not value.is_exact}
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Return the ratio of E* to its central value, for samples of `inputs`."""
+        """Return the ratio of E* to its central value for samples of the `inputs`."""
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
@@ -75,7 +75,7 @@ def _compute_compliance(young: Any, poisson: Any) -> Any:
 
 
 def find_material_moduli(body: Material) -> dict[str, UncertainInput]:
-    """Return Young's modulus (GPa) and Poisson's ratio of a material with the ranges of their sources."""
+    """Return Young's modulus (GPa) and Poisson's ratio of a material, with the ranges from their sources."""
     poisson = replace(_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON_RATIO)
     return {"young": _input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 
@@ -86,7 +86,7 @@ def _input_from_range(value: MaterialValue, distribution: Distribution) -> Uncer
 
 
 def find_material_hardness(value: MaterialValue) -> UncertainInput:
-    """Return the hardness (GPa) of a material with the range of its source."""
+    """Return the hardness (GPa) of a material, with the range from its source."""
     return _input_from_range(value, "log-normal")
 
 
@@ -94,9 +94,9 @@ def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[Elasticity, Moduli]:  # fmt: skip
-    """Return the elasticity of a pair at the central values of the arguments, and the uncertainty of its moduli.
+    """Return the elasticity of a pair at the central values of the arguments, and its uncertain moduli.
 
-    The arguments are the same as for `find_elasticity`, but may be ranges or have an uncertainty. Raises a
+    The arguments have the meanings of `find_elasticity`, but may be ranges or have an uncertainty. Raises a
     `ValueError` if arguments are missing, contradictory or invalid.
     """
     arguments = {"effective_modulus": effective_modulus, "young": young, "poisson": poisson}

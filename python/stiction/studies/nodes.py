@@ -1,6 +1,7 @@
-"""Results at nodes of (mu0, tau0), between which a report interpolates by cubic polynomials.
+"""Results at nodes of (mu0, tau0). A report interpolates between the nodes by cubic polynomials.
 
-The library evaluates every node, chooses the nodes by the tolerances below, and measures the error in between.
+Every node is evaluated by the library. The nodes are chosen such that the tolerances below are met, and the remaining
+interpolation error is measured between nodes.
 """
 
 from __future__ import annotations
@@ -26,43 +27,52 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
     from stiction.studies.study import Study
 
-VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value, which is printed in at most four digits
-ENDS_TOLERANCE = 1e-2  # largest error of the end of an interval, relative to its width; at least `VALUE_TOLERANCE`
+VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value; values are printed with at most four digits
+ENDS_TOLERANCE = 1e-2  # largest error of an interpolated end of an interval, relative to the width of the interval
 PRINTED_TOLERANCE = 0.025
-"""Error over the width of an interval above which a number is not shown; it is the finest rounding of printed ends."""
+"""Ratio of error to interval width above which a number is hidden; equal to the finest rounding of printed ends."""
 
-MIN_NODES = 5  # number of rising nodes of an axis before refinement
+MIN_NODES = 5  # number of interpolation nodes on an axis before refinement
 MAX_NODES, MAX_MEASURED_NODES = 7, 10
-"""Largest numbers of rising nodes of an axis: of generated surfaces, whose reports are large, and of measured ones."""
+"""Largest numbers of interpolation nodes on an axis, for generated surfaces and for measured surfaces.
+
+Reports of generated surfaces have more loads, and so fewer nodes.
+"""
 
 LOAD_STEPS = 40  # number of loads in a report of generated surfaces
-SAMPLED_LOADS = 4  # loads of generated surfaces for the choice of nodes and the interpolation error
-CHOICE_LOADS = 2  # loads of measured surfaces for the choice of nodes
-MEASURED_NAMES = ("contact_count", "gentle_friction")  # quantities at nodes of measured surfaces besides friction
-MAX_STUDY_NODES = 9  # largest number of values of a study that become nodes; otherwise values in equal index steps
-MAX_ROUNDS = 4  # largest number of refinements of an axis
+# number of loads of generated surfaces at which nodes are chosen and the interpolation error is measured
+SAMPLED_LOADS = 4
+CHOICE_LOADS = 2  # number of loads of measured surfaces at which nodes are chosen
+# quantities of measured surfaces that are evaluated at nodes in addition to friction
+MEASURED_NAMES = ("contact_count", "gentle_friction")
+# largest number of mu0 or tau0 values of a study that become nodes; from longer lists, evenly spaced values are
+# selected
+MAX_STUDY_NODES = 9
+MAX_ROUNDS = 4  # largest number of times that an axis is refined
 MIN_NODE_DISTANCE = 0.35
-"""Smallest distance of a first node from a value of the study, relative to the distance of nodes."""
+"""Smallest distance from an initial node to a value of the study, relative to the distance of initial nodes."""
 
 MAX_CUBIC_DIFFERENCE = 0.05
-"""Relative difference of cubic and bilinear interpolation in the middle of a panel above which the panel is blank."""
+"""Relative difference of cubic and bilinear interpolation above which a panel is blank, in the middle of the panel."""
 
-MAX_CORNER_DIFFERENCE = 0.25  # relative difference of values at the corners of a panel next to nodes without a value
+# largest relative difference between corners for which a panel next to missing nodes is interpolated
+MAX_CORNER_DIFFERENCE = 0.25
 CHECKED_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
-"""Fractions of the ranges of mu0 and of tau0 at which the error is measured."""
+"""Positions at which the error is measured, as fractions of the ranges of mu0 (first) and tau0 (second)."""
 
-NODE_TOLERANCE = 1e-9  # largest distance from a node, relative to the axis, at which a value counts as the node
-MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 over E*, unless the study has larger ones
+# largest distance from a node, relative to the length of the axis, at which a value is identified with the node
+NODE_TOLERANCE = 1e-9
+MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 relative to E* on the axis, unless the study has a larger value
 MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
-"""Largest tau0 over the hardness, unless the study has larger ones: 0.7 of the shear strength by von Mises."""
+"""Largest tau0 over hardness on the axis, unless the study has a larger one: 0.7 of von Mises' shear strength."""
 
 
 @dataclass(frozen=True, eq=False)
 class Axis:
     """Nodes of mu0 or of tau0 (GPa).
 
-    Values between `rising` nodes are interpolated. At `ranged` nodes, values of the study, the input has the range
-    that the study gives; it is exact at all others.
+    Values are interpolated between `rising` nodes. `ranged` nodes are values of the study for which the input is
+    uncertain, with the range given in the study. At all other values, the input is exact.
     """
 
     rising: Floats
@@ -70,22 +80,22 @@ class Axis:
 
     @property
     def values(self) -> Floats:
-        """All nodes, rising ones first."""
+        """All nodes: `rising`, followed by `ranged`."""
         return np.concatenate([self.rising, self.ranged])
 
     @property
     def bounds(self) -> list[tuple[float, float]]:
-        """Bounds between which a value is taken for each of the ranged nodes."""
+        """Interval around each ranged node within which values are identified with the node."""
         return [
             (float(own / (1 + SAME_INPUT_TOLERANCE)), float(own / (1 - SAME_INPUT_TOLERANCE))) for own in self.ranged
         ]
 
     def with_nodes(self, more: Sequence[float]) -> Axis:
-        """Return the axis with further rising nodes."""
+        """Return the axis with additional rising nodes."""
         return Axis(np.unique([*self.rising, *more]), self.ranged)
 
     def middles(self) -> Floats:
-        """Return the middles of the panels between rising nodes, outside of the bounds of ranged ones."""
+        """Return the middles of the panels between rising nodes, moved outside the bounds of ranged nodes."""
         found = (self.rising[1:] + self.rising[:-1]) / 2
         return np.where(self._is_ranged(found), 0.5 * (found + self.rising[1:]), found)
 
@@ -95,7 +105,7 @@ class Axis:
         )
 
     def weights(self, value: float, *, cubic: bool = True) -> Floats:
-        """Return the weights (n,) of all nodes at a value: of a node itself, of two neighbours, or of four."""
+        """Return the weights (n,) of the nodes at a value: one at a node, otherwise two or four neighbours."""
         found = np.zeros(self.values.size)
         for index, (low, high) in enumerate(self.bounds):
             if low <= value <= high:
@@ -116,7 +126,7 @@ class Axis:
 
 
 class Nodes:
-    """Values of a result at nodes of mu0 and tau0, between which a report interpolates.
+    """Values of a result at nodes of mu0 and tau0, for interpolation in a report.
 
     Parameters
     ----------
@@ -127,15 +137,17 @@ class Nodes:
     axes : pair of Axis
         Nodes of mu0 and tau0, chosen by the tolerances.
     loads : ndarray of float, mN
-        Loads of a report: those of the study of measured bodies, and `LOAD_STEPS` in equal ratios of generated ones.
+        Loads of a report: for measured bodies the loads of the study, and for generated bodies `LOAD_STEPS` loads in
+        equal ratios.
     kinds : list of str or None
-        Kinds of members of measured bodies, the kind to quote first; None stands for all members.
+        Kinds of members of measured bodies, starting with the kind that is quoted. None stands for all members.
     values : tuple of xarray.Dataset
         Values and intervals of each kind at the loads and nodes.
     of_load : tuple of xarray.Dataset
-        Quantities of measured bodies that depend on the load alone, of each kind.
+        Quantities of measured bodies that depend only on the load, for each kind.
     error : (float, float)
-        Largest relative error of interpolated values, and of ends over widths, at a few values between nodes.
+        Largest relative error of interpolated values, and largest error of interval ends relative to the width, at a
+        few values between nodes.
     """
 
     def __init__(self, result: Result) -> None:
@@ -154,7 +166,7 @@ class Nodes:
 
     @cached_property
     def kinds(self) -> list[Kind | None]:
-        """Kinds of members, the kind to quote first."""
+        """Kinds of members, starting with the kind that is quoted."""
         head = self.result.head
         if "surrogate" not in head.coords:
             return [None]
@@ -168,12 +180,12 @@ class Nodes:
 
     @property
     def is_resolved(self) -> NDArray[np.bool_]:
-        """True for panels in whose middles errors are within `PRINTED_TOLERANCE`, over cells, motions, mu0 and tau0."""
+        """True for panels whose error in the middle is within `PRINTED_TOLERANCE`, over cells, motions, mu0, tau0."""
         return self._choice[1]
 
     @cached_property
     def _choice(self) -> tuple[tuple[Axis, Axis], NDArray[np.bool_]]:
-        """Nodes chosen at a few loads, and resolved panels."""
+        """Nodes chosen at a few loads, and mask of resolved panels."""
         if self.study.is_measured:
             loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:CHOICE_LOADS]
         else:
@@ -190,19 +202,19 @@ class Nodes:
 
     @cached_property
     def of_load(self) -> tuple[xarray.Dataset, ...]:
-        """Quantities of measured bodies that depend on the load alone, of each kind of members."""
+        """Quantities of measured bodies that depend only on the load, for each kind of members."""
         return tuple(at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], of=kind) for kind in self.kinds)
 
     @cached_property
     def error(self) -> tuple[float, float]:
-        """Largest relative error of interpolated values, and of ends over widths, at a few values between nodes."""
+        """Largest relative error of values, and of interval ends over widths, at a few values between nodes."""
         loads = self.loads if self.study.is_measured else self._sample
         table = self._table(self.values[0].sel(load=loads))
         shown = self.is_resolved[..., np.newaxis, :, :]
         return largest_errors(self.axes, table, partial(self._friction, loads), shown)
 
     def is_interpolated(self, values: Floats) -> Any:
-        """Return True for panels between nodes in which values (..., m, t) may be interpolated."""
+        """Return True for panels in which values (..., m, t) at the nodes may be interpolated."""
         return is_interpolated(self.axes, values)
 
     @property
@@ -212,29 +224,30 @@ class Nodes:
     def _at(
         self, loads: Floats, axes: tuple[Axis, Axis], kind: Kind | None, names: Collection[str] | None
     ) -> xarray.Dataset:
-        """Return `at_load` at nodes, of measured bodies with combined intervals.
+        """Return `at_load` at the nodes, with combined intervals for measured bodies.
 
-        Combined intervals are of the members that a result averages first; those of surrogates have none.
+        Only the kind of members that is quoted has combined intervals; surrogates in addition to maps do not.
         """
         mu0, tau0 = (axis.values for axis in axes)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # a tau0 that is large beside E* is marked in the report
+            # a tau0 that is large relative to E* is marked in the report instead
+            warnings.simplefilter("ignore", UserWarning)
             at = at_load(self.result, loads, mu0=mu0, tau0=tau0, of=kind, names=names)
         return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)
 
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return friction with intervals at other mu0 and tau0 (..., m, t, 3)."""
+        """Return friction coefficients with intervals at other mu0 and tau0, (..., m, t, 3)."""
         names = ("contact_count",) if self.study.is_measured else ()
         return self._table(self._at(loads, (Axis(mu0), Axis(tau0)), self.kinds[0], names))
 
     def _table(self, at: xarray.Dataset) -> Floats:
-        """Return the coefficient of a report with its interval, over cells, motions, load, mu0, tau0 and statistic."""
+        """Return the coefficient in a report with its interval, over cells, motions, load, mu0, tau0 and statistic."""
         name = "friction_combined" if self.study.is_measured else "friction_coefficient"
         return np.asarray(at[name].transpose(..., "load", "mu0", "tau0", "statistic").values)
 
 
 def axes_of(study: Study) -> tuple[Axis, Axis]:
-    """Return the first nodes of mu0 and of tau0 (GPa) of a study, from 0 to the largest value of a report."""
+    """Return the initial nodes of mu0 and tau0 (GPa) of a study, from 0 to the largest value in a report."""
     ranged = set(find_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     strength = MAX_TAU0_OVER_MODULUS * modulus
@@ -249,7 +262,8 @@ def axes_of(study: Study) -> tuple[Axis, Axis]:
 def _axis(own: Floats, most: float, *, is_ranged: bool) -> Axis:
     if own.size > MAX_STUDY_NODES:
         own = own[np.unique(np.linspace(0, own.size - 1, MAX_STUDY_NODES).round().astype(int))]
-    first = most * np.linspace(0.0, 1.0, MIN_NODES) ** 2  # closer at 0, where intervals are curved most
+    # closer together near 0, where interval ends have the largest curvature
+    first = most * np.linspace(0.0, 1.0, MIN_NODES) ** 2
     if is_ranged:
         axis = Axis(first, own[own > 0])
         return Axis(np.where(axis._is_ranged(first), first * (1 + 5 * SAME_INPUT_TOLERANCE), first), axis.ranged)
@@ -261,15 +275,16 @@ def _axis(own: Floats, most: float, *, is_ranged: bool) -> Axis:
 
 
 Middles = tuple[Floats, Floats]
-"""Interpolated and evaluated values in the middles of panels along two lines of an axis, (panels, ..., 2, 3) each."""
+"""interpolated and evaluated values in the middles of panels along two lines of an axis, (panels, ..., 2, 3) each"""
 
 
 def refined(
     axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
 ) -> tuple[tuple[Axis, Axis], tuple[Middles, Middles]]:
-    """Return axes with so many nodes that values and intervals along two lines are within the tolerances.
+    """Return axes with enough nodes that values and intervals along two lines are within the tolerances.
 
-    An axis is refined to at most `max_nodes` rising nodes. The second result has the values in the middles of panels.
+    An axis has at most `max_nodes` rising nodes after refinement. The second result contains the values in the middles
+    of panels.
 
     Parameters
     ----------
@@ -281,7 +296,7 @@ def refined(
     for place in range(2):
         other = found[1 - place].rising
         across = other[[min(1, other.size - 1), max(other.size - 2, 0)]]
-        rows: dict[float, Floats] = {}  # values (..., 3) along the axis
+        rows: dict[float, Floats] = {}  # cached values (..., 3) along the axis
         for _ in range(MAX_ROUNDS):
             axis = found[place]
             middles = axis.middles()
@@ -303,9 +318,9 @@ def refined(
 
 
 def resolved_panels(axes: tuple[Axis, Axis], compared: tuple[Middles, Middles]) -> NDArray[np.bool_]:
-    """Return True for panels (..., m, t) in whose middles numbers are within `PRINTED_TOLERANCE`, at all loads.
+    """Return True for panels (..., m, t) with errors in their middles within `PRINTED_TOLERANCE`, at all loads.
 
-    Arguments are those that `refined` returns. A panel is compared along the nearer one of the two lines.
+    The arguments are the results of `refined`. Each panel is judged by the nearer one of the two lines.
     """
     sizes = [axis.values.size for axis in axes]
     parts = []
@@ -340,8 +355,8 @@ def largest_errors(
 ) -> tuple[float, float]:
     """Return the largest relative error of values, and of ends over widths, at a few mu0 and tau0 between nodes.
 
-    Arguments are those of `refined`, and a table (..., m, t, 3) at the nodes. Panels that are not interpolated, and
-    intervals narrower than the tolerance of the value, are left out.
+    `axes` and `evaluate` are arguments of `refined`, and `table` (..., m, t, 3) contains the values at the nodes.
+    Panels that are not interpolated are omitted, and so are intervals narrower than the tolerance of the value.
     """
     mu0, tau0 = (
         axis.rising[0] + np.ptp(axis.rising) * part for axis, part in zip(axes, CHECKED_FRACTIONS, strict=True)
@@ -367,7 +382,7 @@ def largest_errors(
 
 
 def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float) -> Floats:
-    """Return a table (..., m, t) at mu0 and tau0 (GPa): by cubics, or bilinear where one of 16 nodes has no value."""
+    """Interpolate a table (..., m, t) at mu0 and tau0 (GPa): cubic, or bilinear if one of the 16 nodes has no value."""
     with np.errstate(invalid="ignore"):
         cubic, linear = (
             _weighted(table, axes[0].weights(mu0, cubic=each), axes[1].weights(tau0, cubic=each))
@@ -377,17 +392,17 @@ def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float
 
 
 def _weighted(table: Floats, over_mu0: Floats, over_tau0: Floats) -> Floats:
-    """Return the sum of the nodes (..., m, t) that have weights; others may have no value."""
+    """Return the weighted sum of nodes (..., m, t); nodes with zero weight may have no value."""
     rows, columns = np.flatnonzero(over_mu0), np.flatnonzero(over_tau0)
     part = table[..., rows, :][..., columns]
     return np.asarray(np.einsum("...mt,m,t->...", part, over_mu0[rows], over_tau0[columns]))
 
 
 def is_interpolated(axes: tuple[Axis, Axis], values: Floats) -> Any:
-    """Return whether values (..., m, t) may be interpolated in the panels between nodes, (..., m, t).
+    """Return True for panels in which values (..., m, t) at the nodes may be interpolated, (..., m, t).
 
-    A panel has the indices of its first corner; the last rows and columns are of ranged nodes, along which the other
-    axis alone is interpolated.
+    A panel has the indices of its first corner. The last rows and columns belong to ranged nodes, along which only the
+    other axis is interpolated.
     """
     fine = np.ones(values.shape, bool)
     places = [[*axis.middles(), *axis.ranged] for axis in axes]

@@ -1,4 +1,4 @@
-"""Onset of sliding of a measured pair: the mean curve of some of its members, stored with the result."""
+"""Onset of sliding of a measured pair: the mean curve of some members, which is stored with the result."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.studies.store import StoredResult
 
-ONSET_FILE = "onset.nc"  # file in the folder of a result
-ONSET_TABLE_FILE = "onset.csv"  # the mean curve as a table, for use as the backbone of a Masing model
-ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes of the table, which identify it
+ONSET_FILE = "onset.nc"  # name of the file in the folder of a result
+ONSET_TABLE_FILE = "onset.csv"  # file with the mean curve as a table, which can serve as the backbone of a Masing model
+ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes of this table, by which it is recognised
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
-"""Default number of members whose onset is computed; the second is for areas with the half-space, which take longer."""
+"""Default numbers of members whose onset is computed; the second applies to half-spaces of maps, which take longer."""
 
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
-"""Fractions of the sliding load at which the curve is computed."""
+"""Fractions of the sliding load at which the curve is evaluated."""
 
-TRACTION_TOLERANCE = 1e-5  # relative error of tractions, which changes displacements by a fraction of 1e-7
-DEFAULT_POISSON_RATIO = 0.3  # of both bodies, if the study has none
+TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions; it changes displacements by about 1e-7
+DEFAULT_POISSON_RATIO = 0.3  # for both bodies, if the study has no Poisson's ratio
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
     "displacement": "displacement",
@@ -48,7 +48,7 @@ _CURVE_TITLES = {
     "slipped_load": "slipped load",
     "energy_lost": "energy lost",
 }
-"""Quantities of the curve, with their column titles in `ONSET_TABLE_FILE`."""
+"""Quantities of the curve, and their column titles in `ONSET_TABLE_FILE`."""
 
 _NUMBER_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
@@ -60,8 +60,8 @@ def compute_onset(
     """Compute the onset of sliding of the first members of a measured pair at a load (mN).
 
     By default the load is the first load of the study. The dataset has the dimensions `fraction` (of the sliding load)
-    and `statistic`. It also contains the map of slip of the first member, and the parameters of Iwan and LuGre models
-    of the mean curve. Returns None for generated bodies, without friction, and if no member has a solution.
+    and `statistic`. It also contains the slip map of the first member, and the parameters of Iwan and LuGre models of
+    the mean curve. None is returned for generated bodies, without friction, and if no member has a solution.
     """
     if not study.is_measured:
         return None
@@ -89,7 +89,7 @@ def compute_onset(
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """Compute the onset curve of one member: arrays by name, with index and position; None without a solution."""
+    """Compute the onset curve of one member, as arrays with its index and position; return None without a solution."""
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
@@ -124,12 +124,13 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
         values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, attributes_of(name))
-    variables["tangential_load"][2]["long_name"] = "tangential load"  # of all points of the curve up to sliding
+    # the long name covers all points of the curve up to sliding
+    variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {
         "fraction": (
             "fraction",
             list(ONSET_LOAD_FRACTIONS),
-            {"units": "1", "long_name": "tangential over sliding load"},
+            {"units": "1", "long_name": "ratio of tangential load to sliding load"},
         ),
         "statistic": _STATISTIC_NAMES,
     }
@@ -147,7 +148,7 @@ PRESLIDING_MODELS = {
     "iwan": ("sliding_load_mN", "stiffness_mN_per_um", "chi", "beta", "largest_residual"),
     "lugre": ("sigma0_mN_per_um", "largest_residual"),
 }
-"""Models fitted to the mean curve, and their parameters: attributes of the dataset, such as "iwan_chi"."""
+"""Models fitted to the mean curve, and their parameters, which are attributes of the dataset, such as "iwan_chi"."""
 
 
 def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
@@ -158,9 +159,9 @@ def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
     try:
         iwan = fit_iwan(displacement, load, sliding_load=sliding, stiffness=float(curve["stiffness"]))
         lugre = fit_lugre(displacement, load, sliding_load=sliding)
-    except ValueError:  # displacements of a free half-plane are not defined
+    except ValueError:  # free half-planes have no displacement
         return {}
-    chi = round(iwan.chi, 12) + 0.0  # avoids -0 at the bound
+    chi = round(iwan.chi, 12) + 0.0  # replaces -0 at the bound by 0
     values = {
         "iwan": (sliding, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding)),
         "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding)),
@@ -176,7 +177,7 @@ def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
 
 
 def load_onset(result: StoredResult) -> xarray.Dataset | None:
-    """Load the onset stored with a result; None if it is missing, or for another load, mu0 or tau0.
+    """Load the onset stored with a result; return None if it is missing, or if its load, mu0 or tau0 differ.
 
     Raises a `StoreError` if the file is damaged.
     """
@@ -199,7 +200,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
 
 
 def format_backbone(onset: xarray.Dataset) -> str:
-    """Return the mean curve, starting at zero, as CSV with units: the backbone of a Masing model."""
+    """Return the mean curve from zero load as CSV with units: the backbone of a Masing model."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
@@ -220,10 +221,10 @@ _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed: OneLoad, onset: Onset) -> Variables:
-    """Return the fraction of the sliding load at which each point of a map slips, or each asperity contact.
+    """Return the fraction of the sliding load at which each point of a map, or each asperity contact, slips.
 
-    The variables include the heights of the lower body. Each block of neighbouring points of a large map is represented
-    by the point that slips first. Returns no variables for profiles.
+    The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
+    by the point that slips first. The dataset is empty for profiles.
     """
     lower = pressed.lower
     if not isinstance(lower, Surface):
@@ -237,12 +238,12 @@ def build_slip_map(pressed: OneLoad, onset: Onset) -> Variables:
     }
     fraction = onset.slip_load() / onset.sliding_load
     if isinstance(pressed.curve, HalfSpaceCurve):
-        attributes = {"units": "1", "long_name": "tangential over sliding load at which a point slips"}
+        attributes = {"units": "1", "long_name": "ratio of tangential to sliding load at which a point slips"}
         first = _find_block_minima(fraction.reshape(rows, columns), step)
         return variables | {"slip": (("slip_y", "slip_x"), first.astype(np.float32), attributes)}
     table = pressed.table()
     contact_variables = {
-        "slip": (fraction, "1", "tangential over sliding load at which a contact slides as a whole"),
+        "slip": (fraction, "1", "ratio of tangential to sliding load at which a contact slides as a whole"),
         "x": (table.x, "um", "middle of a contact along x"),
         "y": (table.y, "um", "middle of a contact along y"),
         "area": (table.area, "um^2", "area of a contact"),
@@ -254,7 +255,7 @@ def build_slip_map(pressed: OneLoad, onset: Onset) -> Variables:
 
 
 def _find_block_minima(values: Floats, step: int) -> Floats:
-    """Return the smallest value in each block of `step` rows and columns; NaN if the block has no values."""
+    """Return the smallest value in each block of `step` rows and columns; NaN if the block contains no values."""
     rows, columns = (-(-size // step) * step for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

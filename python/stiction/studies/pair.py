@@ -1,4 +1,4 @@
-"""Convert the options of a measured pair to a study."""
+"""Conversion of the options of a measured pair to a study."""
 
 from __future__ import annotations
 
@@ -58,15 +58,16 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
 
-DEFAULT_NUM_POSITIONS = 64  # positions of a pair of profiles, enough for an interval after some seconds of computing
-NUM_ADHESION_LOADS = 4  # loads of adhesive contacts below the requested loads, spread over two decades
-PRELOAD_FRACTION = 1e-3  # load that replaces a zero load, as a fraction of the attraction of one grid point
+# default number of positions of a pair of profiles; enough for an interval after some seconds of computation
+DEFAULT_NUM_POSITIONS = 64
+NUM_ADHESION_LOADS = 4  # number of loads of adhesive contacts below the requested loads, spread over two decades
+PRELOAD_FRACTION = 1e-3  # load that replaces a load of zero, relative to the attraction of one grid cell
 DEFAULT_LAW = "hertz-sphere"  # contact law of the asperity model
-HARDNESS_TO_YIELD_RATIO = 2.84  # of small contacts in the law of Jackson and Green
+HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength of small contacts in the law of Jackson and Green
 
 GAP_REMARK = (
-    "A gap map does not contain the slopes of the two faces: each face was assigned half of the gap slopes. Closure, "
-    "stiffness and area do not depend on this assumption."
+    "A gap map does not contain the slopes of the two faces: each face is assumed to have half of the slopes. "
+    "Closure, stiffness and area do not depend on this assumption."
 )
 
 
@@ -94,7 +95,7 @@ class Pair:
 
     @classmethod
     def from_values(cls, **values: object) -> Pair:
-        """Create a pair from unchecked values of the options, by their names in `PairOptions`."""
+        """Create a pair from unchecked values of the options; the keywords are field names of `PairOptions`."""
         return cls(read_options(values))
 
     def _find_kind(self, name: str) -> OptionKind:
@@ -103,7 +104,7 @@ class Pair:
         return kind
 
     def _parse_quantity(self, name: str, value: object) -> Quantity:
-        """Parse the value of an option as a quantity of the option's kind."""
+        """Parse the value of an option, whose kind of quantity is known from its name."""
         return parse_quantity(name, value, self._find_kind(name))
 
     def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
@@ -123,7 +124,7 @@ class Pair:
         return parts[0], parts[1]
 
     def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredFile:
-        """Return the study entry of a body: a file with its reading options, or a body in memory."""
+        """Return the entry of a body in the study: a file with its reading options, or a body in memory."""
         options = self.options
         properties: dict[str, Any] = {}
         if options.tip is not None:
@@ -138,7 +139,8 @@ class Pair:
                     continue
                 if options.given(name) not in (None, "error", "keep"):
                     raise ArgumentError(
-                        f"{{{name}}} is for files: if one body is in memory, read the other file first, got {{{name}}}"
+                        f"{{{name}}} applies only to files: if one body is in memory, read the other file first, got "
+                        f"{{{name}}}"
                     )
             body = self._from_array(side, index, body) if is_array else body
             return MeasuredFile.from_body(body, side).model_copy(update=properties)
@@ -157,7 +159,7 @@ class Pair:
             raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=why) from None
 
     def _select_value(self, name: str, index: int) -> Any:
-        """Return the value of an option for the body with this index. A single value applies to both bodies."""
+        """Return the value of an option for a body; a single value applies to both bodies."""
         given = self.options.given(name)
         values = given if isinstance(given, list) else [given]
         if len(values) > 2:
@@ -174,7 +176,7 @@ class Pair:
         return name
 
     def _from_array(self, side: str, index: int, heights: Any) -> Body:
-        """Convert an array to a body, with the spacing and the unit of this body or of both bodies."""
+        """Convert an array of heights to a body, with the spacing and unit for this body or for both bodies."""
         spacing: Any = self._select_value("spacing", index)
         unit: Any = self._select_value("unit", index) or "um"
         try:
@@ -218,14 +220,14 @@ class Pair:
 
     @property
     def press(self) -> str:
-        """Kind of the members that are pressed: "areas", "lines" or "surrogates"."""
+        """Kind of members to press: "areas", "lines" or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models that are computed; the result is that of the first model."""
+        """Contact models to compute; the result is that of the first model."""
         default: Mechanics = (
             "half-space" if self.press != "lines" or self.has_missing or self._uses_plastic_lines else "asperities"
         )
@@ -264,7 +266,7 @@ class Pair:
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
-        """Inputs that were given as ranges or with an uncertainty, by name."""
+        """Inputs by name that were given as ranges or with an uncertainty."""
         inputs: dict[str, list[UncertainInput]] = {}
         for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.given(name)) if text is not None]
@@ -296,7 +298,7 @@ class Pair:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
     def _nominal_value(self, name: str) -> Any:
-        """Return the value of an option. An uncertain input is replaced by its central value in four digits."""
+        """Return the value of an option; an uncertain input is replaced by its central value with four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
             return round_median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -331,17 +333,16 @@ class Pair:
 
     @cached_property
     def loads(self) -> list[Quantity]:
-        """Requested loads in ascending order, mN. A pressure is multiplied by the nominal area."""
+        """Requested loads in ascending order, mN; pressures are multiplied by the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else THICKNESS / self._width
-        # Products are rounded, so that the loads have no spurious last digits.
+        # Products are rounded so that the loads have no spurious last digits.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        if (
-            0.0 in forces
-        ):  # replaced by a small load, because the pull-off force always exceeds the attraction of one grid point
+        # A load of zero is replaced by a small load. The pull-off force always exceeds the attraction of one grid cell.
+        if 0.0 in forces:
             forces = {force or float(f"{PRELOAD_FRACTION * self._cell_attraction:.3g}") for force in forces}
         return [quantity(exact_text(force, "mN"), "force") for force in sorted(forces)]
 
@@ -351,7 +352,7 @@ class Pair:
 
     @property
     def _cell_attraction(self) -> float:
-        """Largest attraction of one grid cell, mN: w/ρ times its area."""
+        """Largest attraction of one grid cell, w/ρ times the area of the cell, mN."""
         points = int(np.prod(self._body_attributes.attributes["shape"]))
         steps = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work, given = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
@@ -360,17 +361,19 @@ class Pair:
 
     @property
     def _width(self) -> float:
-        """Width of the profiles on which a force acts, µm."""
+        """Width of the profiles over which a given force is distributed, µm."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
         if all(per_area for _, per_area in self._given_loads):
-            raise ArgumentError("{width} needs a {load} that is a force, got {load} {got}", got=repr(self.options.load))
+            raise ArgumentError(
+                "{width} applies only if the {load} is a force, got {load} {got}", got=repr(self.options.load)
+            )
         return float(width)
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Given loads, in mN or GPa, each with True if it is a load per area."""
+        """Given loads in mN or GPa, each with True if the load is a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -392,19 +395,19 @@ class Pair:
 
     @property
     def preview_study(self) -> Study | None:
-        """Study of a preview with the asperity model; None for lines, and if the result itself uses this model."""
+        """Study for a preview with the asperity model; None for lines, and if the result itself uses this model."""
         if self.press == "lines" or self.contact_models[0] == "asperities" or self.has_missing:
             return None
         return self._build_study(self._build_contact_table("asperities") | {"load": self.loads})
 
     @property
     def remarks(self) -> list[str]:
-        """Remarks on the materials, and on a gap map."""
+        """Remarks about the materials, and about a gap map."""
         elasticity, remarks = self.elasticity, []
         if elasticity.source and self.options.hardness is None:
             remarks.append(f"{elasticity.source}, {elasticity.hardness_source}")
         elif elasticity.source:
-            remarks.append(f"{elasticity.source}; the hardness is that of --hardness")
+            remarks.append(f"{elasticity.source}; the hardness was set by --hardness")
         remarks += [elasticity.alias_note] if elasticity.alias_note else []
         if self.options.gap is not None:
             remarks.append(GAP_REMARK)
@@ -437,7 +440,7 @@ class Pair:
         else:
             table["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            level = "mean"  # keeps the measured orientation of the faces
+            level = "mean"  # keeps the measured orientation of the faces to each other
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
@@ -460,7 +463,7 @@ class Pair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Keys of the surfaces table if much of the slope comes from wavelengths that may not belong to the surface.
+        """Keys of the surfaces table if much of the slope is from wavelengths that may not belong to a surface.
 
         The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
         come first, and so give the quoted result, if all these wavelengths are noise floors of an instrument. The
@@ -507,7 +510,7 @@ class Pair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Listed positions (µm) of the slider on the counterface, (x, y) for maps; None if they are not listed."""
+        """Listed positions (µm) of the slider on the counterface, (x, y) for maps; None if no list is given."""
         if self.options.positions is None:
             return None
         values = self._parse_quantities("positions", self.options.positions)
@@ -570,7 +573,7 @@ class Pair:
 
     @property
     def _adhesion(self) -> dict[str, Quantity]:
-        """Work of adhesion and its range. They cannot be ranges, because every value needs its own solution."""
+        """Work of adhesion and its range. Each must be a single value, because every value needs its own solution."""
         quantities = {}
         for name in ("work_of_adhesion", "adhesion_range"):
             if (value := self.options.given(name)) is None:
@@ -586,7 +589,7 @@ class Pair:
     def _growth(self) -> UncertainInput | None:
         """Coefficient α of junction growth, or None if contacts do not grow.
 
-        By default it is taken from the interface or, without an interface, from the softer material.
+        The default is the value of the interface or, without an interface, the value of the softer material.
         """
         alpha_text = self.options.junction_growth
         if alpha_text is None:
@@ -609,13 +612,13 @@ class Pair:
 
     @property
     def _hardness(self) -> Quantity | None:
-        """Given hardness or, without one, the hardness of the softer material."""
+        """Given hardness or, by default, the hardness of the softer material."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
             return None if value is None else quantity(exact_text(value, "GPa"), "pressure")
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
-        self._parse_inputs("hardness")  # raises errors that also list the hardness scales
+        self._parse_inputs("hardness")  # raises an error that also lists the hardness scales
         hardness = self._parse_quantity("hardness", self._nominal_value("hardness"))
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
@@ -652,9 +655,8 @@ class Pair:
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        preloads = (
-            loads[:1] if self._has_zero_load else []
-        )  # results between zero and the other loads are not interpolated
+        # Results are not interpolated between a load of zero and the other loads.
+        preloads = loads[:1] if self._has_zero_load else []
         regular_loads = loads[len(preloads) :] or loads
         num_smaller = NUM_ADHESION_LOADS if self._adhesion.get("work_of_adhesion") else 1
         steps = choose_load_steps(
@@ -683,7 +685,7 @@ class Pair:
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Validate the tables of a study. If an invalid key is set by an option, the `ArgumentError` names the option."""
+    """Validate the tables of a study. If an option set the invalid key, the `ArgumentError` names the option."""
     try:
         return validated(Study, data, "pair")
     except StudyError as error:
@@ -703,14 +705,14 @@ def _find_option(key: str) -> str | None:
 
 
 def study_from_options(options: PairOptions) -> Study:
-    """Return the study of two bodies, files or in memory. Raises a `ValueError` if they cannot be pressed."""
+    """Return the study of two bodies, given as files or in memory. Raises a `ValueError` if they cannot be pressed."""
     study = Pair(options).study
     body_attributes(study)
     return study
 
 
 def _split_commas(value: Any) -> Any:
-    """Split a text at commas. Other values are returned unchanged."""
+    """Split a text at its commas. Other values are returned unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
@@ -718,7 +720,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
     """Return the scans of a part, given as a list, a folder, comma-separated names, or a single scan."""
     if isinstance(given, (list, tuple)):
         scans = list(given)
-    elif isinstance(given, str) and not given.strip():  # `Path` would interpret an empty text as the current folder
+    elif isinstance(given, str) and not given.strip():  # `Path` would interpret an empty string as the current folder
         scans = [given]
     elif isinstance(given, (str, Path)) and Path(given).is_dir():
         scans = sorted(path for path in Path(given).iterdir() if not (path.is_dir() or path.name.startswith(".")))
@@ -734,7 +736,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_instrument_limit(scan: MeasuredFile) -> InstrumentLimit | None:
-    """Return the limit below which wavelengths may not belong to the surface; None if these hardly affect the slope."""
+    """Return the limit below which wavelengths may not belong to the surface; None if they hardly affect the slope."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None
@@ -747,6 +749,6 @@ def _to_length(wavelength: float) -> Quantity:
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:
-    """Sort quantities in ascending order and remove duplicates; the last of equal quantities is kept."""
+    """Sort quantities in ascending order without duplicates; among equal quantities, the last is kept."""
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]

@@ -218,7 +218,7 @@ function figuresOf(at, d, l) {
       if (value !== null) row(words, value, texts[state.kind][d][l], isBeyond[state.kind][d][l]);
     }
     const answered = atNearest(numbers.floats, numbers.offsets.answered + at.index * here.size, here);
-    row("Members with an answer", answered, `${answered} of ${facts.memberCounts[state.kind]}`);
+    row("Members with a coefficient", answered, `${answered} of ${facts.memberCounts[state.kind]}`);
     return list;
   }
   if (at.status !== "ok") return list;
