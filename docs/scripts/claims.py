@@ -690,7 +690,7 @@ def verdict_of(claim: int, outcomes: list[Outcome]) -> Verdict:
 
 def claims_markdown(outcomes: list[Outcome]) -> str:
     """Render a table with a row for each part."""
-    lines = ["| | verdict | claim, and its numbers | value [95 %] | criterion |", "|---|---|---|---|---|"]
+    lines = ["| | verdict | claim, and its test numbers | value [95 %] | criterion |", "|---|---|---|---|---|"]
     for claim, statement in CLAIMS.items():
         lines.append(f"| **{claim}** | {_verdict_badge(verdict_of(claim, outcomes))} | **{statement}** | | |")
         for outcome in _outcomes_of_claim(claim, outcomes):

@@ -45,7 +45,7 @@ def cosine_interval(values):
 
 
 INTERVAL_METHODS = {
-    "taken": neighbors_mean,
+    "this project": neighbors_mean,
     "independent": independent_interval,
     "lag one": lag_one_interval,
     "cosines": cosine_interval,
