@@ -121,6 +121,16 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
         )
 
 
+@pytest.mark.parametrize("dwell_hours", range(1, 20))
+def test_area_nodes_of_dwell_time_are_distinct(dwell_hours) -> None:
+    options = {"hardness": "0.2 GPa", "wait": f"{dwell_hours} h", "creep": 0.05, "effective_modulus": "5 GPa"}
+    study = pair_study(*rough_surfaces(), load="5 MPa", mu0=0.2, tau0="50 MPa", cutoff="none", **options)
+    nodes, _ = choose_area_nodes(study)
+    assert nodes[-2:] == pytest.approx([0.2, np.inf], rel=1e-12)
+    assert nodes[0] == pytest.approx(0.2 * (3600 * dwell_hours) ** -0.05, rel=1e-9)
+    assert np.diff(np.log(nodes)).min() > 0.01
+
+
 @pytest.mark.parametrize("infinite", [0, 300, 500])
 def test_ends_of_samples_are_their_quantiles(infinite) -> None:
     samples = np.random.default_rng(3).lognormal(size=2**14)

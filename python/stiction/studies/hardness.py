@@ -60,6 +60,8 @@ MAX_NARROW_HALF_RANGE = 0.2
 The area then follows from its dependence on the load.
 """
 
+NODE_ROUND_OFF = 1e-9  # largest relative difference of two nodes that differ by round-off only
+
 SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
 """Spacing in ln H, and number, of the nodes that junction growth adds below the range of the hardness.
 
@@ -181,7 +183,10 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
         ends = ends * [softening.min(), softening.max()]
     half_width = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
     positions = np.exp(half_width * (2 * np.array(NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
-    nodes = np.unique([*np.sqrt(ends.prod()) * positions, float(hardness), np.inf])
+    nodes = np.sqrt(ends.prod()) * positions
+    # An end of the range may be the hardness of the study, except for round-off.
+    nodes = nodes[~np.isclose(nodes, float(hardness), rtol=NODE_ROUND_OFF, atol=0.0)]
+    nodes = np.unique([*nodes, float(hardness), np.inf])
     return np.unique([*_choose_shear_nodes(study, float(nodes[0])), *nodes]), moduli
 
 
