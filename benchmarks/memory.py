@@ -15,7 +15,7 @@ STUDY_ARGUMENTS = {
                         "surfaces.frequencies=6"],
     "200 of figure6": ["figure6", "ensemble.repetitions=200"],
 }  # fmt: skip
-READ_RESULT_CODE = "import sys; from stiction import *; from stiction.studies import store; r = store.read('out');"
+READ_RESULT_CODE = "from stiction import *; r = open_result('out');"
 COMMAND_ARGUMENTS = {
     "run": [],
     "friction_map": [READ_RESULT_CODE + "friction_map(r, [0.001, 0.01])"],

@@ -1,34 +1,28 @@
-"""Run every benchmark, print its table, and write docs/generated/performance.md and docs/images/performance.png."""
+"""Run benchmarks and print their tables; all of them together also write the table and the plot of the docs."""
 
-import sys
+import argparse
 from importlib import import_module
 from pathlib import Path
 
 BENCHMARK_FOLDER = Path(__file__).parent
+BENCHMARKS = (
+    "pair", "against", "areal", "half_space", "pair_of_maps", "growth", "cluster", "memory", "million", "report", "app",
+)  # fmt: skip
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(prog="./dev bench", description=__doc__)
+    parser.add_argument("name", nargs="*", choices=BENCHMARKS, help="benchmark to run; by default all of them")
+    names = parser.parse_args().name
     lines = []
-    for name in sys.argv[1:] or (
-        "pair",
-        "against",
-        "areal",
-        "half_space",
-        "pair_of_maps",
-        "growth",
-        "cluster",
-        "memory",
-        "million",
-        "report",
-        "app",
-    ):
+    for name in names or BENCHMARKS:
         module = import_module(name)
         lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| | |", "|---|---|"]
         for question, answer in module.measure_rows():
             print(f"{question:75s} {answer}", flush=True)
             lines.append(f"| {question} | {answer} |")
         lines.append("")
-    if len(sys.argv) == 1:
+    if not names:
         (BENCHMARK_FOLDER.parent / "docs/generated/performance.md").write_text("\n".join(lines), encoding="utf-8")
         import_module("chart").draw()
 
