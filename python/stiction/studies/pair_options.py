@@ -1,4 +1,4 @@
-"""Options of a measured pair. Each option is declared once with its type, unit, default, help and conditions."""
+"""Options of a measured pair. Each option is declared once, with its type, unit, default, help text and conditions."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from stiction.surfaces.surface import Surface
 
 
 class HeightData(Protocol):
-    """Heights of another library, such as surfalize or xarray, in the attribute `data`."""
+    """Height data from another library, such as surfalize or xarray, in the attribute `data`."""
 
     @property
     def data(self) -> object:
@@ -40,7 +40,7 @@ class HeightData(Protocol):
 
 
 class Topography(Protocol):
-    """Topography of the library SurfaceTopography."""
+    """Topography from the library SurfaceTopography."""
 
     def heights(self) -> object:
         """Heights as an array."""
@@ -104,10 +104,10 @@ def _read_surrogates(value: object) -> object:
 
 
 HeightMap: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | Topography
-"""Measured profile or surface: a file, a body of this or another library, or an array of heights."""
+"""Measured profile or surface: a file, a body of this or of another library, or an array of heights."""
 Scan: TypeAlias = HeightMap | JoinedSpectrum
 Part: TypeAlias = Annotated[Scan | Sequence[Scan], SkipValidation]
-"""One scan of a part, or scans at several places on it."""
+"""A single scan of a part, or scans at several places on the part."""
 Gap: TypeAlias = Annotated[HeightMap, SkipValidation]
 InterfaceName: TypeAlias = Annotated[str | Path | Interface, SkipValidation]
 Value: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
@@ -115,11 +115,11 @@ Value: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
 Values: TypeAlias = Annotated[
     str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_read_values)
 ]  # fmt: skip
-"""One value or several values; commas separate the values of a text."""
+"""One value or several values, which are separated by commas if given as a text."""
 Positions: TypeAlias = Annotated[
     str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_read_positions)
 ]  # fmt: skip
-"""Positions along profiles, or positions (x, y) of maps, which may be a flat list."""
+"""Positions along profiles, or positions (x, y) on maps, which may be given as a flat list."""
 Count: TypeAlias = Annotated[int, PlainValidator(_read_count)]
 Seed: TypeAlias = Annotated[int, PlainValidator(_read_non_negative)]
 Degrees: TypeAlias = Annotated[float, PlainValidator(_read_degrees)]
@@ -172,7 +172,7 @@ class PairFacts(Protocol):
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models; the first gives the result."""
+        """Contact models to compute; the result is that of the first model."""
 
     @property
     def contact_law(self) -> str:
@@ -181,14 +181,14 @@ class PairFacts(Protocol):
 
 @dataclass(frozen=True)
 class Condition:
-    """Condition under which an option applies, and the error message otherwise."""
+    """Condition under which an option applies, and the error message if it does not apply."""
 
     holds: Callable[[PairFacts], bool]
-    message: str  # text after the name of the option; other options are written as {name}
+    message: str  # text that follows the name of the option; other options are written as {name}
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Condition]:
-    """Return a decorator that converts a function to a condition with a message."""
+    """Return a decorator that converts a function to a condition with this message."""
 
     def decorate(holds: Callable[[PairFacts], bool]) -> Condition:
         return Condition(holds, message)
@@ -214,7 +214,7 @@ def has_two_profiles(pair: PairFacts) -> bool:
     return pair.are_profiles
 
 
-@make_condition("is for two profiles that are pressed as lines; other bodies have an area")
+@make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairFacts) -> bool:
     """Return whether two profiles are pressed as lines."""
     return pair.are_profiles and pair.press == "lines"
@@ -238,7 +238,7 @@ def has_whole_scans(pair: PairFacts) -> bool:
     return not pair.has_missing
 
 
-@make_condition("must not be combined with a spectrum, from which surfaces are generated")
+@make_condition("must not be combined with a spectrum, because its surfaces are generated")
 def has_no_spectrum(pair: PairFacts) -> bool:
     """Return whether no body is a spectrum of several scans."""
     return not pair.has_spectrum
@@ -246,7 +246,7 @@ def has_no_spectrum(pair: PairFacts) -> bool:
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_pairs_of_lines(pair: PairFacts) -> bool:
-    """Return whether there are several pairs of lines, from surfaces or from surrogates of profiles."""
+    """Return whether there are several pairs of lines, taken from maps or from surrogates of profiles."""
     return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
 
 
@@ -268,7 +268,7 @@ def presses_areas(pair: PairFacts) -> bool:
     return pair.press == "areas"
 
 
-@make_condition("is for areas; lines are moved both ways")
+@make_condition("is for areas; lines are always moved in both directions")
 def moves_areas(pair: PairFacts) -> bool:
     """Return whether the members are areas."""
     return pair.press != "lines"
@@ -312,7 +312,7 @@ def has_result_by_half_space(pair: PairFacts) -> bool:
 
 @make_condition("is for {mechanics} half-space alone")
 def presses_half_space_alone(pair: PairFacts) -> bool:
-    """Return whether only the half-space model is used, without the asperity model as a check."""
+    """Return whether only the half-space model is used, and the asperity model is not added as a check."""
     return pair.contact_models == ("half-space",)
 
 
@@ -382,22 +382,22 @@ OptionKind = Literal["length", "pressure", "force", "time", "work of adhesion"]
 DEFAULT_UNITS: dict[OptionKind, str] = {
     "length": "µm", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m²",
 }  # fmt: skip
-"""Unit of a number without a unit, by the kind of quantity."""
+"""Default units of numbers, by the kind of quantity."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FormField:
-    """Form field of an option in the app."""
+    """Field for an option in the form of the app."""
 
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
     example: str = ""
-    empty: str = ""  # label of the default in a list of choices
-    choices: tuple[tuple[str, str], ...] = ()  # values and labels of a list of choices
+    empty: str = ""  # label of the default in a drop-down list
+    choices: tuple[tuple[str, str], ...] = ()  # values and labels of a drop-down list
     size: int = 0  # width of the field in characters; 0 for the default width
     unit: str = ""  # unit that is appended to a number without a unit
-    has_commas: bool = False  # True if commas separate values, so that they are no decimal commas
-    keyboard: Literal["", "numeric", "decimal"] = ""  # keyboard that a phone shows
+    has_commas: bool = False  # True if values are separated by commas, which then are not decimal commas
+    keyboard: Literal["", "numeric", "decimal"] = ""  # virtual keyboard that a phone shows
 
 
 @dataclass(frozen=True)
@@ -405,18 +405,18 @@ class Option:
     """Declaration of a pair option for the command line, Python, the study file and the app."""
 
     value: str  # placeholder of the value on the command line, such as PRESSURE; empty for a switch
-    help: str  # one or two sentences, in which other options are written as {name}
+    help: str  # one or two sentences of help; other options are written as {name}
     kind: OptionKind | None = None
-    usual: str = ""  # description of the default
+    usual: str = ""  # description of the default value
     flag: str = ""  # name on the command line, if it differs from the name of the field
     argument: str = ""  # name in Python, if it differs from the name of the field
-    key: str = ""  # key of a study that the option sets
+    key: str = ""  # key of a study file that the option sets
     field: FormField | None = None
     applies: tuple[Condition, ...] = ()
     is_common: bool = False  # True if the short help lists the option
     is_repeatable: bool = False  # True if the option may be repeated on the command line
-    is_list: bool = False  # True if commas separate several values for one file
-    is_in_python: bool = True  # True if `stiction.pair` has the parameter
+    is_list: bool = False  # True if several values for one file may be separated by commas
+    is_in_python: bool = True  # True if `stiction.pair` has a parameter for the option
 
 
 class OptionGroup(BaseModel):
@@ -433,19 +433,19 @@ class SurfaceOptions(OptionGroup):
     title: ClassVar[str] = "Surfaces"
 
     upper: Annotated[Part | None, Option(
-        "UPPER", "The slider: a measured profile or surface. Several scans of one part are a list, a folder, or "
-        "names between commas.", flag="UPPER", argument="first",
+        "UPPER", "The slider: a measured profile or surface. Several scans of one part are given as a list, a folder, "
+        "or names separated by commas.", flag="UPPER", argument="first",
     )] = None  # fmt: skip
     lower: Annotated[Part | None, Option(
         "LOWER", "The counterface; both may be the same file.", flag="LOWER", argument="second",
     )] = None  # fmt: skip
     gap: Annotated[Gap | None, Option(
-        "FILE", "A map of the gap between two faces, as of a fracture, instead of {upper} and {lower}.",
+        "FILE", "A map of the gap between two faces, for example of a fracture, instead of {upper} and {lower}.",
         applies=(is_one_map,),
     )] = None  # fmt: skip
     lay: Annotated[Lay | None, Option(
-        "grooves|isotropic", "Lay of two profiles: measured across grooves, or of surfaces alike in all directions, "
-        "which are then pressed as areas.", usual="pressed as lines",
+        "grooves|isotropic", "Lay of two profiles: measured across grooves, or on isotropic surfaces, which are then "
+        "pressed as areas.", usual="pressed as lines",
         applies=(has_two_profiles, makes_surrogates_of_whole_scans),
         field=FormField(
             label="lay of profiles", empty="not given",
@@ -468,9 +468,9 @@ class SurfaceOptions(OptionGroup):
         ),
     )] = None  # fmt: skip
     cutoff: Annotated[Values | None, Option(
-        "LENGTHS", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um"; several give a result each, and none '
-        "accepts all wavelengths.", kind="length",
-        usual="unfiltered; filtered as well where wavelengths are not attributed",
+        "LENGTHS", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um". Several cutoffs give several results; '
+        '"none" attributes all wavelengths to the surfaces.', kind="length",
+        usual="unfiltered; also filtered if some wavelengths may not belong to the surface",
         key="surfaces.cut_off", field=FormField(label="cutoff wavelength", has_commas=True, example="0.5 um, or none"),
     )] = None  # fmt: skip
     rotate: Annotated[Degrees | None, Option(
@@ -486,8 +486,8 @@ class ReadingOptions(OptionGroup):
     title: ClassVar[str] = "Reading files"
 
     unit: Annotated[Values | None, Option(
-        "UNIT", 'Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where the file '
-        "has none.", is_repeatable=True, is_common=True, is_list=True,
+        "UNIT", 'Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Required if the file '
+        "has no unit.", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(
             label="unit", place="scan", has_commas=True, empty="its own", choices=(
                 ("nm", "nm"), ("um", "um"), ("mm", "mm"), ("m", "m"), ("mm,um", "mm, heights µm"),
@@ -496,12 +496,13 @@ class ReadingOptions(OptionGroup):
         ),
     )] = None  # fmt: skip
     spacing: Annotated[Values | None, Option(
-        "LENGTH", 'Distance of neighboring points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where '
-        "the file has none.", kind="length", is_repeatable=True, is_common=True, is_list=True,
+        "LENGTH", 'Distance between points, "0.5 um", or between rows and columns, "2 um,0.5 um". Required if the '
+        "file has no spacing.", kind="length", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(label="spacing", place="scan", has_commas=True, example="0.5 um", size=7),
     )] = None  # fmt: skip
     missing: Annotated[Missing | None, Option(
-        "error|mask|interpolate", "Points without a height: reject the file, press what is there, or interpolate.",
+        "error|mask|interpolate", "Points without a height: reject the file, press only the measured points, or "
+        "interpolate.",
         usual="error", is_common=True,
         field=FormField(
             label="missing points", place="scan", empty="are an error", choices=(("interpolate", "fill them"),)
@@ -517,8 +518,8 @@ class ReadingOptions(OptionGroup):
         usual="keep",
     )] = None  # fmt: skip
     crop: Annotated[Values | None, Option(
-        "X0,X1[,Y0,Y1]", 'Part of the file to read: "10 um,60 um", of a map along x and y.', kind="length",
-        is_repeatable=True,
+        "X0,X1[,Y0,Y1]", 'Region of the file to read: "10 um,60 um"; for a map, first along x, then along y.',
+        kind="length", is_repeatable=True,
     )] = None  # fmt: skip
     channel: Annotated[Values | None, Option(
         "NAME|NUMBER", "Channel or sheet to read, by its name or number from 0.", usual="the first of heights",
@@ -531,13 +532,13 @@ class ReadingOptions(OptionGroup):
         field=FormField(label="columns", place="scan", has_commas=True, example="0,1 or names", size=9),
     )] = None  # fmt: skip
     accept: Annotated[Values | None, Option(
-        "NAMES", 'Caveats about a file that are settled, by their names, "whole-numbers".', is_repeatable=True,
+        "NAMES", 'Names of caveats about a file that you have checked and accept, "whole-numbers".', is_repeatable=True,
         is_list=True,
         field=FormField(label="settled caveats", place="scan", has_commas=True, example="whole-numbers", size=9),
     )] = None  # fmt: skip
     texture: Annotated[Values | None, Option(
-        "PROCESS", "Machining process (turned, milled, ground, ...): lines and humps of the spectrum then belong to "
-        "the surface.", is_repeatable=True,
+        "PROCESS", "Machining process (turned, milled, ground, ...): lines and humps of the spectrum are then "
+        "attributed to the surface.", is_repeatable=True,
     )] = None  # fmt: skip
     tip: Annotated[Values | None, Option(
         "RADIUS", 'Radius of the stylus or probe, "10 nm", which limits the curvature that it can follow.',
@@ -546,7 +547,7 @@ class ReadingOptions(OptionGroup):
 
 
 class MaterialOptions(OptionGroup):
-    """Options of the materials; effective_modulus, young with poisson, or names of materials are required."""
+    """Options for the materials; effective_modulus, young with poisson, or the names of materials are required."""
 
     title: ClassVar[str] = "Materials"
 
@@ -555,7 +556,7 @@ class MaterialOptions(OptionGroup):
         argument="upper", is_common=True, key="contact.materials", field=FormField(label="upper", place="body"),
     )] = None  # fmt: skip
     lower_material: Annotated[str | None, Option(
-        "MATERIAL", "Material of the counterface; that of {upper_material} by default.", flag="--lower",
+        "MATERIAL", "Material of the counterface; the same as {upper_material} by default.", flag="--lower",
         argument="lower", is_common=True, field=FormField(label="lower", place="body"),
     )] = None  # fmt: skip
     effective_modulus: Annotated[Value | None, Option(
@@ -563,8 +564,8 @@ class MaterialOptions(OptionGroup):
         key="contact.effective_modulus",
     )] = None  # fmt: skip
     young: Annotated[Values | None, Option(
-        "PRESSURES", 'Young\'s modulus of both bodies, or of one after the other, "200 GPa,70 GPa".', kind="pressure",
-        is_common=True, field=FormField(label="E", place="body", unit="GPa"),
+        "PRESSURES", 'Young\'s modulus of both bodies, or of the slider and the counterface, "200 GPa,70 GPa".',
+        kind="pressure", is_common=True, field=FormField(label="E", place="body", unit="GPa"),
     )] = None  # fmt: skip
     poisson: Annotated[Values | None, Option(
         "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', is_common=True, key="contact.poisson_ratio",
@@ -572,12 +573,12 @@ class MaterialOptions(OptionGroup):
     )] = None  # fmt: skip
     hardness: Annotated[Value | None, Option(
         "PRESSURE", 'Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %".',
-        kind="pressure", usual="that of the material", is_common=True, key="contact.hardness",
+        kind="pressure", usual="the material's hardness", is_common=True, key="contact.hardness",
         applies=(has_plastic_contacts,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
     )] = None  # fmt: skip
     yield_strength: Annotated[Value | None, Option(
         "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
-        usual="the hardness over 2.84",
+        usual="the hardness divided by 2.84",
         applies=(presses_asperities, has_law_with_yield, has_no_hardness_for_asperities),
     )] = None  # fmt: skip
     junction_growth: Annotated[Value | None, Option(
@@ -585,7 +586,8 @@ class MaterialOptions(OptionGroup):
         usual="0..27 for metals by name", key="contact.junction_growth", applies=(presses_half_space,),
     )] = None  # fmt: skip
     wait: Annotated[Values | None, Option(
-        "TIMES", 'Dwell times under load before sliding, "1 min,1 h"; the hardness is that after 1 s.', kind="time",
+        "TIMES", 'Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.',
+        kind="time",
         key="friction.wait", applies=(has_creep, has_result_by_half_space),
     )] = None  # fmt: skip
     creep: Annotated[Value | None, Option(
@@ -599,13 +601,13 @@ class MaterialOptions(OptionGroup):
         field=FormField(label="work of adhesion, mJ/m²", example="0, or 50", unit="mJ/m^2"),
     )] = None  # fmt: skip
     adhesion_range: Annotated[Value | None, Option(
-        "LENGTH", "Gap over which the attraction falls off by 1/e.", kind="length", usual="0.5 nm",
+        "LENGTH", "Gap over which the attraction decays to 1/e.", kind="length", usual="0.5 nm",
         key="contact.adhesion_range", applies=(presses_half_space_alone, has_work_of_adhesion),
     )] = None  # fmt: skip
 
 
 class FrictionOptions(OptionGroup):
-    """Options of the load, the interface and the motion."""
+    """Options for the load, the interface and the motion."""
 
     title: ClassVar[str] = "Load and friction"
 
@@ -615,7 +617,7 @@ class FrictionOptions(OptionGroup):
         field=FormField(label="load", place="load"),
     )]  # fmt: skip
     width: Annotated[Value | None, Option(
-        "LENGTH", "Width across two profiles that a force acts on.", kind="length", usual="1 um",
+        "LENGTH", "Width across two profiles on which a force acts.", kind="length", usual="1 um",
         applies=(presses_profiles_as_lines,), field=FormField(label="width of profiles", example="1 mm"),
     )] = None  # fmt: skip
     mu0: Annotated[Values | None, Option(
@@ -629,7 +631,8 @@ class FrictionOptions(OptionGroup):
         field=FormField(label="τ0, MPa", place="load", unit="MPa"),
     )] = None  # fmt: skip
     interface: Annotated[InterfaceName | None, Option(
-        "NAME|FILE", "Both {mu0} and {tau0}: a file of stiction calibrate, or a name that stiction interfaces lists.",
+        "NAME|FILE", "Joint values of {mu0} and {tau0}: a file from stiction calibrate, or a name listed by stiction "
+        "interfaces.",
         key="known.interface", is_common=True,
     )] = None  # fmt: skip
     direction: Annotated[Values | None, Option(
@@ -639,12 +642,12 @@ class FrictionOptions(OptionGroup):
 
 
 class ContactOptions(OptionGroup):
-    """Options of the contact model."""
+    """Options for the contact model."""
 
     title: ClassVar[str] = "Contact model"
 
     check: Annotated[bool, Option(
-        "", "Press by the other contact model as well, into DIR/NAME.", is_in_python=False,
+        "", "Also press with the other contact model, with results in DIR/NAME.", is_in_python=False,
         applies=(presses_asperities_of_whole_scans,),
     )] = False  # fmt: skip
     mechanics: Annotated[Mechanics | None, Option(
@@ -657,25 +660,26 @@ class ContactOptions(OptionGroup):
         ),
     )] = None  # fmt: skip
     tilt: Annotated[Tilt | None, Option(
-        "fixed|free", "Whether the slider keeps its orientation, or turns until the load is in its middle, as on a "
-        "ball joint.", usual="fixed", key="contact.tilt", applies=(presses_half_space,),
+        "fixed|free", "Orientation of the slider: fixed, or tilted until the load is centred, as on a ball joint.",
+        usual="fixed", key="contact.tilt", applies=(presses_half_space,),
     )] = None  # fmt: skip
     law: Annotated[LawChoice | None, Option(
         "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", usual="hertz-sphere",
         key="contact.law", applies=(presses_asperities, suits_grooves),
     )] = None  # fmt: skip
     detection: Annotated[Detection | None, Option(
-        "gap-minimum|cell", "How contacts of asperities are found.", usual="gap-minimum", key="contact.detection",
+        "gap-minimum|cell", "Criterion that detects contacts of asperities.", usual="gap-minimum",
+        key="contact.detection",
         applies=(presses_asperities,),
     )] = None  # fmt: skip
     curvature: Annotated[Curvature | None, Option(
-        "convex|signed", "Whether concave contact points count as well as convex ones.",
+        "convex|signed", "Contact points to count: convex only, or concave ones too.",
         usual="convex for lines, signed for areas", key="contact.curvature", applies=(presses_asperities,),
     )] = None  # fmt: skip
 
 
 class EnsembleOptions(OptionGroup):
-    """Options of the relative positions and surrogates."""
+    """Options for the relative positions and the surrogates."""
 
     title: ClassVar[str] = "Ensemble"
 
@@ -693,12 +697,13 @@ class EnsembleOptions(OptionGroup):
         applies=(presses_lines, has_no_positions),
     )] = None  # fmt: skip
     positions: Annotated[Positions | None, Option(
-        "LENGTHS", 'Positions of the slider on the counterface, "0 um,5 um"; of maps x and y of each.', kind="length",
+        "LENGTHS", 'Positions of the slider on the counterface, "0 um,5 um"; for maps, x and y of each position.',
+        kind="length",
         usual="spread evenly", key="surfaces.positions", applies=(has_two_bodies, presses_scans),
     )] = None  # fmt: skip
     surrogates: Annotated[SurrogateChoice | None, Option(
-        "N|none|upper|lower|both", "For areas, press this many pairs of random surfaces of equal spectrum as well; "
-        "for lines, the body to replace by random ones.", usual="none", key="surfaces.replace",
+        "N|none|upper|lower|both", "For areas: number of additional pairs of random surfaces with equal spectra. For "
+        "lines: body to replace by random surfaces.", usual="none", key="surfaces.replace",
         applies=(makes_surrogates_of_whole_scans, has_two_bodies),
     )] = None  # fmt: skip
     seed: Annotated[Seed | None, Option(
@@ -713,19 +718,19 @@ class ComputingOptions(OptionGroup):
     title: ClassVar[str] = "Computing"
 
     onset: Annotated[Seed | None, Option(
-        "N", "Members whose onset of sliding is computed; 0 for none.", usual="16, or 4 for areas by the half-space",
+        "N", "Members whose onset of sliding is computed; 0 for none.", usual="16, or 4 for areas with the half-space",
     )] = None  # fmt: skip
 
 
 class PairOptions(
     SurfaceOptions, ReadingOptions, MaterialOptions, FrictionOptions, ContactOptions, EnsembleOptions, ComputingOptions
 ):
-    """All options of a pair of measured bodies."""
+    """All options of a pair of two measured bodies."""
 
     title: ClassVar[str] = "Options of a pair"
 
     def given(self, name: str) -> object:
-        """Return the value of an option, or None for the default."""
+        """Return the value of an option; None if it was not given."""
         value: object = getattr(self, name)
         return None if value is False else value
 
@@ -743,16 +748,16 @@ def _find_declaration(field: FieldInfo) -> Option:
 PAIR_OPTIONS: dict[str, Option] = {
     name: _find_declaration(field) for group in OPTION_GROUPS for name, field in group.model_fields.items()
 }  # fmt: skip
-"""All options, by the name of the field."""
+"""All options by field name."""
 
 READING_OPTION_NAMES: tuple[str, ...] = tuple(
     name for name in ReadingOptions.model_fields if name not in ("texture", "tip")
 )
-"""Names of the options that are arguments of `read_measurement`."""
+"""Names of the options that are passed to `read_measurement`."""
 
 
 def split_list(name: str, text: str) -> str | tuple[str, ...]:
-    """Split the text of an option at commas, or return it unchanged if the option has a single value."""
+    """Split the text of an option at commas; return it unchanged if the option takes a single value."""
     return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
 
@@ -765,7 +770,7 @@ CHECK_ORDER: tuple[str, ...] = tuple(
 
 
 def list_choices(name: str) -> tuple[str, ...]:
-    """Return the allowed words of an option, or an empty tuple if its values are not words."""
+    """Return the allowed words of an option; empty if its values are not words."""
     annotation = PairOptions.model_fields[name].annotation
     literal = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
     return tuple(argument for argument in get_args(literal) if isinstance(argument, str))
@@ -775,7 +780,7 @@ def list_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Names of options by the names of the arguments of surface functions that they set."""
+"""Names of options by the argument names of the surface functions that they set."""
 
 
 def format_command_line_name(name: str) -> str:
@@ -794,7 +799,7 @@ def format_python_name(name: str) -> str:
 
 @contextmanager
 def argument_errors() -> Iterator[None]:
-    """Raise the first validation error of pydantic as an `ArgumentError`."""
+    """Convert a validation error of pydantic to an `ArgumentError` for its first fault."""
     try:
         yield
     except ValidationError as error:

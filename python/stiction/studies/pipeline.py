@@ -1,7 +1,7 @@
-"""Complete a result folder: compute the missing blocks and, for a measured pair, the companion files.
+"""Complete a result folder: compute missing blocks and, for a measured pair, the companion files.
 
 Companion files contain the contacts of a typical member, areas at other hardnesses, and the onset of sliding. The
-cutoff study has a separate folder.
+cutoff study is stored in a subfolder.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from stiction.studies.study import Study, find_differences, find_member_differen
 
 LinePrinter = Callable[[str], Any]  # function that prints a line
 
-MIN_ANNOUNCED_TIME = 20.0  # seconds of computing above which an estimate of the time is always printed
+MIN_ANNOUNCED_TIME = 20.0  # computing time in seconds above which an estimate of the time is always printed
 
 _COMPANION_FILES = {
     PICTURE_FILE: CHECKSUM_SEAL,
@@ -51,11 +51,11 @@ _COMPANION_FILES = {
     ONSET_FILE: CHECKSUM_SEAL,
     ONSET_TABLE_FILE: ONSET_TABLE_MARK,
 }
-"""Companion files of a measured pair, with the bytes that identify each file."""
+"""Companion files of a measured pair, each with the bytes that identify such a file."""
 
 
 def _ignore_line(_: str) -> None:
-    """Print nothing."""
+    """Ignore a line of text; used if nothing is to be printed."""
 
 
 def complete_result(
@@ -64,11 +64,12 @@ def complete_result(
     print_remark: LinePrinter = _ignore_line, announce: LinePrinter = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of a part of it. Without a part, also compute the companion files.
+    """Compute the missing blocks of a study, or of a part of it. Without a part, also compute companion files.
 
     `replace` removes the result of another study. `onset` is the number of members whose onset of sliding is computed,
-    0 for none. `print_finished` receives lines about finished work, `print_remark` important remarks, and `announce`
-    lines about the work ahead. `show_result` receives the result as soon as all blocks are complete.
+    0 for none. `print_finished` receives lines about finished work, `print_remark` receives important remarks, and
+    `announce` receives lines about the work ahead. `show_result` receives the result as soon as all blocks are
+    complete.
     """
     for name, mark in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
         check_replaceable(folder / name, mark, StoreError)
@@ -94,7 +95,7 @@ def complete_result(
         return Result(stored)
     result = Result(stored)
     if measured and load_areas_over_hardness(stored) is None and not is_unloaded(result):
-        # Solve a few members at other hardnesses and moduli, if these inputs are ranges.
+        # Some members are solved at other hardnesses and moduli if these inputs are ranges.
         seconds = (
             count_solutions(stored.study) * estimate_solution_time(stored.study)
             if stored.study.uses_half_space
@@ -128,7 +129,7 @@ def compute_companions(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
     announce: LinePrinter = _ignore_line, print_remark: LinePrinter = _ignore_line,
 ) -> None:  # fmt: skip
-    """Compute the missing cutoff study and onset of sliding of a measured pair."""
+    """Compute the cutoff study and the onset of sliding of a measured pair, unless they exist."""
     stored = result.stored
     if stored is None or not stored.study.is_measured:
         return
@@ -159,7 +160,7 @@ def compute_companions(
 
 
 def remove_result(stored: StoredResult) -> None:
-    """Remove the study and the blocks of a result. Other files in its folder are kept."""
+    """Remove the study and the blocks of a result, but no other files in its folder."""
     for block in stored.blocks:
         (stored.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
     areas = (AREAS_FILE,) if stored.study.is_measured else ()

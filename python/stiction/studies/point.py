@@ -1,4 +1,4 @@
-"""Numbers of one point of a dataset of `at_load`, which is one cell, load, mu0 and tau0."""
+"""Values at one point of a dataset of `at_load`. A point is one combination of cell, load, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RuleValue:
     """Coefficient of static friction at a point, for one sliding rule."""
 
     rule: str  # "all" or "opposing"
-    value: float  # mean over the directions, followed by the combined 95 % interval
+    value: float  # mean over the directions, followed by the ends of the combined 95 % interval
     lower: float
     upper: float
     positions: tuple[float, float] = (math.nan, math.nan)  # sampling interval of the mean over positions
@@ -44,25 +44,25 @@ def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 RULE_ORDER = ("all", "opposing")
-"""Sliding rules in the order in which they are quoted for measured bodies: mu0 is measured on smooth faces."""
+"""Sliding rules, starting with the rule that is quoted for measured bodies, because mu0 is measured on smooth faces."""
 
-CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of the cells of all kinds of studies
-MEAN_AND_ENDS = ("mean", "lower", "upper")  # a mean, and the ends of its 95 % interval
+CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of the cells of any kind of study
+MEAN_AND_ENDS = ("mean", "lower", "upper")  # a mean and the ends of its 95 % interval
 
 
 def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
-    """Return symbol and value of the roughness exponent of a study: H for self-affine surfaces, otherwise D."""
+    """Return the symbol and the value of the roughness exponent: H for self-affine surfaces, otherwise D."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
 
 def by_rule(table: Any, rule: str) -> Any:
-    """Select a sliding rule from an array, which may have no dimension of sliding rules."""
+    """Select a sliding rule from an array; an array without a dimension of sliding rules is returned unchanged."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
 def value_of(point: xarray.Dataset, name: str) -> float:
-    """Return the mean of a quantity at a point, averaged over directions if it has them; NaN if it is missing."""
+    """Return the mean of a quantity at a point, averaged over its directions if any; NaN if the quantity is missing."""
     if name not in point.variables:
         return math.nan
     table = point[name]
@@ -96,7 +96,7 @@ def rules_of(study: Study) -> list[str]:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the nominal area has a meaning; it has none for spheres on a strip of arbitrary thickness."""
+    """Return True if a nominal area is meaningful; spheres on a strip of arbitrary thickness have none."""
     if "nominal_area" not in point.coords:
         return False
     return study.is_areal or study.uses_half_space or "cylinder" in law_of(study)
@@ -108,7 +108,7 @@ def law_of(study: Study) -> str:
 
 
 def is_capped(study: Study) -> bool:
-    """Return whether the contact model limits the pressure, by a hardness or a yield strength."""
+    """Return True if the contact model limits the pressure, by a hardness or a yield strength."""
     return study.contact.hardness is not None or "jackson" in law_of(study)
 
 
@@ -118,7 +118,7 @@ def modulus_of(point: xarray.Dataset, study: Study) -> float:
 
 
 def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the range of adhesion (µm) of the study, and the range that the grid resolves, if it is longer."""
+    """Return the range of adhesion (µm) of the study, and the range on its grid, which may be longer."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or ADHESION_RANGE)
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))
@@ -128,7 +128,7 @@ def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
 
 
 def is_unloaded(point: xarray.Dataset) -> bool:
-    """Return whether the load of a point is negligible beside the pull-off force."""
+    """Return True if the load of a point is negligible compared with the pull-off force."""
     return "pull_off" in point and float(point["load"]) < NEGLIGIBLE_LOAD_RATIO * value_of(point, "pull_off")
 
 
@@ -139,7 +139,7 @@ def hardness_of(study: Study) -> float:
 
 
 def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
-    """Return tau0/H', the adhesive friction if all contacts yield; NaN for seizure, None without a hardness."""
+    """Return tau0/H', the adhesive friction if all contacts yield; NaN at seizure, and None without a hardness."""
     hardness = hardness_of(study)
     if math.isnan(hardness) or not study.uses_half_space:
         return None

@@ -1,4 +1,4 @@
-"""Sticking of adhesive bodies: pull-off force, pull-off pressure, and friction without a load."""
+"""Adhesion without a load: pull-off force, pull-off pressure, and the friction of unloaded bodies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray
 
 STICKING_PRESSURE = 1e-7
-"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, which is the weight of a steel plate 1.3 mm thick."""
+"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, the pressure below a steel plate that is 1.3 mm thick."""
 
 ValueWithInterval = tuple[float, float, float]
 
@@ -29,9 +29,9 @@ class Sticking:
 
     @property
     def sticks(self) -> Literal["yes", "no", "uncertain"]:
-        """Position of the interval of the pull-off pressure relative to `STICKING_PRESSURE`.
+        """Position of the interval of the pull-off pressure relative to `STICKING_PRESSURE`: "yes" above, "no" below.
 
-        It is "yes" above, "no" below, and "uncertain" if the interval contains this pressure.
+        The value is "uncertain" if the interval contains this pressure.
         """
         value, lower, upper = self.pressure
         if (lower if np.isfinite(lower) else value) > STICKING_PRESSURE:
@@ -42,7 +42,7 @@ class Sticking:
 
 
 def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
-    """Return pull-off and friction without a load from a point of `at_load`; None if the bodies do not adhere."""
+    """Return pull-off force and unloaded friction at a point of `at_load`; None if the bodies do not adhere."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (

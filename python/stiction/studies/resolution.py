@@ -1,4 +1,4 @@
-"""Resolution of a measured pair: a small second study at several cutoffs, and the slopes of the gap by wavelength."""
+"""Resolution of a measured pair: a small additional study at several cutoffs, and slopes of the gap by wavelength."""
 
 from __future__ import annotations
 
@@ -23,20 +23,21 @@ from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_rou
 if TYPE_CHECKING:
     import xarray
 
-CUTOFF_STUDY_FOLDER = "resolution"  # folder in a result folder for the study of the same pair at several cutoffs
-NUM_AREAL_MEMBERS = 4  # height maps: the first members of the result, so that only the cutoff differs
-NUM_LINE_MEMBERS = 16  # pairs of lines
-MAX_CUTOFFS = 4  # largest number of cutoffs; the shortest is two points, and each cutoff is twice the one before
+CUTOFF_STUDY_FOLDER = "resolution"  # folder, within a result folder, of the study of the same pair at several cutoffs
+# number of members for height maps: the first members of the result, so that only the cutoff differs
+NUM_AREAL_MEMBERS = 4
+NUM_LINE_MEMBERS = 16  # number of pairs of lines
+MAX_CUTOFFS = 4  # largest number of cutoffs; the shortest is two points, and each cutoff is twice the previous cutoff
 FOUR_DIGIT_ERROR = 5e-4  # largest relative error of a number rounded to four digits
-MAX_RELATIVE_CUTOFF = 1 / 30  # cutoffs are at most this fraction of the shortest side of the scans
+MAX_RELATIVE_CUTOFF = 1 / 30  # largest ratio of a cutoff to the shortest side of the scans
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return a study of the same pair at several cutoffs, with few members, at the requested loads.
+    """Return a study of the same pair at several cutoffs, with few members, at the loads of the original study.
 
-    The first cutoff is the cutoff of the study, and the others double from the shortest resolved wavelength. Returns
-    None for generated bodies, for the asperity model, if the study itself has several cutoffs, and if the scans are too
-    short.
+    The first cutoff is the cutoff of the original study. The other cutoffs start at the shortest resolved wavelength
+    and double successively. None is returned for generated bodies, for the asperity model, if the study itself has
+    several cutoffs, and if the scans are too short.
     """
     if not study.is_measured or not study.uses_half_space:
         return None
@@ -75,7 +76,7 @@ def build_cutoff_study(study: Study) -> Study | None:
 def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     """Evaluate a result with several cutoffs, or the cutoff study in its folder, at the loads of the study.
 
-    Returns None if there is neither.
+    None is returned if the result has neither.
     """
     study = result.study
     if not study.is_measured:
@@ -103,20 +104,20 @@ def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap of a pair at the resolved wavelengths, with its extrapolation to shorter wavelengths."""
+    """Roughness of the gap of a pair at resolved wavelengths, and its extrapolation to shorter wavelengths."""
 
-    shortest: float  # shortest resolved wavelength, µm: two points, or the cutoff
+    shortest: float  # shortest resolved wavelength (two points or the cutoff), µm
     longest: float  # longest side of the pressed bodies, µm
     gradient: float  # root-mean-square gradient of the gap of the first member
     roughness: ScaleDependentRoughness
     estimate: HurstEstimate | None  # Hurst exponent of the gap; None if its spectrum has no self-affine band
 
     def fraction_below(self, wavelength: float) -> float:
-        """Return the fraction of the mean square gradient of the gap at wavelengths shorter than this one (µm)."""
+        """Return the fraction of the mean square gradient of the gap at wavelengths below the given wavelength (µm)."""
         return float(self.roughness.fraction_below(wavelength))
 
     def find_plastic_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Return the wavelength (µm), with its interval, at which roughness multiplies the elastic pressure by `ratio`.
+        """Return the wavelength (µm) down to which roughness must extend to multiply the elastic pressure by `ratio`.
 
         The ratio is relative to the mean contact pressure at the resolution of the scans.
         """
@@ -125,10 +126,10 @@ class ResolvedRoughness:
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, spread)
 
     def extrapolate(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Extrapolate gradient and area fraction to finer scans of elastic bodies.
+        """Extrapolate the gradient and the area fraction of elastic bodies to finer scans.
 
-        Returns the shortest wavelengths (µm) of the finer scans, and the gradients and area fractions, each as value,
-        lower and upper end.
+        Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
+        area fractions are triples of value, lower end and upper end.
         """
         gradients = brackets.extrapolated_gradients(self.roughness, self.estimate, self.shortest, self.gradient)
         flat_fraction = np.array([area_fraction * self.gradient]) / brackets.interface_stretch(np.array(self.gradient))
@@ -140,7 +141,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Return the resolved roughness of the gap of a measured pair; None if generated, or if files are missing."""
+    """Return the resolved roughness of the gap of a measured pair; None for generated bodies or missing files."""
     if not study.is_measured:
         return None
     try:
@@ -154,7 +155,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
     wavelength = surfaces.quoted_cut_off()
-    # The first member with pieces of the scans, or a surrogate if there is no such member.
+    # the first member that consists of pieces of the scans or, without such a member, a surrogate
     first = surfaces.first_scanned
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair

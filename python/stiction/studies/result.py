@@ -1,4 +1,4 @@
-"""Result of a study, in memory or in a directory: the computed numbers, and the values that follow from them."""
+"""Result of a study, in memory or in a directory: the computed sums, and the values derived from them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from stiction.studies.nodes import Nodes
     from stiction.studies.summary import PointSummary, Summary
 
-NUM_OVERVIEW_DIMENSIONS = 4  # number of fractal dimensions in an overview, if the study has a range
+# number of fractal dimensions in an overview, for studies with a range of fractal dimensions
+NUM_OVERVIEW_DIMENSIONS = 4
 
 _Read = TypeVar("_Read")
 
@@ -54,7 +55,7 @@ class Result:
 
     @classmethod
     def of(cls, result: Result | xarray.Dataset | StoredResult) -> Result:
-        """Return a result unchanged, or wrap a dataset of member sums or an open directory as a result."""
+        """Return a result unchanged; wrap a dataset of member sums or an open directory as a result."""
         import xarray
 
         if isinstance(result, Result):
@@ -73,7 +74,7 @@ class Result:
 
     @cached_property
     def study(self) -> Study:
-        """Study that was computed."""
+        """Study that the result belongs to."""
         return self.source.study if isinstance(self.source, StoredResult) else study_of(self.source)
 
     @property
@@ -88,13 +89,14 @@ class Result:
 
     @cached_property
     def head(self) -> xarray.Dataset:
-        """Dataset with the coordinates and attributes of the result, and the values of its first members.
+        """Dataset with the coordinates and attributes of the result, and with the values of its first members.
 
         Raises a `StoreError` if no member is finished.
         """
         if not isinstance(self.source, StoredResult):
             return self.source
-        return next(self.source.pieces()) if self.source.count else self.source.dataset()  # raises the error
+        # raises the error for a result without members
+        return next(self.source.pieces()) if self.source.count else self.source.dataset()
 
     @cached_property
     def members(self) -> NDArray[np.intp]:
@@ -111,9 +113,9 @@ class Result:
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result, or some of its variables, in pieces of members, of which one is in memory at a time.
+        """Yield the result, or some of its variables, in pieces of members; one piece is in memory at a time.
 
-        Only the study determines the pieces, so that sums over the pieces are always bitwise the same.
+        The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
         """
         if isinstance(self.source, StoredResult):
             yield from self.source.pieces(names)
@@ -125,9 +127,9 @@ class Result:
             yield some.isel(repetition=slice(first, first + step))
 
     def alongside(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
-        """Call a function that reads from the directory of the result, and cache its value; None in memory.
+        """Call a function that reads from the directory of the result, and cache its value; None for results in memory.
 
-        None is not cached, because a run that has not ended may add the data later.
+        None is not cached, because an unfinished run may add the data later.
         """
         if self.stored is None:
             return None
@@ -140,28 +142,28 @@ class Result:
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """Onset of sliding of a measured pair at the first load, mu0 and tau0 of its study, if stored."""
+        """Onset of sliding of a measured pair at the first load, mu0 and tau0 of its study; None if not stored."""
         from stiction.studies.onset import load_onset
 
         return self.alongside(load_onset)
 
     @property
     def over_cut_offs(self) -> xarray.Dataset | None:
-        """Values at several cutoff wavelengths, from the stored study of a few members, if there is one."""
+        """Values of a few members at several cutoff wavelengths; None if the cutoff study is not stored."""
         from stiction.studies.resolution import evaluate_cutoffs
 
         return self.alongside(evaluate_cutoffs)
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
-        """Heights, contacts and pressures of a typical member, if stored."""
+        """Heights, contacts and pressures of a typical member; None if they are not stored."""
         from stiction.studies.contact_picture import load_contact_picture
 
         return self.alongside(load_contact_picture)
 
     @cached_property
     def coming_and_going(self) -> xarray.Dataset | None:
-        """Load, area and approach of a typical adhesive member during loading and unloading, which is solved again."""
+        """Load, area and approach of a typical adhesive member during loading and unloading; computed on first use."""
         from stiction.studies.contact_picture import coming_and_going
 
         return coming_and_going(self)
@@ -175,7 +177,7 @@ class Result:
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the bodies that apply at any load; the files are opened once."""
+        """Caveats about the bodies that apply at any load. The files are read on first use."""
         from stiction.studies.input_caveats import find_study_caveats
 
         return find_study_caveats(self.study)
@@ -184,7 +186,7 @@ class Result:
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study or, if it has none, loads that are reached; a `ValueError` if there is no contact."""
+        """Loads (mN) of the study or, if it has none, loads within reach. Raises a `ValueError` without contact."""
         from stiction.studies.evaluation import default_loads
 
         return default_loads(self)
@@ -193,7 +195,7 @@ class Result:
     def at_study_loads(self) -> xarray.Dataset:
         """Values and intervals at the loads, mu0 and tau0 of the study, with the uncertainty budget.
 
-        If the study has a range of fractal dimensions, `NUM_OVERVIEW_DIMENSIONS` of them are evaluated.
+        If the study has a range of fractal dimensions, only `NUM_OVERVIEW_DIMENSIONS` of them are evaluated.
         """
         at = self.at(budget=True)
         if self.study.is_measured:
@@ -201,7 +203,7 @@ class Result:
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return at
-        # A range describes a curve, of which a few values suffice. All values of a list are evaluated.
+        # A range describes a curve, for which a few values suffice. All values of a list are evaluated.
         number = at.sizes["fractal_dimension"]
         shown = np.unique(np.linspace(0, number - 1, min(NUM_OVERVIEW_DIMENSIONS, number)).round().astype(int))
         return at.isel(fractal_dimension=shown)
@@ -212,24 +214,25 @@ class Result:
         height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
         compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Evaluate the result at any loads, mu0 and tau0: values and intervals. No contact is solved again.
+        """Evaluate the result at any loads, mu0 and tau0, with intervals. Stored contacts are not solved again.
 
-        For measured bodies at elastic loads, `friction_combined` has the combined 95 % interval, and other coefficients
+        For measured bodies at elastic loads, `friction_combined` has the combined 95 % interval. All other coefficients
         have the sampling interval of the mean over positions.
 
-        With `height_scale` the dataset contains friction, true area and stiffness for factors of the heights, as
-        another finish would change them. Factors between stored factors are interpolated. Other factors have to be
-        solved, if `compute` is true.
+        With `height_scale`, the dataset contains friction, true area and stiffness for factors of the heights, as if
+        the bodies were finished differently. Factors between stored factors are interpolated. Other factors are solved
+        if `compute` is true.
 
         Parameters
         ----------
         load : str or array_like of float, mN, optional
-            Loads such as "10 mN" or, for measured bodies, "10 MPa" on the nominal area; by default those of the study.
+            Loads such as "10 mN" or, for measured bodies, "10 MPa" on the nominal area; by default the loads of the
+            study.
         mu0 : array_like of float, optional
         tau0 : str or array_like of float, GPa, optional
             Such as "50 MPa".
         reading : {"mean", "elastic", "normal"}, optional
-            Which load is meant.
+            Definition of the load, as for `at_load`.
         per_member : bool
             True to return the values of each member, as `member_values` does, instead of means and intervals.
         budget : bool
@@ -244,8 +247,8 @@ class Result:
         Raises
         ------
         ValueError
-            If an argument is outside its range, or a factor of the heights is not computed: the error names the time
-            that it takes.
+            If an argument is outside its range, or if a factor of the heights is not computed. The message then
+            contains the time that it takes.
 
         Examples
         --------
@@ -284,7 +287,7 @@ class Result:
         if reading not in (None, "elastic"):
             raise ValueError(f"reading must be 'elastic' with height_scale, got {reading!r}")
         if self.stored is None:
-            raise ValueError("height_scale needs a stored result: one of `pair`, or of `open_result`")
+            raise ValueError("height_scale needs a stored result, as returned by `pair` or `open_result`")
         factors = parse_factors(factors)
         loads = self.default_loads if load is None else self._loads_of(load)
         strengths = to_core_units("tau0", tau0, "pressure")
@@ -298,14 +301,14 @@ class Result:
         return float(self.head["nominal_area"]) if self.study.is_measured else None
 
     def _loads_of(self, load: Any) -> Any:
-        """Return loads in mN. For measured bodies a string may be a pressure on the nominal area."""
+        """Return loads in mN. For measured bodies, a string may be a pressure on the nominal area."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Return a row for each contact of a typical member, or of given members, which are solved again.
+        """Return a table with one row per contact of a typical member, or of given members, which are solved again.
 
         Parameters
         ----------
@@ -337,9 +340,9 @@ class Result:
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Summarize the values that may be quoted at some loads, mu0 and tau0, by default those of the study.
+        """Summarize the values that may be quoted at given loads, mu0 and tau0; the defaults are those of the study.
 
-        The default summary is computed once.
+        The default summary is computed only once.
         """
         if load is None and mu0 is None and tau0 is None:
             return replace(self._own_summary, onset=self.onset, over_cut_offs=self.over_cut_offs)
@@ -366,25 +369,25 @@ class Result:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Ends of the combined 95 % interval of `value`, from inputs, positions and unresolved roughness."""
+        """Ends of the combined 95 % interval of `value`, which covers inputs, positions and unresolved roughness."""
         return self._first.lower, self._first.upper
 
     @property
     def of_positions(self) -> tuple[float, float]:
-        """Ends of the 95 % sampling interval of the mean over positions, at the central values of all inputs."""
+        """Ends of the 95 % sampling interval of the mean over positions, with all inputs at their central values."""
         return self._first.rules[0].positions
 
     @property
     def next_test(self) -> tuple[float, float]:
-        """Ends of the 95 % prediction interval of a single test, in one direction at one position."""
+        """Ends of the 95 % prediction interval for a single test at one position and in one direction."""
         return self._first.rules[0].next_test
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """Uncertainty budget: the interval that would remain if one input were exact, for each input.
+        """Uncertainty budget: for each input, the interval that would remain if this input were exact.
 
-        The most important input comes first. Columns: input, lower, upper, width (a mean over values of the input) and
-        share (fraction of the width that would vanish).
+        The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
+        and share (fraction of the width that would vanish).
         """
         import pandas
 
@@ -400,7 +403,7 @@ class Result:
 
     @property
     def assessment(self) -> str:
-        """The same as `verdict`."""
+        """Alias of `verdict`."""
         return self.verdict
 
     @property
@@ -410,7 +413,7 @@ class Result:
 
     @property
     def sentence(self) -> str:
-        """Sentence that states `value` with all conditions on which it depends."""
+        """Sentence that states `value` with all conditions that it depends on."""
         from stiction.views.sentence import sentence_text
 
         return sentence_text(self._first)
@@ -418,7 +421,7 @@ class Result:
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table of the CSV file, with a row for each load, mu0, tau0, sliding rule and direction."""
+        """Return the table of the CSV file, with one row per load, mu0, tau0, sliding rule and direction."""
         from stiction.views.rows import summary_table
 
         return summary_table(self.summary())
@@ -428,7 +431,7 @@ class Result:
         return [name for name, _ in self._drawings()]
 
     def figure(self, name: str) -> Figure:
-        """Draw one of the figures with matplotlib.
+        """Draw one of the figures with Matplotlib.
 
         Parameters
         ----------
@@ -449,7 +452,7 @@ class Result:
             raise ValueError(f"name must be one of {', '.join(map(repr, drawings))}, got {name!r}")
         with mpl.rc_context(MATPLOTLIB_STYLE):
             figure: Figure = drawings[name]()
-        vars(figure)["_repr_png_"] = partial(render_png, figure)  # so that a notebook shows it without pyplot
+        vars(figure)["_repr_png_"] = partial(render_png, figure)  # a notebook can then show the figure without pyplot
         return figure
 
     def _drawings(self) -> Sequence[tuple[str, Any]]:
@@ -465,11 +468,11 @@ class Result:
         return Path(path)
 
     def to_netcdf(self, path: str | Path) -> None:
-        """Write the dataset to a new netCDF file, with all variables, coordinates and attributes."""
+        """Write all variables, coordinates and attributes of the dataset to a new netCDF file."""
         export(self.dataset, path)
 
     def export(self, path: str | Path) -> None:
-        """Write the result to a new file: ``.nc`` has all numbers, ``.csv`` and ``.tex`` have a table of values.
+        """Write the result to a new file: ``.nc`` contains all numbers, ``.csv`` and ``.tex`` a table of values.
 
         Raises
         ------
@@ -483,10 +486,10 @@ class Result:
     # ---- How it shows itself -----------------------------------------------------------------------------------------
 
     def __repr__(self) -> str:
-        """Return the same text as on the terminal."""
+        """Return the text that the terminal shows."""
         try:
             return self._text().rstrip()
-        except ValueError as error:  # there is no contact, or no finished member
+        except ValueError as error:  # there is no contact, or no member is finished
             return f"no answer: {error}"
 
     def _text(self) -> str:
@@ -496,14 +499,14 @@ class Result:
         return text.result_text(summary) if self.study.is_measured else text.overview_text(summary)
 
     def _repr_html_(self) -> str:
-        """Return the text of the terminal and a figure as HTML."""
+        """Return the text that the terminal shows, and a figure, as HTML."""
         names = self.figures()
         name = next((each for each in ("contacts", "friction", *names) if each in names), None)
         return f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(name)) if name else ''}</div>"
 
 
 def open_result(directory: str | Path) -> Result:
-    """Open a result that `run`, `pair` or a command wrote into a directory. It may be unfinished.
+    """Open a result in a directory that `run`, `pair` or a command wrote. The result may be unfinished.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Run a study on any executor: one task for each block of members."""
+"""Execution of a study by any executor, with one task for each block of members."""
 
 from __future__ import annotations
 
@@ -32,15 +32,17 @@ from stiction.studies.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-BLOCK_TIME = 1.5  # seconds of work in a block, which limits the loss in a crash; writing takes a few per cent of it
+# seconds of work in a block: short enough that a crash loses little, long enough that writing takes only a few per cent
+BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
 MIN_BLOCKS = 16  # smallest number of blocks, so that workers do not wait long for the last block
-MIN_BLOCK_TIME = 0.06  # seconds of work in a block, because writing its file takes some milliseconds
-MAX_SUBMITTED_TASKS = 1000  # queued tasks, if the workers write the block files
-MAX_RETURNED_TASKS = 256  # queued tasks, if this process writes the block files; enough for a large machine
+MIN_BLOCK_TIME = 0.06  # smallest time in seconds of a block, because writing its file takes some milliseconds
+MAX_SUBMITTED_TASKS = 1000  # largest number of queued tasks if the workers write the block files
+# largest number of queued tasks if this process writes the block files; enough for a large machine
+MAX_RETURNED_TASKS = 256
 SHUTDOWN_TIMEOUT = 3.0  # seconds that an interrupted run waits for unfinished blocks
-MAX_BYTES_IN_MEMORY = 2**34  # largest result without a store
+MAX_BYTES_IN_MEMORY = 2**34  # largest size of a result without a store, in bytes
 
 
 def choose_block_size(study: Study) -> int:
@@ -71,7 +73,7 @@ def run(
         with repetitions of the same study is resumed: finished repetitions are not computed again, and the number of
         repetitions may increase. Without a store the result is kept in memory.
     progress : bool
-        Whether to draw a progress bar on the terminal.
+        True to draw a progress bar on the terminal.
 
     Returns
     -------
@@ -111,11 +113,11 @@ def compute_missing(
     study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
-    """Compute the missing blocks of a study in a folder. The part (3, 16) is every 16th block from the third on.
+    """Compute the missing blocks of a study in a folder. The part (3, 16) is every 16th block, starting with the third.
 
-    Several processes can compute different parts in one folder; a process without a part computes all missing
-    blocks. `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study,
-    or of the part. Raises the errors of `run`.
+    Several processes can compute different parts in one folder; a process without a part computes all missing blocks.
+    `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or of the
+    part. Raises the errors of `run`.
     """
     stored = prepare_folder(study, folder, part)
     stored = complete_blocks(stored, part=part, executor=executor, progress=progress, announce=announce)
@@ -124,7 +126,7 @@ def compute_missing(
 
 
 def prepare_folder(study: Study, folder: str | Path, part: tuple[int, int] | None = None) -> StoredResult:
-    """Create or open the folder of a study. Raises the errors of `compute_missing`."""
+    """Create the folder of a study, or open it if it exists. Raises the errors of `compute_missing`."""
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
     if (size := member_bytes(study)) > MAX_BYTES_IN_MEMORY:
@@ -142,8 +144,8 @@ def complete_blocks(
 ) -> StoredResult:  # fmt: skip
     """Compute the missing blocks of a stored result, and return the completed result.
 
-    `update` receives a new estimate of the run time after the first block, if the remaining time is long and exceeds
-    the first estimate. Raises the errors of `compute_missing`.
+    `update` receives a new estimate of the run time after the first block if much time remains, and more than first
+    estimated. Raises the errors of `compute_missing`.
     """
     missing = _MissingMembers(stored, part)
     with contextlib.ExitStack() as stack:
@@ -164,8 +166,8 @@ def _compute_into(
     stored: StoredResult, missing: _MissingMembers, pool: Executor, advance: Callable[[int], None],
     announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
-    """Compute the missing blocks of a stored result. Workers that can reach its folder write the block files."""
-    workers = getattr(pool, "_max_workers", None)  # None for a cluster, because its number of workers may change
+    """Compute the missing blocks of a stored result. Workers that can access its folder write the block files."""
+    workers = getattr(pool, "_max_workers", None)  # None for a cluster, whose number of workers may change
     started, is_first = time.monotonic(), update is not None and workers is not None
 
     def accept(members: range, content: bytes | None) -> None:
@@ -193,9 +195,9 @@ def _compute_into(
 
 @contextlib.contextmanager
 def _create_token(path: Path) -> Iterator[SharedFolder]:
-    """Create a token file for the duration of a run.
+    """Create a token file that exists for the duration of a run.
 
-    Workers that find the file can reach the folder, and know that the run has not ended.
+    A worker that finds the token file can access the folder, and knows that the run is still active.
     """
     folder = SharedFolder(path.resolve(), new_partial_name())
     token = folder.path / BLOCKS_FOLDER / folder.token
@@ -212,7 +214,7 @@ def _create_token(path: Path) -> Iterator[SharedFolder]:
 
 @contextlib.contextmanager
 def _count_finished_on_error(stored: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to the message of a StoreError or of a worker that ended unexpectedly."""
+    """Add the number of finished members to the message of a `StoreError` or of an error about a worker that ended."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -244,11 +246,11 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(missing.total), arrays, body_attributes(study))
 
 
-LONG_RUN_TIME = 600.0  # seconds on all threads above which the estimate of the run time includes advice
+LONG_RUN_TIME = 600.0  # estimated time in seconds on all threads above which advice for a shorter run is printed
 
 
 def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:
-    """Return a line about the work ahead: run time, number and size of files, and a warning if the disk is too full."""
+    """Return a line about the work ahead: run time, number and size of files, and a warning about a full disk."""
     study = stored.study
     free = shutil.disk_usage(stored.path).free
     files = sum(1 for _ in missing)
@@ -268,11 +270,11 @@ def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: b
     )
 
 
-MIN_REPORTED_TIME = 60.0  # seconds of remaining work above which a new estimate of the run time is reported
+MIN_REPORTED_TIME = 60.0  # seconds of remaining work above which a new estimate of the run time is printed
 
 
 def _new_estimate(missing: _MissingMembers, members: int, seconds: float, workers: int, cost: float) -> str:
-    """Return a line with a new estimate from the time of the first block.
+    """Return a line with a new estimate of the run time, based on the time of the first block.
 
     The line is empty if little time remains, or if the first estimate was right.
     """
@@ -302,7 +304,7 @@ class _MissingMembers:
         for block in self._blocks:
             first = block * self.block
             is_finished = self._is_finished[first : first + self.block]
-            # Indices at which ranges of missing members start or end.
+            # indices at which a range of missing members starts or ends
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first + start, first + end)
@@ -312,14 +314,14 @@ def _compute_ranges(
     missing: _MissingMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
-    """Submit a task for each missing range of members, and pass each result to `accept`.
+    """Submit a task for each range of missing members, and pass each result to `accept`.
 
     At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
     """
     ranges = iter(missing)
     task = use_idle_threads(task, pool, sum(1 for _ in missing), count_points(arguments[1]))
     pending: dict[Future[Any], range] = {}
-    # concurrent.futures.wait would lock all futures in each call, and leave some locked if interrupted.
+    # `concurrent.futures.wait` would lock all futures in each call, and leave some locked if interrupted.
     done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit(count: int) -> None:
@@ -349,18 +351,18 @@ def _compute_ranges(
 
 @dataclass(frozen=True)
 class SharedFolder:
-    """Result folder into which workers on other machines write, if they share its file system."""
+    """Result folder into which workers on other machines write if they share its file system."""
 
     path: Path
-    token: str  # name of the token file, which exists in the blocks folder during the run
+    token: str  # name of the token file, which exists in the folder of the blocks during the run
 
     def is_visible(self) -> bool:
-        """Return whether this process can reach the folder."""
+        """Return True if this process can access the folder."""
         return (self.path / BLOCKS_FOLDER / self.token).exists()
 
 
 def compute_block(version: str, study: Study, folder: SharedFolder | None, members: range) -> bytes | None:
-    """Compute a block of members and write its file, or return the bytes of the file if the folder is not visible."""
+    """Compute a block of members. Write its file, or return the bytes of the file if the folder is not accessible."""
     from stiction.studies.store import encode_members
 
     is_visible = folder is not None and folder.is_visible()
@@ -372,7 +374,7 @@ def compute_block(version: str, study: Study, folder: SharedFolder | None, membe
 
 
 def compute_block_arrays(version: str, study: Study, members: range) -> Arrays:
-    """Compute a block of members and return its arrays. Raises a `StudyError` if `version` is another version."""
+    """Compute a block of members and return its arrays. Raises a `StudyError` if `version` is not this version."""
     if version != __version__:
         raise StudyError(
             f"the worker on {socket.gethostname()} has stiction {__version__}, but the study was submitted with "
@@ -389,7 +391,7 @@ NUM_PREVIEW_MEMBERS = 4
 def preview_result(study: Study) -> Result:
     """Return the result of the first members of a study. Raises a `ValueError` if they cannot be pressed.
 
-    With the asperity model this takes less than a second, so that it serves as a preview of a half-space result.
+    With the asperity model this takes less than a second. It serves as a preview of a half-space result.
     """
     members = range(min(NUM_PREVIEW_MEMBERS, study.ensemble.repetitions))
     arrays = stack_members(study, [member_sums(study, member) for member in members])

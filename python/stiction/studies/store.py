@@ -3,10 +3,10 @@
     DIR/study.toml                               the study
     DIR/blocks/0000008-0000015-1b2c3d4e.nc       members 8 to 15; the last field is the CRC-32 of the file's bytes
 
-Block files are created atomically and never changed: a block with its final name is finished, and an absent block
-still has to be computed. The bits of a member depend on the study and the member's number alone. Two processes may
-therefore write the same block, and no lock is needed. Blocks may overlap, for example after a study was extended; each
-member is then read from the first file that contains it.
+Block files are created atomically and never changed: a file with its final name is a finished block, and a missing file
+is a block that still has to be computed. The bits of a member depend only on the study and the number of the member.
+Two processes may therefore write the same block, and no lock is needed. Blocks may overlap, for example after a study
+was extended; each member is then read from the first file that contains it.
 """
 
 from __future__ import annotations
@@ -60,20 +60,20 @@ if TYPE_CHECKING:
 
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
-STUDY_FILE_MARK = "# Written by stiction"  # first words of a study file that stiction itself wrote
-MAX_RESULT_BYTES = 2**31  # largest result that is read into memory as a whole
-MAX_COMPANION_BYTES = 2**26  # largest companion file that is read
+STUDY_FILE_MARK = "# Written by stiction"  # first words of every study file that stiction wrote
+MAX_RESULT_BYTES = 2**31  # largest result that is read into memory as a whole, in bytes
+MAX_COMPANION_BYTES = 2**26  # largest companion file that is read, in bytes
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 MAX_RELOADS = 3
 
 
 class StoreError(ValueError):
-    """Error raised if a result cannot be written or read."""
+    """Error raised if a result cannot be read or written."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """Block of members: the range of its members and the checksum of its file, which form the file name."""
+    """Block of members: the range of the members and the checksum of the file, which form the file name."""
 
     first: int
     last: int
@@ -87,17 +87,17 @@ class Block:
 
 @dataclass(frozen=True)
 class StoreInfo:
-    """Content of a result folder: study, progress, size and version."""
+    """Contents of a result folder: study, progress, size and version."""
 
     study: Study
-    finished: int  # number of finished repetitions; study.ensemble.repetitions is the total
-    size: int  # bytes on disk
+    finished: int  # number of finished repetitions out of study.ensemble.repetitions
+    size: int  # size on disk in bytes
     versions: dict[str, str]  # version of stiction that created the result
 
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Result in a folder. Blocks are read on demand, but a result that fits into one piece is read only once."""
+    """Result in a folder. Blocks are read on demand; a result that fits into one piece is cached."""
 
     path: Path
     study: Study
@@ -105,7 +105,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[Block, int, int]]:
-        """Blocks, each with the range of members that is read from it."""
+        """Blocks, each with the range of members that is read from it, because blocks may overlap."""
         ranges, covered = [], 0
         for block in sorted(self.blocks, key=lambda block: (block.first, -block.last, block.checksum)):
             first, last = max(block.first, covered), min(block.last + 1, self.study.ensemble.repetitions)
@@ -128,7 +128,7 @@ class StoredResult:
 
     @cached_property
     def version(self) -> str:
-        """Version of stiction that created the first block; this version if there are no blocks."""
+        """Version of stiction that created the first block; without blocks, this version."""
         return self.first_content.version if self.blocks else __version__
 
     @cached_property
@@ -142,12 +142,12 @@ class StoredResult:
         return self.count * member_bytes(self.study)
 
     def reload(self) -> StoredResult:
-        """Return the same result with the blocks that its folder contains now."""
+        """Return the result with the blocks that its folder contains now."""
         return StoredResult(self.path, self.study, _list_blocks(self.path))
 
     @cached_property
     def first_content(self) -> BlockContent:
-        """Content of the first block. Its study may differ from the study of the folder."""
+        """Contents of the first block. Its study may differ from the study of the folder."""
         return self._read(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
@@ -181,19 +181,19 @@ class StoredResult:
 
     @cached_property
     def _piece_length(self) -> int:
-        """Number of members in a piece."""
+        """Number of members in one piece."""
         return piece_length(member_bytes(self.study))
 
     @cached_property
     def _single_piece(self) -> xarray.Dataset:
-        """Whole result with read-only arrays, which all tables and figures share."""
+        """Whole result as read-only arrays, which all tables and figures share."""
         dataset = self._read_range(0, self.count)
         for variable in dataset.data_vars.values():
             variable.values.flags.writeable = False
         return dataset
 
     def _read_range(self, first: int, last: int) -> xarray.Dataset:
-        """Return the finished members with indices first to last - 1 within `finished`."""
+        """Return the members with the positions first to last - 1 in `finished`."""
         version, numbers = self.version, self.finished[first:last]
         axis = len(self.study.surfaces.cells())
         arrays: Arrays = {
@@ -211,7 +211,9 @@ class StoredResult:
                 content = self.first_content if block is self._block_ranges[0][0] else self._read(block)
                 if differ := find_member_differences(content.study, self.study):
                     raise _damage_error(
-                        self.path, block, f"is of another study than {STUDY_FILE}: {format_differences(differ[:1])}"
+                        self.path,
+                        block,
+                        f"belongs to another study than {STUDY_FILE}: {format_differences(differ[:1])}",
                     )
                 bodies = bodies or content.bodies
                 for name, values in arrays.items():
@@ -223,7 +225,7 @@ class StoredResult:
         return build_dataset(self.study, numbers, arrays, bodies).assign_attrs(stiction_version=version)
 
     def _read(self, block: Block) -> BlockContent:
-        """Return the content of a block. A file whose checksum matches its name is trusted."""
+        """Return the contents of a block. A file whose checksum matches its name is trusted."""
         try:
             written = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
             if zlib.crc32(written) != block.checksum:
@@ -251,7 +253,7 @@ def _damage_error(path: Path, block: Block, why: str) -> StoreError:
 def read(path: str | Path) -> xarray.Dataset:
     """Read a result from its folder, or from a netCDF file that `export` wrote.
 
-    If the study is not finished, the dataset contains the finished repetitions only, and a warning is issued.
+    If the study is not finished, the dataset contains only the finished repetitions, and a warning is issued.
 
     Returns
     -------
@@ -279,14 +281,15 @@ def read(path: str | Path) -> xarray.Dataset:
     total = stored.study.ensemble.repetitions
     if stored.count < total:
         warnings.warn(
-            f"{printable_path(path)}: {stored.count} of {total} repetitions are finished; the result has only those",
+            f"{printable_path(path)}: {stored.count} of {total} repetitions are finished; the result contains only "
+            "these",
             stacklevel=2,
         )
     return result
 
 
 def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
-    """Read a companion file of a result, which must contain the given variables.
+    """Read a companion file of a result, which has to contain the given variables.
 
     Returns None if the file does not exist. Raises a `StoreError` if it is damaged.
     """
@@ -363,7 +366,7 @@ def _study(path: Path) -> Study:
 
 
 def create_or_open(path: str | Path, study: Study) -> StoredResult:
-    """Create a result in a folder, or open a result of the same study to resume it. Removes stale partial files.
+    """Create a result in a folder, or open a result of the same study to resume it. Stale partial files are removed.
 
     Raises a `StoreError` if the folder cannot be written, contains another study, or was created by another version.
     """
@@ -383,7 +386,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
             _files.write_atomically(
                 path / STUDY_FILE, f"{STUDY_FILE_MARK} {__version__}.\n\n{study.to_toml()}".encode()
             )
-    except (OSError, RuntimeError) as error:  # RuntimeError: a symbolic link to itself
+    except (OSError, RuntimeError) as error:  # RuntimeError: a symbolic link that refers to itself
         if stored.count < study.ensemble.repetitions:
             why = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {why}") from None
@@ -391,15 +394,15 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
 
 
 def _check_resumable(stored: StoredResult) -> None:
-    """Raise a `StoreError` if the blocks in a folder prevent a run from resuming with this study."""
+    """Raise a `StoreError` if a run of this study cannot add to the existing blocks."""
     path, content, total = stored.path, stored.first_content, stored.study.ensemble.repetitions
     if differ := find_member_differences(content.study, stored.study):
         raise OtherStudyError(path, content.study, differ)
     last = max(block.last for block in stored.blocks)
     if last >= total:
         raise StoreError(
-            f"{printable_path(path)}: repetition {last} is finished, and ensemble.repetitions = {total} would drop it; "
-            f"give at least {last + 1}, or choose another directory"
+            f"{printable_path(path)}: repetition {last} is finished, and ensemble.repetitions = {total} would discard "
+            f"it; give at least {last + 1}, or choose another directory"
         )
     if stored.count == total:
         return
@@ -417,7 +420,7 @@ def _check_resumable(stored: StoredResult) -> None:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` if the study in a folder was not written by a command, and must not be replaced."""
+    """Raise a `StoreError` if the study file in a folder was not written by stiction, and so must not be replaced."""
     try:
         if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_MARK.encode()):
             return
@@ -432,7 +435,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
 
 
 def _has_study(path: Path, study: Study) -> bool:
-    """Return whether the folder contains exactly this study."""
+    """Return True if the folder contains exactly this study."""
     try:
         return _study(path) == study
     except (OSError, ValueError):
@@ -440,7 +443,7 @@ def _has_study(path: Path, study: Study) -> bool:
 
 
 class OtherStudyError(StoreError):
-    """Error raised if a folder contains the result of another study."""
+    """Error raised if a folder contains the result of a different study."""
 
     def __init__(self, path: Path, stored: Study, differ: list[StudyDifference], advice: str = "") -> None:
         advice = advice or "give another directory, or replace the stored result"
@@ -448,12 +451,12 @@ class OtherStudyError(StoreError):
         self.path, self.stored, self.differ = path, stored, differ
 
     def with_remedy(self, advice: str) -> OtherStudyError:
-        """Return a copy of the error whose message ends with another remedy."""
+        """Return a copy of the error that suggests another remedy."""
         return OtherStudyError(self.path, self.stored, self.differ, advice)
 
 
 def write_block(path: Path, first: int, written: bytes, count: int) -> None:
-    """Write the block file of `count` members, starting with member `first`.
+    """Write the block file of `count` members, beginning with the member `first`.
 
     Raises a `StoreError` if the file cannot be written.
     """
@@ -462,9 +465,7 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
         try:
             _files.write_atomically(path / BLOCKS_FOLDER / block.name, written)
             return
-        except (
-            FileNotFoundError
-        ):  # a process on another machine assumed that the partial file was stale, and removed it
+        except FileNotFoundError:  # a process on another machine removed the partial file because it seemed to be stale
             if attempt == MAX_RELOADS or not (path / BLOCKS_FOLDER).is_dir():
                 raise StoreError(
                     f"{printable_path(path)}: was removed or replaced while it was being written"
@@ -475,41 +476,41 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# A file with a valid checksum is trusted. Only its study and the shapes of its arrays are compared.
+# A file with a valid checksum is trusted, so only its study and the shapes of its arrays are compared.
 
 RESULT_ATTRIBUTES = (
     "title",
     "study",
     "stiction_version",
     "_NCProperties",
-)  # all further attributes of a result describe the bodies
+)  # all other attributes of a result describe the bodies
 
 CHECKSUM_SEAL = b"stiction crc32 "
 """Bytes at the end of an exported file, followed by the checksum of all preceding bytes. The checksum is verified
 first, because HDF5 may never return from a damaged file. HDF5 ignores bytes after its own end, and a program that
 modifies the file removes the seal."""
 
-_template_lock = threading.Lock()  # makes concurrent threads create a single template
+_template_lock = threading.Lock()  # ensures that concurrent threads create only one template
 
 
 class DamageError(Exception):
-    """Error raised if a file is not a valid result. The message is the reason."""
+    """Error raised if a file is not a valid result. The message states the reason."""
 
 
 @dataclass(frozen=True)
 class BlockContent:
-    """Content of a block file: members of a result."""
+    """Contents of a block file: some members of a result."""
 
     study: Study
     version: str  # version of stiction that computed the members
     numbers: NDArray[np.int64]
     arrays: Arrays
     bodies: BodyAttributes
-    is_exact: bool  # True if the coordinates are bitwise equal to the coordinates of the study
+    is_exact: bool  # True if the coordinates are bitwise equal to those of the study
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return the bytes of a block file from arrays of `stack_members`. Equal members give equal bytes."""
+    """Return the bytes of a block file with the arrays of `stack_members`. Equal members give equal bytes."""
     import h5py
 
     with _template_lock:
@@ -524,9 +525,9 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _template(study: Study, count: int) -> bytes:
-    """Return the bytes of a block file of `count` members filled with zeros.
+    """Return the bytes of a block file of `count` members, with zeros for all values.
 
-    Copying such a template saves most of the time, because names and units take longer to write than values.
+    Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
     numbers = range(count)
     arrays = {name: np.zeros(spec.shape, spec.dtype) for name, spec in list_variables(study, numbers).items()}
@@ -538,7 +539,7 @@ def _template(study: Study, count: int) -> bytes:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file in the same way as xarray, but without locks.
+    """Write a dataset to a netCDF file as xarray does, but without locks.
 
     The locks of xarray would require a Dask scheduler in Dask workers.
     """
@@ -564,15 +565,15 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
 
 
 def append_seal(file: io.BytesIO) -> None:
-    """Append the seal to a file, which contains the checksum of the file."""
+    """Append the seal, which contains the checksum of the file, to the file."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
 def decode_members(content: bytes) -> BlockContent:
-    """Return the members in the bytes of a file.
+    """Return the members that the bytes of a file contain.
 
-    Raises a `DamageError` if the file does not match the study that it contains.
+    Raises a `DamageError` if the arrays do not match the study in the file.
     """
     with _open_netcdf(content) as file:
         title, text, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
@@ -607,7 +608,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
-        # Exceptions that h5py raises for files that are not HDF5.
+        # exceptions that h5py raises for files that are not HDF5
         raise DamageError("is not a readable netCDF file") from None
 
 
@@ -626,7 +627,7 @@ def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) ->
     variable = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
     if not isinstance(variable, h5py.Dataset) or variable.external or variable.is_virtual:
         raise DamageError(f"has no variable {name}")
-    if variable.id.get_storage_size() < variable.nbytes:  # the size that a small file declares may be huge
+    if variable.id.get_storage_size() < variable.nbytes:  # the size that a small, damaged file declares may be huge
         raise DamageError(f"declares {name} but does not store it")
     if shape not in (None, variable.shape):
         raise DamageError(f"has {name} of shape {variable.shape} instead of {shape}")
@@ -647,7 +648,7 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
     ----------
     dataset : xarray.Dataset
     path : path
-        File to create. It must not exist yet, and appears when it is complete.
+        File to create, which must not exist yet. It appears only once it is complete.
     replace : bool
         True to replace an existing file that this function wrote.
 
@@ -658,7 +659,7 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
     """
     path = Path(path)
     with replaced_file(path, CHECKSUM_SEAL, ExportError) if replace else new_file(path, ExportError) as partial:
-        content = io.BytesIO()  # HDF5 may crash if the disk is full
+        content = io.BytesIO()  # written to memory first, because HDF5 may crash if the disk is full
         write_dataset(dataset, content)
         append_seal(content)
         partial.write_bytes(content.getbuffer())

@@ -1,4 +1,4 @@
-"""Studies: validated descriptions of a computation, from a TOML file or the built-in library."""
+"""Studies: validated descriptions of a computation, read from a TOML file or built in."""
 
 from __future__ import annotations
 
@@ -52,25 +52,25 @@ from stiction.studies.values import (
 if TYPE_CHECKING:
     import xarray
 
-MAX_STUDY_BYTES = 1_000_000  # largest study file that is read
-MAX_COMBINATIONS = 1000  # product of the numbers of loads, mu0 and tau0 of measured surfaces
+MAX_STUDY_BYTES = 1_000_000  # largest study file that is read, in bytes
+MAX_COMBINATIONS = 1000  # largest product of the numbers of loads, mu0 and tau0 of measured surfaces
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
-"""Tables and keys whose values select the class of the table."""
+"""Table and key of each value that selects the class of a table."""
 
 _LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
     "boundary", "hardness", "compliance_share",
 )  # fmt: skip
-"""Keys that are written first in their tables."""
+"""Keys that come first in their tables when a study is written."""
 
 _STUDY_LIBRARY = resources.files("stiction.studies") / "library"
 DEFAULT_SEED = 2016  # default seed of the random numbers
-StudyDifference = tuple[str, str, str]  # dotted key, and its value in the first and in the second study, as TOML
-MAX_LISTED_DIFFERENCES = 4  # number of differences in a message
+StudyDifference = tuple[str, str, str]  # dotted key, with its value as TOML in the first and in the second study
+MAX_LISTED_DIFFERENCES = 4  # largest number of differences in a message
 
 Surfaces = GeneratedSurfaces | MeasuredSurfaces  # table `[surfaces]` of a study
-SURFACE_CASES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # all classes of the table
+SURFACE_CASES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # all classes of the table `[surfaces]`
 
 
 def _list_cases(key: str, *cases: type[Surfaces]) -> tuple[str, dict[str, type[Surfaces]]]:
@@ -82,13 +82,14 @@ _SURFACE_CASES = {
     "surface": _list_cases("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
     "measured": _list_cases("press", *get_args(MeasuredSurfaces)),
 }
-"""Key that selects the class of a surfaces table, and the classes, by the value of the key `kind`.
+"""Key that selects the class of a surfaces table, with the classes, by the value of the key `kind`.
 
-The first class is the default."""
+The first class is the default.
+"""
 
 
 def select_surface_case(given: Mapping[str, Any]) -> type[Surfaces]:
-    """Return the class of a surfaces table, selected by its keys `kind`, `generator` and `press`."""
+    """Return the class of a surfaces table, which its keys `kind`, `generator` and `press` select."""
     key, cases = _SURFACE_CASES[chosen("kind", given, _SURFACE_CASES)]
     return cases[chosen(key, given, cases)]
 
@@ -97,11 +98,11 @@ ZERO_STRENGTH = quantity("0 MPa", "pressure")
 PAPER_STRENGTHS = tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200"))
 MU0_DESCRIPTION = "Molecular friction coefficients."
 TAU0_DESCRIPTION = "Adhesive shear strengths."
-LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` is the load curve around them."
+LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these and the other loads of the curve."
 
 
 class GeneratedFriction(Case):
-    """Interface strengths in figures of generated surfaces."""
+    """Interface strengths for the figures of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -111,14 +112,14 @@ class GeneratedFriction(Case):
 
 
 class FrictionOfAsperities(GeneratedFriction):
-    """Interface strengths in figures of generated surfaces, for the asperity model."""
+    """Interface strengths for the figures of generated surfaces with the asperity model."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class FrictionOfHalfSpace(GeneratedFriction):
-    """Interface strengths and loads in figures of generated surfaces, for the half-space."""
+    """Interface strengths and loads for the figures of generated surfaces with the half-space."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -142,11 +143,11 @@ Friction = FrictionOfAsperities | FrictionOfHalfSpace | FrictionOfMeasured
 """Table `[friction]` of a study."""
 FRICTION_CASES: tuple[type[Friction], ...] = get_args(Friction)
 SHARED_FRICTION_TABLES: tuple[type[Case], ...] = (FrictionOfMeasured, GeneratedFriction, FrictionOfHalfSpace)
-"""Base classes with keys that several friction tables share."""
+"""Base classes whose keys several friction tables share."""
 
 
 def select_friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
-    """Return the class of the table `[friction]`, selected by the surfaces and the contact model."""
+    """Return the class of the table `[friction]` for the given surfaces and contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaces)):
         return FrictionOfMeasured
     return FrictionOfHalfSpace if mechanics == "half-space" else FrictionOfAsperities
@@ -157,7 +158,8 @@ class Ensemble(Table):
 
     repetitions: int = Field(
         default=100, ge=1, le=100_000_000,
-        description="Pairs for each fractal dimension and amplitude; relative positions of measured surfaces.",
+        description="Number of pairs for each fractal dimension and amplitude, or number of relative positions of "
+        "measured surfaces.",
     )  # fmt: skip
     seed: int = Field(
         default=DEFAULT_SEED, ge=0, lt=2**63,
@@ -179,14 +181,14 @@ class Figures(Table):
     """Figures of a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_check_distinct)] = Field(
-        default=("friction", "area"), description="Which figures `run` and `plot` draw."
+        default=("friction", "area"), description="Figures that `run` and `plot` draw."
     )
 
 
 def _add_bracketing_loads(
     surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the tables contact and friction with one more load below and above the requested loads.
+    """Return the tables contact and friction with an additional load below and above the requested loads.
 
     This applies to the half-space of generated surfaces. Returns an empty dictionary if no loads are requested, if the
     study has its own load curve, or if a table is invalid.
@@ -207,9 +209,10 @@ def _add_bracketing_loads(
         upper = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
-            # The upper load must exceed the largest requested load. The validation reports it if it is too large.
+            # The upper load must exceed the largest requested load. If it is too large, the validation reports an
+            # error.
             upper = min(upper, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
-    except (ValueError, TypeError, AttributeError):  # the validation of the key reports the error
+    except (ValueError, TypeError, AttributeError):  # the validation of the key will report the error
         return {}
     around = [exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper)]
     return {
@@ -219,22 +222,22 @@ def _add_bracketing_loads(
 
 
 def _nominal_area(surfaces: Mapping[str, Any]) -> float:
-    """Return the nominal area of a table of generated surfaces, µm²."""
+    """Return the nominal area (µm²) of a table of generated surfaces."""
     table: Any = select_surface_case(surfaces).model_validate(surfaces)
     return math.prod(table.extents()) if table.is_areal else float(table.extent) * THICKNESS
 
 
 def _empty_table() -> Any:
-    """Return an empty table, which the validation replaces by the class that matches the surfaces."""
+    """Return an empty table, which the validation later replaces by the class that matches the surfaces."""
     return {}
 
 
 class Study(Table):
     """Description of a computation: pairs of surfaces, contact model and parameters.
 
-    Missing tables and keys have the values of the paper's Fig. 6. In files a quantity is a text with a unit, as in
-    "10 GPa". In Python it may also be a number in core units (µm, GPa, mN). Some keys exist only for a kind of surfaces
-    or a contact model; they are rejected in other studies.
+    Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is a text with a unit, as in
+    "10 GPa". In Python it may also be a number in core units (µm, GPa, mN). Some keys exist only for one kind of
+    surfaces or one contact model, and are rejected in other studies.
 
     Examples
     --------
@@ -254,9 +257,9 @@ class Study(Table):
     @model_validator(mode="before")
     @classmethod
     def _add_curve_loads(cls, given: Any) -> Any:
-        """Add loads below and above the requested loads, so that results at these loads can be interpolated.
+        """Add loads below and above the requested loads, between which results at the requested loads are interpolated.
 
-        The requested loads are `friction.load`. For generated surfaces and the half-space, a list `contact.load` is
+        The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
         used if `friction.load` is missing.
         """
         if not isinstance(given, Mapping):
@@ -271,7 +274,7 @@ class Study(Table):
             mechanics = select_contact_case(select_surface_case(surfaces), contact).model_fields["mechanics"].default
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             around = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
-        except (ValueError, TypeError):  # the validation of the key reports the error
+        except (ValueError, TypeError):  # the validation of the key will report the error
             return given
         return {**given, "contact": {**contact, "load": [exact_text(load, "mN") for load in around.tolist()]}}
 
@@ -290,7 +293,7 @@ class Study(Table):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _read_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a table as the class that matches the surfaces; use an empty table if these are invalid."""
+        """Validate a table as the class that matches the surfaces, or as an empty table if the surfaces are invalid."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfiles(), {}
@@ -300,7 +303,8 @@ class Study(Table):
             return read_contact(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaces):
             raise fault_at("load", "must have at least one load, got []")
-        contact = info.data.get("contact")  # None if the table is invalid; only the error of this table is reported
+        # the contact is None if its table is invalid; then only the error of that table is reported
+        contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         case = select_friction_case(type(surfaces), mechanics)
         check_keys(value, case, SHARED_FRICTION_TABLES)
@@ -354,7 +358,7 @@ class Study(Table):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Name of the quantity that is prescribed step by step."""
+        """Name of the quantity that is prescribed at each loading step."""
         return self.contact.step
 
     def sums(self) -> tuple[str, ...]:
@@ -366,11 +370,11 @@ class Study(Table):
         return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are lists, and so form dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that are given as lists, and so are dimensions."""
         return self.contact.motions()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
-        """Return the study with absolute paths and checksums of its files. A study without files is unchanged.
+        """Return the study with absolute paths and checksums of its files; a study without files is unchanged.
 
         Bodies in memory are written into the folder, if one is given. Raises a `ValueError` if a file cannot be read.
         """
@@ -388,7 +392,7 @@ class Study(Table):
 
     @classmethod
     def named(cls, name: str) -> Study:
-        """Return a built-in study. `study_names` lists the names.
+        """Return a built-in study by its name. `study_names` lists the names.
 
         Raises
         ------
@@ -396,7 +400,9 @@ class Study(Table):
             If there is no study of that name.
         """
         if name not in study_names():
-            raise StudyError(f"there is no built-in study {short_repr(name)}; there are {', '.join(study_names())}")
+            raise StudyError(
+                f"there is no built-in study {short_repr(name)}; the studies are {', '.join(study_names())}"
+            )
         return parse_study((_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8"), name)
 
     @classmethod
@@ -424,7 +430,7 @@ class Study(Table):
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
-        """Return the study with some values replaced, by dotted key.
+        """Return the study with some values replaced; the keys are dotted.
 
         Parameters
         ----------
@@ -450,7 +456,7 @@ class Study(Table):
         return validated(Study, data, "changes")
 
     def to_toml(self) -> str:
-        """Return the study as TOML with all keys. `Study.from_toml` reads an equal study."""
+        """Return the study as TOML text with all keys, from which `Study.from_toml` reads an equal study."""
         tables = []
         for name, table in self._to_tables().items():
             if not table:
@@ -460,14 +466,14 @@ class Study(Table):
         return "\n".join(tables)
 
     def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the tables before the changes, converted to other classes if the changes select them."""
+        """Return the tables before the changes, converted to other classes if the changes require these."""
         data = self._to_tables()
         given = {key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS}
         given = {key: value for key, value in given.items() if value is not None}
         try:
             surfaces = select_surface_case(given)
             contact = select_contact_case(surfaces, given)
-        except PydanticCustomError:  # the validation of the key reports the error
+        except PydanticCustomError:  # the validation of the key will report the error
             return data
         data["surfaces"] = _convert_table(self.surfaces, surfaces)
         data["contact"] = _convert_table(self.contact, contact)
@@ -489,7 +495,7 @@ class Study(Table):
 
 
 def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
-    """Convert a table to another class: keep values that differ from the defaults, and use new defaults otherwise."""
+    """Convert a table to another class; values that differ from the old defaults are kept."""
     table_class = type(table)
     changed = {key for key, value in table if value != table_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
@@ -498,7 +504,7 @@ def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
 
 
 def list_written_keys(table: Table) -> dict[str, Any]:
-    """Return the entries of a table that have a value, in the order of a study file."""
+    """Return the entries of a table that have a value, in the order of study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredAreasContact):
@@ -528,7 +534,7 @@ def study_names() -> list[str]:
 
 
 def study_summary(name: str) -> str:
-    """Return the one-sentence description of a built-in study, which is the first line of its file."""
+    """Return the one-sentence description of a built-in study: the first line of its file."""
     return (_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
@@ -546,11 +552,11 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
 
 
 def find_differences(first: Table, second: Table, prefix: str = "") -> list[StudyDifference]:
-    """Return the differences between two tables, in the order of a study file."""
+    """Return the differences between two tables, in the order of study files."""
     texts, result = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
-        if not field.repr:  # the checksum of a body in memory is compared, not the body
+        if not field.repr:  # a body in memory is compared by its checksum
             continue
         values = getattr(first, name, None), getattr(second, name, None)
         if values[0] == values[1]:
@@ -563,9 +569,9 @@ def find_differences(first: Table, second: Table, prefix: str = "") -> list[Stud
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """Return the differences that change the members of a study.
+    """Return the differences between two studies that change their members.
 
-    The members do not depend on the table friction, the figures, or file paths.
+    Members do not depend on the table `[friction]`, on figures, or on file paths.
     """
     return [
         difference
@@ -587,7 +593,7 @@ def format_differences(differ: list[StudyDifference]) -> str:
 
 
 def parse_study(text: str, source: str) -> Study:
-    """Parse a study from TOML text. Error messages begin with the name of the source."""
+    """Parse a study from a TOML text. Error messages begin with the name of the source."""
     try:
         data = toml(text)
     except ValueError as error:

@@ -1,7 +1,7 @@
 """Summary of a result: all values that may be quoted, computed once for all views.
 
-A summary has a point for each cell, load, mu0 and tau0. Terminal, JSON, CSV, figures, reports and notebooks only render
-these points and compute nothing.
+A summary has one point for each cell, load, mu0 and tau0. The terminal, JSON, CSV, figures, reports and notebooks show
+these points, and compute no further values.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-WAVELENGTHS_INPUT = "waves of unknown origin"  # as a part of the uncertainty
-MIN_NAMED_FRACTION = 0.1  # fraction of an interval that must vanish if an input were exact, for the input to be named
+WAVELENGTHS_INPUT = "waves of unknown origin"  # name of this contribution to the uncertainty
+MIN_NAMED_FRACTION = 0.1  # fraction of an interval that must vanish if an input were exact for the input to be named
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class RemainingInterval:
 
 @dataclass(frozen=True)
 class DwellTimeValue:
-    """Coefficient after a dwell time under load, and its combined 95 % interval."""
+    """Coefficient after a dwell time under load, with its combined 95 % interval."""
 
     seconds: float
     value: float
@@ -79,11 +79,11 @@ class PointSummary:
     at : dict
         Coordinates of the point: the cell, the Hurst exponent, load (mN), mu0 and tau0 (GPa).
     bracket : (float, float), optional
-        Range in which the coefficient of any finer scan lies if friction acts at all contacts: from mu0 + tau0/H to the
-        upper end of the interval of this scan, widened for a small number of contacts. It requires a hardness and a
-        value that may be quoted.
+        Range that contains the coefficient of any finer scan if friction acts at all contacts. It extends from mu0 +
+        tau0/H to the upper end of the interval of this scan, with an allowance for a small number of contacts. It
+        requires a hardness and a value that may be quoted.
     from_roughness : float, optional
-        Fraction of the value that results from the scans, and not from the inputs alone.
+        Fraction of the value that depends on the scans, and does not follow from the inputs alone.
     budget : tuple of RemainingInterval
         Intervals that would remain if one input were exact; the most important input comes first.
     parts : (float, float, float), optional
@@ -112,7 +112,7 @@ class PointSummary:
 
     @property
     def members(self) -> float:
-        """Number of members that were averaged."""
+        """Number of members in the average."""
         return value_of(self.values, "members")
 
     @property
@@ -141,7 +141,7 @@ class PointSummary:
         return is_unloaded(self.values)
 
     def quantity(self, name: str) -> tuple[float, float, float]:
-        """Return the mean of a quantity over directions, and its 95 % interval, for the quoted rule; NaN if unknown."""
+        """Return the mean of a quantity over directions and its 95 % interval, for the quoted rule; NaN if unknown."""
         if name not in self.values:
             return math.nan, math.nan, math.nan
         table = by_rule(self.values[name], self.rules[0].rule)
@@ -167,19 +167,19 @@ class PointSummary:
 
     @property
     def most(self) -> RemainingInterval | None:
-        """Input that dominates the width of the interval, if there is one."""
+        """Input that contributes most to the width of the interval, if one input dominates."""
         first, width = self.budget[:1], self.upper - self.lower
         return first[0] if first and first[0].width < (1 - MIN_NAMED_FRACTION) * width else None
 
     @property
     def ageing(self) -> float:
-        """Slope of the coefficient against the logarithm of the dwell time, from 1 s to the longest; NaN if none."""
+        """Slope of the coefficient over the logarithm of the dwell time, from 1 s to the longest time; NaN if none."""
         last = self.waited[-1] if self.waited else DwellTimeValue(1.0, self.value, self.lower, self.upper)
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
     @property
     def faults(self) -> tuple[Caveat, ...]:
-        """Caveats because of which the value must not be quoted."""
+        """Caveats that prevent the value from being quoted."""
         return tuple(caveat for caveat in self.caveats if caveat.severity == "fault")
 
     @property
@@ -214,7 +214,7 @@ class Summary:
 
     @property
     def headlines(self) -> list[PointSummary]:
-        """Points to print, without those at a second cutoff that the interval of another point covers."""
+        """Points to print. Points at a second cutoff are left out if the interval of another point covers them."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -241,8 +241,8 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 
 
 def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
-    """Return first the points at the quoted cutoff, whose intervals cover the other cutoff, then the other points."""
-    cut_off = found[0].at["cut_off"]  # the first cutoff is quoted
+    """Return the points at the quoted cutoff, whose intervals cover the other cutoff, followed by the other points."""
+    cut_off = found[0].at["cut_off"]  # the value at the first cutoff is quoted
     others = {_place(one): one for one in found if one.at["cut_off"] != cut_off}
     own = [one for one in found if one.at["cut_off"] == cut_off]
     first = [_covering(one, others[_place(one)]) if _place(one) in others else one for one in own]
@@ -250,18 +250,18 @@ def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _place(one: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Return load, mu0, tau0 and cell of a point, without the cutoff."""
+    """Return the load, mu0, tau0 and cell of a point, without the cutoff."""
     return tuple(item for item in one.at.items() if item[0] != "cut_off")
 
 
 def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
-    """Return the quoted point with intervals that cover the point at the other cutoff, and with the caveats of both.
+    """Return the quoted point with intervals that cover the point at the other cutoff, and all caveats of both.
 
     Filtering does not improve an assessment: a fault at the other cutoff is a fault here too.
     """
     rules = tuple(_over_both(*each) for each in zip(one.rules, other.rules, strict=True))
     both = {left.words: left for left in other.budget}
-    known = math.isfinite(one.upper - one.lower)  # unknown with one or two positions
+    known = math.isfinite(one.upper - one.lower)  # infinite or NaN with one or two positions
     budget = [RemainingInterval(WAVELENGTHS_INPUT, one.lower, one.upper, one.upper - one.lower)] if known else []
     for left in one.budget:
         same = both.get(left.words, left)
@@ -287,7 +287,7 @@ def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
 
 
 def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
-    """Return a value with intervals that cover the intervals of a value at another cutoff."""
+    """Return a value with intervals that cover the intervals of the value at another cutoff."""
     lower, upper = float(np.fmin(one.lower, other.lower)), float(np.fmax(one.upper, other.upper))
     (low, high), (other_low, other_high) = one.next_test, other.next_test
     next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
@@ -295,11 +295,11 @@ def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
 
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
-    """Summarize one point of a dataset of `Result.at`, with caveats about the bodies."""
+    """Summarize one point of a dataset of `Result.at`, including caveats about the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
     statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
-    # If one direction has no coefficient, the mean over all directions has none either.
+    # If one direction has no coefficient, the mean over all directions has none.
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
@@ -342,7 +342,7 @@ def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
 
 
 def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
-    """Return the interval that would remain if an input were exact, for each input, the narrowest interval first."""
+    """Return the remaining interval for each input, if this input were exact; the narrowest interval comes first."""
     if "friction_if_known" not in point:
         return ()
     own, found = by_rule(point, rule), []
@@ -361,7 +361,7 @@ def _waited(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, of tau0 on the true area, and of slopes, with friction at all contacts."""
+    """Return the contributions of mu0, of tau0 on the true area, and of slopes, for friction at all contacts."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
@@ -381,9 +381,10 @@ def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
 
 
 def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
-    """Return the fraction of the coefficient that results from the scans, with friction at all contacts, or None.
+    """Return the fraction of the coefficient that depends on the scans, for friction at all contacts; None if unknown.
 
-    The inputs alone determine mu0 times the contact load and, with a hardness H, tau0/H if all contacts yield.
+    The part that follows from the inputs alone is mu0 times the contact load and, with a hardness H, tau0/H if all
+    contacts yield.
     """
     parts = _parts(point, rule)
     if parts is None or not study.is_measured:
@@ -392,15 +393,15 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 
 def _spoils_bracket(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bracket: it is a fault, but not too few contacts."""
+    """Return True if a caveat invalidates the bracket, which every fault except too few contacts does."""
     return caveat.severity == "fault" and caveat.cure != MORE_CONTACTS_REMEDY
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
-    """Return the bounds of the coefficient of any finer scan, to second order in the slopes; they may be equal.
+    """Return bounds of the coefficient of any finer scan, to second order in the slopes; they may be equal.
 
-    The upper bound is the upper end of the interval, plus an allowance for the load that shorter wavelengths move
-    between the contacts of all members.
+    The upper bound is the upper end of the interval, plus an allowance for load that shorter wavelengths shift from
+    contacts of one member to contacts of another.
     """
     hardness = study.contact.hardness
     measured = study.is_measured and study.uses_half_space and not study.contact.adheres

@@ -1,4 +1,4 @@
-"""Friction tests in a text file: a table with column names and units in the first line, and one row per test."""
+"""Friction tests in a text file: a line of column names with units, followed by one row per test."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _COLUMN_ALIASES = {
     "coefficient of static friction": "coefficient",
     "standard uncertainty": "uncertainty", "dwell time": "wait", "waiting time": "wait",
 }  # fmt: skip
-"""Standard name of a column by its alternative names."""
+"""Standard names of columns by their alternative names."""
 
 _COLUMN_UNITS = {
     "load": (*unit_names("force"), *unit_names("pressure")), "force": unit_names("force"),
@@ -44,7 +44,7 @@ _SLID_VALUES = {"": True, "1": True, "yes": True, "true": True, "0": False, "no"
 
 
 def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
-    """Return the friction tests of a table, which must have the columns load, and force or coefficient.
+    """Parse the friction tests in a table, which must have the columns load, and force or coefficient.
 
     `TEST_COLUMNS` lists all columns. Columns are separated by tabs, semicolons or commas. With tabs or semicolons,
     decimal commas are accepted. The column `pair` names one of the bodies, which are results or balls. Raises a
@@ -59,13 +59,13 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
     if len(lines) < 2:
         raise ValueError(
-            f"{printable_path(path)}: has no tests; it needs a line of column names and a line for each test"
+            f"{printable_path(path)}: has no tests; it must have a line of column names and a line for each test"
         )
     separator = next((character for character in "\t;" if character in lines[0][1]), ",")
     try:
         reader = csv.reader((f"{line}\n" for _, line in lines), delimiter=separator)
         rows, numbers = [], []
-        for row in reader:  # cells in quotes may contain line ends
+        for row in reader:  # cells in quotation marks may contain line breaks
             rows.append(row)
             numbers.append(lines[reader.line_num - 1][0])
         table = _TestTable(_parse_titles(rows[0]), numbers[1:], rows[1:], bodies, separator)
@@ -75,7 +75,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
 
 
 def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
-    """Return the index and the unit of each column by its standard name."""
+    """Return the index and the unit of each column, by the standard name of the column."""
     columns: dict[str, tuple[int, str]] = {}
     for index, cell in enumerate(head):
         match = _TITLE_PATTERN.fullmatch(cell)
@@ -84,7 +84,7 @@ def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
         if name not in TEST_COLUMNS:
             raise ValueError(f"has the unknown column {_quote_cell(cell)}; columns are {', '.join(TEST_COLUMNS)}")
         if name in columns:
-            raise ValueError(f"has two columns of {name}, the second is {_quote_cell(cell)}")
+            raise ValueError(f"has two columns of {name}; the second is {_quote_cell(cell)}")
         if unit not in (allowed := _COLUMN_UNITS.get(name, ("",))):
             raise ValueError(
                 _describe_unit_error(

@@ -1,4 +1,4 @@
-"""Types of values in a study file: quantities with units, increasing lists, and ranges."""
+"""Types of values in a study file: quantities with units, lists in ascending order, and ranges."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, Sliding
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
-MAX_VALUES = 10_000  # largest number of values of one parameter of a study
-MAX_SHORT_LIST_LENGTH = 100  # largest length of lists of mu0, tau0, cutoffs, loads of interest and times
-MAX_DEGREES = 360  # largest absolute value of a direction
+MAX_VALUES = 10_000  # largest number of values of one parameter in a study
+MAX_SHORT_LIST_LENGTH = 100  # largest length of lists of mu0, tau0, cutoffs, loads and times
+MAX_DEGREES = 360  # largest absolute value of a direction in degrees
 
 
 def _reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
@@ -51,7 +51,7 @@ read_length = _reader("length")
 
 
 def written(value: Any) -> Any:
-    """Format a quantity as text and a number in six digits, also within tuples; return other values unchanged."""
+    """Return a quantity as a text with its number in six digits, also within tuples; return other values unchanged."""
     if isinstance(value, tuple):
         return tuple(map(written, value))
     if isinstance(value, Quantity):
@@ -85,13 +85,13 @@ _Item = TypeVar("_Item")
 
 
 def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
-    """Return a tuple unchanged. Raises a `ValueError` if two of its elements are equal."""
+    """Return a tuple unchanged. Raises a `ValueError` if two elements are equal."""
     if len(set(values)) < len(values):
         raise ValueError("must differ from each other, but two are equal")
     return values
 
 
-# Lists of TOML become tuples because a study is immutable.
+# TOML lists become tuples, because a study is immutable.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
 _values = (as_tuple, Field(min_length=1, max_length=MAX_VALUES), AfterValidator(_increasing))
 _few_values = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_increasing))
@@ -113,7 +113,7 @@ Times = Annotated[tuple[Time, ...], *_none_or_few]
 
 
 def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]) -> PlainValidator:
-    """Return a validator that accepts one value, or several different values as a tuple."""
+    """Return a validator that accepts a single value, or several different values as a tuple."""
 
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -122,7 +122,7 @@ def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[
             raise ValueError(f"must have from 1 to {MAX_VALUES} {name}s, got {len(value)}")
         values = tuple(map(read, value))
         if len(set(map(identity, values))) < len(values):
-            raise ValueError(f"must have each {name} once, got {short_repr(list(values))}")
+            raise ValueError(f"must have each {name} only once, got {short_repr(list(values))}")
         return values
 
     return PlainValidator(validate)
@@ -163,18 +163,18 @@ class Table(BaseModel):
 
 
 class Case(Table):
-    """Table of a study file for which several classes exist, with different keys."""
+    """Table of a study file that has several classes with different keys."""
 
     place: ClassVar[str]  # name of the class in messages
 
 
 def fault_at(key: str, message: str) -> PydanticCustomError:
-    """Return the error for an invalid key of a table."""
+    """Return an error about a key of a table."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
 def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the class name that a key of a table selects; by default the first name."""
+    """Return the class name that a key of a table selects; the default is the first name."""
     value = given.get(key, next(iter(cases)))
     if not isinstance(value, str) or value not in cases:
         names = '" or "'.join(cases)
@@ -192,13 +192,13 @@ class _Range(Table):
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:
         if self.count == 1 and self.start != self.stop:
-            raise ValueError("a range of count 1 must have equal start and stop")
+            raise ValueError("a range with count = 1 must have equal start and stop")
         if self.count > 1 and not self.stop > self.start:
-            raise ValueError(f"must stop above its start, got {written(self.start)} to {written(self.stop)}")
+            raise ValueError(f"must have a stop above its start, got {written(self.start)} to {written(self.stop)}")
         return self
 
     def values(self) -> Floats:
-        """Return the values (count,), in core units."""
+        """Return the values (count,) in core units."""
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
@@ -210,7 +210,7 @@ class DimensionRange(_Range):
 
 
 class _Steps(_Range):
-    """Range in equal steps (linear) or in equal ratios (geometric)."""
+    """Range in equal steps (linear) or equal ratios (geometric)."""
 
     spacing: Literal["linear", "geometric"] = "geometric"
 
@@ -221,7 +221,7 @@ class _Steps(_Range):
         return self
 
     def values(self) -> Floats:
-        """Return the values (count,), µm or mN."""
+        """Return the values (count,) in µm or mN."""
         if self.spacing == "linear":
             return super().values()
         return np.geomspace(float(self.start), float(self.stop), self.count)
@@ -241,7 +241,7 @@ class LoadRange(_Steps):
     stop: Force
 
 
-# Tags of ranges and lists, determined before validation so that messages refer to a single type.
+# Tags of ranges and lists, assigned before validation so that messages refer to a single type.
 RANGE_NAME, LIST_NAME = "a range", "a list"
 
 
@@ -276,7 +276,7 @@ def array_of(values: _Range | tuple[float, ...]) -> Floats:
 def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type[Case]]) -> None:
     """Raise an error for a key that belongs to another class of the table, or for a missing required key.
 
-    `shared` contains base classes with keys that several classes have; messages name them by their `place`.
+    `shared` lists base classes whose keys several classes have; messages refer to these classes by their `place`.
     """
     for key in table:
         if key in case.model_fields:
@@ -294,7 +294,7 @@ def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type
 _Kind = TypeVar("_Kind", bound=Table)
 
 
-MAX_LISTED_FAULTS = 5  # number of errors in a message about a study
+MAX_LISTED_FAULTS = 5  # largest number of errors in a message about a study
 
 
 class StudyError(ValueError):
@@ -327,7 +327,7 @@ def as_toml(value: Any) -> str:
         case dict():
             items = [
                 f"{key} = {as_toml(item)}" for key, item in value.items() if key != "body"
-            ]  # a body exists only in memory
+            ]  # a body in memory cannot be written
             return "{ " + ", ".join(items) + " }"
         case _:
             return "[" + ", ".join(as_toml(item) for item in value) + "]"
@@ -342,7 +342,7 @@ def toml(text: str) -> dict[str, Any]:
 
 
 def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
-    """Validate a table. Error messages name the source of the table."""
+    """Validate a table. Error messages begin with the name of the source of the table."""
     try:
         return kind.model_validate(data)
     except ValidationError as error:
@@ -367,7 +367,7 @@ _ERROR_MESSAGES = {
     "string_too_short": "must have at least {min_length} characters",
     "string_too_long": "must have at most {max_length} characters",
 }  # fmt: skip
-"""Messages that replace messages of pydantic, by type of error."""
+"""Messages that replace the messages of pydantic, by the type of the error."""
 
 
 def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
@@ -385,7 +385,7 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
     if fault["type"] == "tuple_type":
         message = "must be a list"
     if fault["type"] == "string_unicode":
-        message = "must be text in UTF-8, the encoding of studies (rename a file with another name)"
+        message = "must be text in UTF-8, the encoding of studies (rename files whose names have another encoding)"
     if (template := _ERROR_MESSAGES.get(fault["type"])) is not None:
         message = template.format_map(fault.get("ctx", {}))
     if fault["type"] not in ("value_error", "missing", "range_or_list", "key", "too_short", "too_long"):
@@ -393,11 +393,11 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
     return key, message
 
 
-MAX_SUGGESTIONS = 3  # largest number of suggested keys for an unknown key
+MAX_SUGGESTIONS = 3  # largest number of suggestions for an unknown key
 
 
 def _suggestion(kind: type[Table], location: list[int | str]) -> str:
-    """Return a text that suggests similar keys of all classes of the table, or refers to the list of keys."""
+    """Return a hint that suggests similar keys of all classes of the table, or refers to the list of keys."""
     tables = [kind]
     for part in location[:-1]:
         fields = [table.model_fields[str(part)] for table in tables if str(part) in table.model_fields]

@@ -104,65 +104,64 @@ def pair(
     Parameters
     ----------
     first : str, path, Profile, Surface, JoinedSpectrum or array, or several
-        The slider: a measured profile or surface. Several scans of one part are a list, a folder, or names between
-        commas.
+        The slider: a measured profile or surface. Several scans of one part are given as a list, a folder, or names
+        separated by commas.
     second : str, path, Profile, Surface, JoinedSpectrum or array, or several
         The counterface; both may be the same file.
     load : str or float, or several, mN
         Normal load over the nominal area, "10 MPa", or a force, "0.1 mN".
     width : str or float, µm, optional
-        Width across two profiles that a force acts on. By default 1 um.
+        Width across two profiles on which a force acts. By default 1 um.
     mu0 : str or float, or several, optional
         Molecular friction coefficients, "0.3,0.4", or one with its uncertainty, "0.30±0.02" or "0.2..0.4".
     tau0 : str or float, or several, GPa, optional
         Adhesive shear strengths, "0 MPa,50 MPa", or one with its uncertainty, "30..80 MPa". By default 0 MPa.
     interface : str, path or Interface, optional
-        Both `mu0` and `tau0`: a file of stiction calibrate, or a name that stiction interfaces lists.
+        Joint values of `mu0` and `tau0`: a file from stiction calibrate, or a name listed by stiction interfaces.
     direction : str or float, or several, optional
         Directions of motion of the upper body, from +x towards +y, "0,90". By default every 30 degrees.
     upper : str, optional
         Material of the slider by name, as in steel; or give `young` and `poisson`.
     lower : str, optional
-        Material of the counterface; that of `upper` by default.
+        Material of the counterface; the same as `upper` by default.
     effective_modulus : str or float, GPa, optional
         Effective modulus E*, "10 GPa", instead of materials.
     young : str or float, or several, GPa, optional
-        Young's modulus of both bodies, or of one after the other, "200 GPa,70 GPa".
+        Young's modulus of both bodies, or of the slider and the counterface, "200 GPa,70 GPa".
     poisson : str or float, or several, optional
         Poisson's ratios, "0.3" or "0.3,0.33".
     hardness : str or float, GPa, optional
-        Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %". By default that
-        of the material.
+        Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %". By default the
+        material's hardness.
     yield_strength : str or float, GPa, optional
-        Yield strength of the softer body, for `law` jackson-green. By default the hardness over 2.84.
+        Yield strength of the softer body, for `law` jackson-green. By default the hardness divided by 2.84.
     junction_growth : str or float, optional
         α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none. By default 0..27
         for metals by name.
     wait : str or float, or several, s, optional
-        Dwell times under load before sliding, "1 min,1 h"; the hardness is that after 1 s.
+        Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.
     creep : str or float, optional
         Exponent m of indentation creep, "0.03" or "0.02..0.05": the hardness falls as (t/1 s)^-m.
     work_of_adhesion : str or float, kJ/m², optional
         Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none. By default taken as 0.
     adhesion_range : str or float, µm, optional
-        Gap over which the attraction falls off by 1/e. By default 0.5 nm.
+        Gap over which the attraction decays to 1/e. By default 0.5 nm.
     mechanics : {"half-space", "asperities"}, optional
         The elastic half-space (half-plane for lines), or isolated asperities (fast). By default asperities for lines,
         except two profiles of metals.
     tilt : {"fixed", "free"}, optional
-        Whether the slider keeps its orientation, or turns until the load is in its middle, as on a ball joint. By
-        default fixed.
+        Orientation of the slider: fixed, or tilted until the load is centred, as on a ball joint. By default fixed.
     law : {"hertz-sphere", "hertz-cylinder", "jackson-green"}, optional
         Contact law of asperities. By default hertz-sphere.
     detection : {"cell", "gap-minimum"}, optional
-        How contacts of asperities are found. By default gap-minimum.
+        Criterion that detects contacts of asperities. By default gap-minimum.
     curvature : {"convex", "signed"}, optional
-        Whether concave contact points count as well as convex ones. By default convex for lines, signed for areas.
+        Contact points to count: convex only, or concave ones too. By default convex for lines, signed for areas.
     gap : str, path, Surface or array, optional
-        A map of the gap between two faces, as of a fracture, instead of `first` and `second`.
+        A map of the gap between two faces, for example of a fracture, instead of `first` and `second`.
     lay : {"grooves", "isotropic"}, optional
-        Lay of two profiles: measured across grooves, or of surfaces alike in all directions, which are then pressed as
-        areas. By default pressed as lines.
+        Lay of two profiles: measured across grooves, or on isotropic surfaces, which are then pressed as areas. By
+        default pressed as lines.
     lines : int, optional
         Press this many pairs of lines of two maps instead of their areas; for surrogates of profiles, the number of
         surrogates. By default 128 of surrogates, and of a map and a profile.
@@ -172,8 +171,9 @@ def pair(
         Trend to subtract from each line (mean, line, quadratic or none) or map (mean, plane or quadratic). By default
         line for profiles, plane for maps.
     cutoff : str or float, or several, µm, optional
-        Cutoff wavelength of a Gaussian low-pass filter, "0.1 um"; several give a result each, and none accepts all
-        wavelengths. By default unfiltered; filtered as well where wavelengths are not attributed.
+        Cutoff wavelength of a Gaussian low-pass filter, "0.1 um". Several cutoffs give several results; "none"
+        attributes all wavelengths to the surfaces. By default unfiltered; also filtered if some wavelengths may not
+        belong to the surface.
     rotate : float, optional
         Rotate the upper map in its plane. By default 0.
     shifts : int, optional
@@ -183,45 +183,47 @@ def pair(
     travel : str or float, µm, optional
         The largest offset. By default half the length.
     positions : str or float, or several, µm, optional
-        Positions of the slider on the counterface, "0 um,5 um"; of maps x and y of each. By default spread evenly.
+        Positions of the slider on the counterface, "0 um,5 um"; for maps, x and y of each position. By default spread
+        evenly.
     surrogates : int or str, optional
-        For areas, press this many pairs of random surfaces of equal spectrum as well; for lines, the body to replace by
-        random ones. By default none.
+        For areas: number of additional pairs of random surfaces with equal spectra. For lines: body to replace by
+        random surfaces. By default none.
     seed : int, optional
         Seed of the random phases of surrogates. By default 2016.
     unit : str or float, or several, optional
-        Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where the file has none.
+        Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Required if the file has no unit.
     spacing : str or float, or several, µm, optional
-        Distance of neighboring points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has
-        none.
+        Distance between points, "0.5 um", or between rows and columns, "2 um,0.5 um". Required if the file has no
+        spacing.
     missing : {"error", "interpolate", "mask"}, optional
-        Points without a height: reject the file, press what is there, or interpolate. By default error.
+        Points without a height: reject the file, press only the measured points, or interpolate. By default error.
     missing_value : str or float, or several, optional
         Numbers or words that mark points without a height, "-9999".
     outliers : {"keep", "mask"}, optional
         Treat up to 4 adjacent points beyond 6 robust deviations of their neighbors as missing. By default keep.
     crop : str or float, or several, µm, optional
-        Part of the file to read: "10 um,60 um", of a map along x and y.
+        Region of the file to read: "10 um,60 um"; for a map, first along x, then along y.
     channel : str or float, or several, optional
         Channel or sheet to read, by its name or number from 0. By default the first of heights.
     columns : str or float, or several, optional
         Columns of a table, names or numbers from 0: of heights, or of positions and heights.
     accept : str or float, or several, optional
-        Caveats about a file that are settled, by their names, "whole-numbers".
+        Names of caveats about a file that you have checked and accept, "whole-numbers".
     texture : str or float, or several, optional
-        Machining process (turned, milled, ground, ...): lines and humps of the spectrum then belong to the surface.
+        Machining process (turned, milled, ground, ...): lines and humps of the spectrum are then attributed to the
+        surface.
     tip : str or float, or several, µm, optional
         Radius of the stylus or probe, "10 nm", which limits the curvature that it can follow.
     onset : int, optional
-        Members whose onset of sliding is computed; 0 for none. By default 16, or 4 for areas by the half-space.
+        Members whose onset of sliding is computed; 0 for none. By default 16, or 4 for areas with the half-space.
     directory : path, optional
-        Where the result is kept, as by ``--output``; by default as long as Python runs.
+        Directory of the result, like ``--output``; by default a temporary one, removed when Python exits.
     replace : bool
-        Whether another result in that directory is replaced.
+        True to replace a different result in the directory.
     executor : concurrent.futures.Executor, optional
-        Where members are computed; a thread for each core by default.
+        Executor that computes the members; by default one thread per core.
     progress : bool
-        Whether to draw a progress bar on the terminal.
+        True to draw a progress bar on the terminal.
 
     Returns
     -------
