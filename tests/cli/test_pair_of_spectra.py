@@ -228,7 +228,7 @@ def test_pair_accepts_spectrum_from_plain_table(tmp_path):
         ("wave number (1/um),C2D (um4)\n1,1\n2,1\n3,1\n", "must rise in equal ratios"),
         ("wave number (1/um),C2D (um4)\n1,1\n", "must rise in equal ratios"),
         ("wave number (1/um),C2D (um4)\n1,1\n2,0\n", "must be above 0"),
-        ("wave number (1/um),C2D (um4)\n1,a\n2,b\n", "other values than numbers"),
+        ("wave number (1/um),C2D (um4)\n1,a\n2,b\n", "values that are not numbers"),
         ("wave number,C2D (um4)\n1,1\n2,1\n", "has no column 'wave number"),
         ("# scan: a, from 1 to 2 um, ended by pixels\nwave number (1/um),C2D (um4)\n1,1\n2,1\n", "has no column"),
         ("", "is not a table"),

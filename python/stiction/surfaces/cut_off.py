@@ -6,7 +6,7 @@ from stiction._checks import check_bool
 from stiction.surfaces.filters import check_cutoff, gaussian_mean
 from stiction.surfaces.surface import AnyBody, as_body
 
-# Longest cutoff wavelength as a fraction of the shortest side. With a longer cutoff, too few periods remain.
+# Longest cutoff wavelength as a fraction of the shortest side. A longer cutoff would leave too few periods.
 MAX_CUTOFF_FRACTION = 1 / 3
 
 
@@ -18,10 +18,10 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     body : Profile or Surface
         Body to filter.
     wavelength : float, µm
-        Cutoff wavelength, at which half of the amplitude is transmitted. From half a point (of the finer spacing) to a
+        Cutoff wavelength, at which half of the amplitude is transmitted. It must be from half of the finer spacing to a
         third of the shortest side.
     periodic : bool
-        Whether the body is periodic. If not, a tilt is preserved up to the ends.
+        True if the body is periodic. Otherwise a tilt is preserved up to the ends.
 
     Returns
     -------
@@ -31,7 +31,7 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     Raises
     ------
     ValueError
-        If the wavelength is outside its range.
+        If the wavelength is outside this range.
 
     See Also
     --------

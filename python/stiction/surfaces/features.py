@@ -1,6 +1,7 @@
 """Hills and dales of a surface.
 
-They are found by watershed segmentation with Wolf pruning and described by the feature parameters of ISO 25178-2.
+Hills and dales are found by watershed segmentation with Wolf pruning, and are described by the feature parameters of
+ISO 25178-2.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from stiction._checks import Floats
 
 # A hill or dale smaller than this fraction of the maximum height is merged with its neighbour.
 PRUNING_FRACTION = 0.05
-NUM_FEATURES = 5  # number of peaks or pits in the five-point parameters
+NUM_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
 
 _IndexArray = NDArray[np.intp]
 
@@ -28,11 +29,11 @@ def significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     heights : (rows, columns) ndarray
         Pass the negative heights to find pits.
     threshold : float
-        A hill is merged with its neighbour if its peak rises less than this above their highest common saddle.
+        Height of a peak above the highest common saddle with a neighbour, below which the two hills are merged.
 
     Notes
     -----
-    Every point belongs to the peak that is reached by repeated steps to the highest of the eight neighbours. Wolf
+    Every point belongs to the peak that is reached by repeatedly moving to the highest of the eight neighbours. Wolf
     pruning merges the lowest hill first. A peak remains if it rises by at least the threshold above the highest saddle
     on any path to a higher peak. The maximum spanning tree of the saddles between neighbouring hills contains these
     saddles.
@@ -67,7 +68,7 @@ def significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
 
 
 def _find_peaks_of_points(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
-    """Return the flat index of the peak of every point."""
+    """Return the flat index of the peak to which each point belongs."""
     from scipy.ndimage import maximum_filter
 
     above = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
@@ -81,7 +82,7 @@ def _find_peaks_of_points(rank: NDArray[np.int64], order: _IndexArray) -> _Index
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the saddles of the maximum spanning tree as pairs of hills and ranks, in descending order."""
+    """Return the saddles of the maximum spanning tree, in descending order, as pairs of hills and as ranks."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 
@@ -118,9 +119,9 @@ class FeatureParameters(NamedTuple):
 def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> FeatureParameters:
     """Compute peak density, mean peak curvature, five-point peak height and five-point pit depth.
 
-    `deviation` is the height about its mean. The density is the number of peaks per nominal area (points times
-    spacing). The curvature comes from second differences at peaks that are not on the border. Peaks and pits on the
-    border contribute to the density and to the heights.
+    `deviation` is the height relative to the mean. The density is the number of peaks per nominal area (number of
+    points times spacing). The curvature is computed from second differences at peaks that are not on the border. Peaks
+    and pits on the border contribute to the density and to the heights.
     """
     threshold = PRUNING_FRACTION * float(np.ptp(deviation))
     peaks, pits = (significant_peaks(heights, threshold) for heights in (deviation, -deviation))

@@ -17,16 +17,17 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 Powers = tuple[int, ...]
-MIN_CUTOFF_POINTS = 0.5  # shortest cutoff, in points: the filter then transmits 96 % of the shortest wavelength
-_MIN_REGRESSION_POINTS = 4.0  # shortest cutoff, in points, with straight lines fitted near the ends
-# Half width of the weight function, in cutoff wavelengths. Farther away, weights are below 1e-15 of the largest weight.
+# shortest cutoff in points; at this cutoff the filter transmits 96 % of the shortest wavelength
+MIN_CUTOFF_POINTS = 0.5
+_MIN_REGRESSION_POINTS = 4.0  # shortest cutoff in points for which straight lines are fitted near the ends
+# Half width of the weight function in cutoff wavelengths. Beyond it, weights are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of weights on each side. For a cutoff of two or three points, weights decay slowly, to 1e-5 at this
 # distance.
 _MIN_WEIGHTS = 64
-# Minimum fraction of the weights that must lie on measured points to estimate a mean line.
+# Minimum fraction of the weights that must be on measured points for a mean line to be estimated.
 _MIN_COVERAGE = 1e-6
-_MIN_PIVOT = 1e-9  # smallest pivot of the normalised local equations; with a smaller pivot the equations are singular
+_MIN_PIVOT = 1e-9  # smallest pivot of the normalised local equations; below it the equations count as singular
 # Biweight scale in median absolute deviations. It is three standard deviations of normally distributed heights.
 _BIWEIGHT_SCALE = 4.4478
 # Largest change of the mean line, in biweight scales, at which the iteration has converged.
@@ -44,16 +45,17 @@ def filtered(
     body : Profile or Surface
         Missing points have zero weight. Their filtered heights are estimated from the measured points.
     cutoff : float, µm
-        Nesting index: the wavelength at which the Gaussian filter transmits half of the amplitude. From half a point
-        (of the finer spacing), where the filter hardly attenuates any wavelength, to the shortest side.
+        Nesting index: the wavelength at which the Gaussian filter transmits half of the amplitude. It must be from half
+        of the finer spacing, where the filter hardly attenuates any wavelength, to the shortest side.
     kind : {"S", "L"}
         "S" removes the small lateral scales and returns the mean line, such as the primary profile for λs or the
         waviness for λc. "L" removes the large lateral scales and returns the deviation from the mean line, such as the
         roughness profile for λc.
     robust : bool
-        Estimate the mean line with Tukey's biweight, which limits the influence of deep valleys, scratches and spikes.
+        True to estimate the mean line with Tukey's biweight, which limits the influence of deep valleys, scratches and
+        spikes.
     periodic : bool
-        Whether the body is periodic. Must be False if `robust` is True.
+        True if the body is periodic. It must be False if `robust` is True.
 
     Returns
     -------
@@ -83,8 +85,8 @@ def filtered(
 
     The robust filter is the Gaussian regression filter of second degree of ISO 16610-31 and ISO 16610-71: local
     polynomials are fitted with the Gaussian weights times :math:`[1 - (r/c)^2]^2` for residuals of magnitude r below c,
-    where c is 4.4478 times the median of r. The iteration ends when no point of the mean line changes by more than
-    1e-4 c.
+    where c is 4.4478 times the median of r. The iteration ends when no point of the mean line changes by more than 1e-4
+    c.
 
     Examples
     --------
@@ -109,7 +111,7 @@ def filtered(
 
 
 def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check a cutoff (µm) against the range from half a point to `longest` times the shortest side, and return it."""
+    """Return a cutoff (µm) after checking that it is between half a point and `longest` times the shortest side."""
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(sides)
@@ -180,10 +182,10 @@ def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Filter heights that are continued beyond their ends by reflection, after subtracting their tilt.
+    """Filter heights after subtracting their tilt and continuing them beyond their ends by reflection.
 
-    The weights of short cutoffs (in points) oscillate, so that a straight line fitted with those on one side is
-    unstable.
+    Reflection is used for short cutoffs (in points), whose weights oscillate. A straight line fitted with the weights
+    on one side would then be unstable.
     """
     from scipy.fft import dctn, idctn
 
@@ -202,7 +204,7 @@ def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
-    """Divide weighted sums by their weights. Where the weight is too small, return the heights."""
+    """Divide weighted sums by their weights, and return the heights themselves at points with too little weight."""
     is_covered = weights > _MIN_COVERAGE
     return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 
@@ -213,17 +215,17 @@ def _broadcast_along(values: Any, axis: int, ndim: int) -> Any:
 
 
 def _linear_exponents(ndim: int) -> list[Powers]:
-    """Return the exponents of the terms of a function that is linear in x, or linear in y and linear in x."""
+    """Return the exponents of the terms of a function that is linear in x and, for surfaces, also in y."""
     return list(product(range(2), repeat=ndim))
 
 
 def _quadratic_exponents(ndim: int) -> list[Powers]:
-    """Return the exponents of the terms of a polynomial of second degree in x, or in y and x."""
+    """Return the exponents of the terms of a polynomial of second degree in x and, for surfaces, in y."""
     return [powers for powers in product(range(3), repeat=ndim) if sum(powers) <= 2]
 
 
 class _Kernel:
-    """Gaussian weights times powers of the offset, along an axis of `points` points, padded for convolution."""
+    """Gaussian weights times powers of the offset along an axis of `points` points, padded for a convolution."""
 
     def __init__(self, points: int, length: float) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
@@ -239,7 +241,7 @@ class _Kernel:
         self._offset = np.arange(reach + 1) / length
 
     def line(self, power: int) -> Floats:
-        """Return the weights times ((x' - x) / cutoff)^power in cyclic order, for convolution with heights at x'."""
+        """Return the weights times ((x' - x) / cutoff)^power in cyclic order, to be convolved with heights at x'."""
         values = self._weights * self._offset**power
         line = np.zeros(self.padded)
         line[: values.size] = values if power % 2 == 0 else -values
@@ -249,7 +251,7 @@ class _Kernel:
 
 
 def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
-    """Compute the value at each point of a local straight line that is fitted along an axis with Gaussian weights."""
+    """Compute, at each point, the value of a local straight line that is fitted along an axis with Gaussian weights."""
     from scipy.fft import irfft, rfft
 
     kernel = _Kernel(heights.shape[axis], length)
@@ -263,7 +265,7 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
 
 
 def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
-    """Compute the value at each point of a local polynomial that is fitted with Gaussian weights times `weights`."""
+    """Compute, at each point, the value of a local polynomial that is fitted with Gaussian weights times `weights`."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_Kernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
@@ -301,7 +303,8 @@ def _solve_constant_terms(
 ) -> Floats:
     """Solve for the constant term of every local polynomial by Gaussian elimination of the other terms.
 
-    Where the equations are singular, return the weighted mean; where no measured point is in reach, the height.
+    The weighted mean is returned at points where the equations are singular, and the height at points without measured
+    points within reach.
     """
     terms = range(len(basis))
     total = np.where(moments[basis[0]] > _MIN_COVERAGE, moments[basis[0]], 1)

@@ -1,4 +1,4 @@
-"""Least-squares fit of circles, spheres and cylinders, which are the nominal form of round parts."""
+"""Least-squares fit of circles, spheres and cylinders, the nominal forms of round parts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stiction._repr import format_with_unit
 RoundForm = Literal["circle", "sphere", "cylinder"]
 Points = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
 _FormModel = Callable[[Floats, Points], Floats]
-# Squared cosine of the largest slope of the form. Beyond this slope, just before the equator, the form is cut off.
+# Squared cosine of the largest slope of the form. Steeper parts of the form, near the equator, are cut off.
 _MIN_COSINE_SQUARED = 1e-6
 _FIT_TOLERANCE = 1e-12  # relative change at which the fit has converged
 

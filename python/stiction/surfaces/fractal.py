@@ -128,7 +128,7 @@ def weierstrass_mandelbrot_family(
 
     Notes
     -----
-    The rows have the phases in common, so they differ by the fractal dimension alone. Hanaor, Gan & Einav, Tribology
+    The rows share the phases, so they differ only in the fractal dimension. Hanaor, Gan & Einav, Tribology
     International 93 (2016) 229, Eq. 1.
 
     Examples
@@ -152,7 +152,7 @@ def fill_profiles(
 ) -> Floats:  # fmt: skip
     """Write the profiles of `weierstrass_mandelbrot_family` to `family`.
 
-    Return the mean, minimum and maximum of each (k, 3).
+    Returns the mean, minimum and maximum of each profile, (k, 3).
     """
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)

@@ -8,27 +8,30 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum number of bins between harmonics. With fewer bins, the spectrum between the harmonics cannot be assessed.
+# Minimum distance between harmonics in bins, below which the spectrum between harmonics cannot be assessed.
 MIN_HARMONIC_DISTANCE = 10
-# Smallest bin of a first harmonic. It is above 2 because a Hann window spreads a line over two bins on each side.
+# Smallest bin of a first harmonic, above 2 because a Hann window spreads a line over two bins on each side.
 _MIN_PERIODS = 2.5
 _MAX_COMPARED_HARMONICS = 8  # largest number of harmonics that are compared with the spectrum between them
-# Minimum number of significant harmonics above the first. At least a third of the compared harmonics must be
-# significant, too.
+# Minimum number of significant harmonics above the first. In addition, at least a third of the compared harmonics must
+# be significant.
 _MIN_SIGNIFICANT_HARMONICS = 2
-_MAX_CANDIDATES = 6  # largest number of peaks that are tried as the first harmonic
-# Minimum density of a harmonic relative to the density between harmonics. About one bin in 1000 exceeds it by chance.
+_MAX_CANDIDATES = 6  # largest number of peaks that are tested as the first harmonic
+# Minimum ratio of the density of a harmonic to the density between harmonics. About one bin in 1000 exceeds it by
+# chance.
 _MIN_LINE_RATIO = 10.0
 _PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic after a Hann window, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
-# This quantile of the spectral density within one period is not affected by harmonics, even if they are aliased.
+# Quantile of the spectral density over one period of the harmonics that harmonics do not affect, even if aliased.
 _BACKGROUND_QUANTILE = 0.3
 
 
 def find_period(density: Floats) -> tuple[float, float]:
     """Find the first harmonic of a periodic texture and the distance between harmonics, in bins.
 
-    Return NaN if there is none.
+    Returns NaN if there is no periodic texture.
+
+    A symmetric texture has only odd harmonics, so the distance between harmonics is twice the first harmonic.
 
     A symmetric texture has odd harmonics only; the distance between them is then twice the first harmonic.
 
@@ -83,7 +86,7 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
 
 
 def _median_between_harmonics(padded: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density around every harmonic, in a range that extends halfway to its neighbours."""
+    """Return the median density around every harmonic, over a range that extends halfway to the next harmonics."""
     bins = np.arange(padded.size)
     levels = []
     for position in harmonics.tolist():

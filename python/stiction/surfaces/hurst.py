@@ -17,31 +17,30 @@ from stiction.surfaces.spectrum import areal_spectrum, in_band, profile_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
-MAX_INTERVAL_WIDTH = 0.5  # largest width of the 95 % interval of H at which the estimate is still informative
+MAX_INTERVAL_WIDTH = 0.5  # largest width of the 95 % interval of H for which the estimate is still informative
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
-_TREND_ROUND_OFF = 1e-13  # residual of a subtracted straight line relative to the largest height
+_TREND_ROUND_OFF = 1e-13  # residual of a subtracted straight line, relative to the largest height, that is round-off
 # Number of lowest harmonics that are excluded after a Hann window. They contain the mean and longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
 
 _HANN_CORRELATION = 35 / 18
-"""Factor by which a Hann window w increases the variance of sums over harmonics: the mean of w⁴ divided by the squared
-mean of w²."""
+"""Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum with its own power law
-# Relative error of the model in a bin. No measured spectrum follows a power law more closely.
+_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that has its own power law
+# Relative error of the power law in a bin, because no measured spectrum follows a power law more closely.
 _RELATIVE_MODEL_ERROR = 0.1
-# Minimum gain in log-likelihood for another piece. A piece has three parameters and one break among about 50 bins.
+# Minimum gain in log-likelihood for an additional piece, which has three parameters and one break among about 50 bins.
 _PIECE_PENALTY = 10.0
-# Largest accepted deviance per bin. It is about 1 by chance; with a larger deviance the spectrum consists of separate
+# Largest accepted deviance per bin. It is about 1 by chance. With a larger deviance, the spectrum consists of separate
 # lines.
 _MAX_DEVIANCE = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # narrowest accepted band in ln q, which is half a decade
 # Trial noise levels relative to the power law at the shortest wavelength.
 _TRIAL_NOISE_LEVELS = tuple(np.geomspace(0.01, 10, 13).tolist())
-# Minimum gain in log-likelihood for one more parameter, which is a roll-off or noise.
+# Minimum gain in log-likelihood for one additional parameter: a roll-off or noise.
 _PARAMETER_PENALTY = 2.0
 
 
@@ -59,7 +58,7 @@ class PowerLaw:
         self._largest = float(power.max())
         self._power = fraction * power / self._largest
         self.exponent = 0.0
-        for _ in range(_NEWTON_STEPS):  # Newton's method is used, because the loss is a convex log-sum-exp function
+        for _ in range(_NEWTON_STEPS):  # The loss is a convex log-sum-exp function, so Newton's method converges.
             scaled = self._power * np.exp(self.exponent * self._log_q)
             scaled /= scaled.sum()
             gradient = float(scaled @ self._log_q)
@@ -73,7 +72,7 @@ class PowerLaw:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._largest)
 
     def loss(self, exponent: float) -> float:
-        """Return the negative log-likelihood with the optimal prefactor, up to a constant."""
+        """Return the negative log-likelihood for the optimal prefactor, except for a constant."""
         return self._total * self._log_level(exponent)
 
     @property
@@ -97,7 +96,7 @@ class PowerLaw:
 
 @dataclass(frozen=True, repr=False)
 class HurstEstimate(TableRepr):
-    """Hurst exponent of a profile or a surface, with its uncertainty and the band of wavelengths of the fit.
+    """Hurst exponent of a profile or a surface, with its uncertainty and the fitted band of wavelengths.
 
     Attributes
     ----------
@@ -112,8 +111,9 @@ class HurstEstimate(TableRepr):
     prefactor : float
         C of the fitted power law C q^(-n-2H), with n the dimensions; units of µm and 1/µm; see `density`.
     dispersion : float
-        Variance of the binned spectrum about the power law over the variance expected by chance, at least 1. A value
-        much above 1 means that the spectrum is not a power law; the interval is widened by its square root.
+        Ratio, at least 1, of the variance of the binned spectrum about the power law to the variance expected by
+        chance. A value far above 1 indicates that the spectrum is not a power law. The interval is widened by the
+        square root of this ratio.
     dimensions : int
         1 for a profile, 2 for a surface.
 
@@ -157,7 +157,7 @@ class HurstEstimate(TableRepr):
 
     @property
     def caution(self) -> str | None:
-        """Sentence that explains why the exponent is unreliable. None if it is reliable."""
+        """Sentence that explains why the exponent is unreliable; None if it is reliable."""
         interval = f"the 95 % interval of H, [{self.lower:.2f}, {self.upper:.2f}],"
         if self.upper - self.lower > MAX_INTERVAL_WIDTH:
             decades = math.log10(self.longest_wavelength / self.shortest_wavelength)
@@ -189,7 +189,7 @@ def estimate_hurst_exponent(
     body : Profile, Surface or array_like
         Heights. The least-squares line or plane is subtracted unless the body is periodic.
     band : (float, float), µm, optional
-        Shortest and longest wavelength to fit. By default the widest self-affine band of the spectrum; see Notes.
+        Shortest and longest wavelength of the fit; by default the widest self-affine band of the spectrum (see Notes).
     periodic : bool
         As for `power_spectrum`.
     spacing : float (µm) or str, or a pair (y, x) of either
@@ -223,12 +223,12 @@ def estimate_hurst_exponent(
     the power law.
 
     To find the band, the spectrum is binned in log q and divided into pieces with separate power laws, such as
-    roll-off, self-affine range, cutoff by a tip or a filter, and noise. The division maximises the log-likelihood
-    minus a penalty for each piece. The band is the widest piece with 0 < H < 1, or with 0 < H < 2 if there is none. One
-    bin is removed at each end that adjoins another piece. Long wavelengths are removed if a flat roll-off fits them
-    better, and short wavelengths if white noise fits them better and exceeds 10 % of the power law there. A piece of
-    separate lines is rejected. Deviations of less than 10 % from a power law are not detected. Check the band against
-    the spectrum.
+    roll-off, self-affine range, cutoff by a tip or a filter, and noise. The division maximises the log-likelihood minus
+    a penalty for each piece. The band is the widest piece with 0 < H < 1, or with 0 < H < 2 if there is none. One bin
+    is removed at each end that adjoins another piece. Long wavelengths are removed if a flat roll-off fits them better,
+    and short wavelengths if white noise fits them better and exceeds 10 % of the power law there. A piece of separate
+    lines is rejected. Deviations of less than 10 % from a power law are not detected. Check the band against the
+    spectrum.
 
     The interval assumes an exact power law and does not include the bias due to slight curvature of the spectrum. In
     trials with 4096 points, noise with an rms of a tenth of Pq changed the mean estimate from 0.8 to 0.74 and from 0.3
@@ -274,7 +274,7 @@ def estimate_hurst_exponent(
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     law = PowerLaw(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = law.interval(law.min_loss + _CHI_SQUARED_95 / 2)
-    if piece is not None:  # the interval includes the uncertainty of the end of the roll-off
+    if piece is not None:  # the interval includes the uncertainty about where the roll-off ends
         laws = _fit_roll_offs(piece, piece.count / (variance_factor * dispersion))
         max_loss = min(other.min_loss for other in laws) + _CHI_SQUARED_95 / 2
         intervals = [other.interval(max_loss) for other in laws if other.min_loss < max_loss]
@@ -289,7 +289,7 @@ def estimate_hurst_exponent(
 
 
 def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers and powers of a profile that are fitted, and the height unit of the powers."""
+    """Return the fitted wave numbers and powers of a profile, and the height unit of the powers."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -302,13 +302,13 @@ def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
     is_harmonic = spectrum.count == 1
     if not periodic:
         is_harmonic[:_NUM_EXCLUDED_HARMONICS] = False
-    # A profile without short wavelengths contains only round-off there.
+    # Above the highest wave number of the profile, the spectrum contains only round-off.
     power = np.maximum(spectrum.density[is_harmonic], np.finfo(float).eps ** 2 * spectrum.density.max())
     return spectrum.wave_number[is_harmonic], power, scale
 
 
 def _fitted_wave_vectors(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers of a surface that are fitted, the powers times the wave number, and the height unit."""
+    """Return the fitted wave numbers of a surface, the powers times the wave number, and the unit of heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -353,25 +353,26 @@ class _SpectrumBins:
 def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
     """Find the harmonics of the widest self-affine piece of the spectrum.
 
-    Return also the bins of this piece and its roll-off.
+    Also returns the bins of this piece and its roll-off.
     """
     if q.size >= MIN_BAND_HARMONICS:
         bins = _SpectrumBins.of(q, power)
         weight = 1 / (variance_factor / bins.count + _RELATIVE_MODEL_ERROR**2)
         starts, ends, exponents, losses = _fit_pieces(bins, weight)
         pieces = _select_pieces(bins.log_q.size, starts, ends, losses)
-        for steepest in (3.0, 5.0):  # exponents of the power for H = 1 and H = 2
+        for steepest in (3.0, 5.0):  # exponents of the power spectrum for H = 1 and H = 2
             widest = _MIN_BAND_WIDTH
             best: tuple[slice, _SpectrumBins] | None = None
             for piece in pieces:
                 if not 1 < exponents[piece] < steepest:
                     continue
-                start, end = int(starts[piece]), int(ends[piece])  # index after the last harmonic
+                # indices of the first harmonic and after the last harmonic
+                start, end = int(starts[piece]), int(ends[piece])
                 if bins.part(start, end).deviance(exponents[piece], weight[start:end]) > _MAX_DEVIANCE:
                     continue
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
-                if start == 0:  # remove a roll-off that is too short to be a separate piece
+                if start == 0:  # removes a roll-off that is too short to be a separate piece
                     roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.part(0, end), weight[:end])]
                     start = (
                         int(np.argmin(roll_off_losses))
@@ -393,7 +394,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
 def _remove_noisy_end(
     q: Floats, power: Floats, variance_factor: float, selection: slice, piece: _SpectrumBins
 ) -> tuple[slice, _SpectrumBins]:
-    """Remove the shortest wavelengths from a band if white noise bends the spectrum there."""
+    """Remove the shortest wavelengths from a band if white noise flattens the spectrum there."""
     from scipy.optimize import minimize_scalar
 
     bins = _SpectrumBins.of(q[selection], power[selection])
@@ -423,7 +424,7 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLaw]:
-    """Fit power laws whose flat roll-off ends at bin 0, 1, 2 and so on; the first fit has no roll-off."""
+    """Fit power laws whose flat roll-off ends at bin 0, 1, 2 and so on. The first fit has no roll-off."""
     breaks = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
     return [PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# Largest relative difference between the steps of coordinates on a uniform grid.
+# Largest relative difference between the steps of coordinates that count as a uniform grid.
 STEP_TOLERANCE = 1e-6
 
 
@@ -30,7 +30,7 @@ class ForeignHeights(NamedTuple):
 def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ForeignHeights:
     """Extract heights and spacing from a body of this package, or of SurfaceTopography, surfalize or xarray.
 
-    `unit` applies to all lengths if the object has no unit. Messages refer to the argument as `name`.
+    `unit` applies to all lengths if the object has no unit. Messages refer to the object by the argument name `name`.
     """
     if hasattr(other, "heights") and hasattr(other, "history"):
         spacing = tuple(np.atleast_1d(other.spacing).tolist())
@@ -50,7 +50,7 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Foreig
 
 
 def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
-    """Convert heights and positions (µm) with units to a DataArray. This is the inverse of `extract_heights`."""
+    """Convert heights and positions (µm) with units to a DataArray, as the inverse of `extract_heights`."""
     import xarray
 
     along = {"units": "um", "long_name": "position"}
@@ -91,7 +91,7 @@ def _from_topography(name: str, other: Any, kind: str, unit: str | None) -> Fore
 
 
 def _from_data_array(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
-    """Extract heights as a function of (y and) x from a DataArray with units in ``attrs["units"]``."""
+    """Extract heights along x, or along y and x, from a DataArray with units in ``attrs["units"]``."""
     targets = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if targets is None or set(other.dims) != set(targets):
         raise ValueError(f"{name} must have the dimensions y and x, or x alone, got {', '.join(map(str, other.dims))}")
@@ -124,7 +124,10 @@ def _find_step(name: str, axis: str, positions: Any) -> float:
 def _unit_factor(name: str, unit: Any, kind: str) -> float:
     if unit not in LENGTH_UNITS:
         allowed = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
-        raise ValueError(f"{name} must have a unit of length ({allowed}), or be given one, got {unit!r} of a {kind}")
+        raise ValueError(
+            f"{name} must have a unit of length ({allowed}), as an attribute or by the argument unit, "
+            f"got {unit!r} of a {kind}"
+        )
     return float(LENGTH_UNITS[unit])
 
 

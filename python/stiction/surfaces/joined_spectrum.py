@@ -18,14 +18,13 @@ from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_sha
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 MIN_POINTS_PER_WAVELENGTH = (
-    # Minimum number of points per wavelength that is used of a scan. Averaging over a pixel then transmits 95 % of the
-    # power.
+    # Minimum number of points per wavelength for a wavelength of a scan to be used. Averaging over a pixel then
+    # transmits 95 % of the power.
     8
 )
 MAX_WAVELENGTH_FRACTION = (
     1 / 3
-    # Longest wavelength that is used, as a fraction of the shortest side of a scan. Longer wavelengths depend on the
-    # window.
+    # Longest used wavelength of a scan, as a fraction of its shortest side. Longer wavelengths depend on the window.
 )
 # Number of wave vectors per independent value. Opposite wave vectors are equal, and the window correlates neighbours.
 _WAVE_VECTORS_PER_VALUE = 4.0
@@ -40,18 +39,18 @@ class JoinedSpectrum(TextRepr):
     wave_number : (n,) ndarray of float, 1/µm
         Centres of bins of equal width in log q, ascending.
     density : (n,) ndarray of float, µm⁴
-        C2D: mean over the scans that resolve the bin, weighted by their number of wave vectors; in a gap between scans,
-        a power law.
+        C2D: mean over the scans that resolve the bin, weighted by their numbers of wave vectors. In a gap between
+        scans, C2D is interpolated by a power law.
     count : (n,) ndarray of float
         Number of wave vectors in every bin, 0 in a gap.
     contribution : (scans, n) ndarray of float
         Fraction of the wave vectors of a bin that comes from a scan.
     ratio : (scans, n) ndarray of float
-        Density of a scan over the combined density; NaN where the scan has no data.
+        Ratio of the density of a scan to the combined density; NaN in bins without data of the scan.
     bands : tuple of (float, float), µm
         Shortest and longest wavelength used from every scan.
     reasons : tuple of str
-        Limit of every scan at short wavelengths: "pixels", "noise floor", "tip" or "given".
+        Reason for the shortest wavelength of every scan: "pixels", "noise floor", "tip" or "given".
     names : tuple of str
         Names of the scans.
 
@@ -75,7 +74,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def shortest(self) -> float:
-        """Shortest wavelength of the spectrum, µm. It is the edge of the last bin."""
+        """Shortest wavelength of the spectrum, µm, at the edge of the last bin."""
         return float(2 * math.pi / (self.wave_number[-1] * self._half_width))
 
     @property
@@ -100,9 +99,9 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def disagreement(self) -> Floats:
-        """(scans,) mean density of a scan over the density of the other scans where they overlap.
+        """(scans,) mean ratio of the density of a scan to the density of the other scans, where they overlap.
 
-        NaN without overlap.
+        The ratio is NaN for a scan without overlap.
         """
         shared = (self.contribution > 0).sum(axis=0) > 1
         ratios = np.full(len(self.bands), np.nan)
@@ -110,7 +109,7 @@ class JoinedSpectrum(TextRepr):
             occupied = shared & np.isfinite(ratio)
             weight = self.contribution[scan, occupied]
             if occupied.any() and (weight < 1).any():
-                # The combined density contains the scan itself, which must be removed for the comparison.
+                # The combined density includes the scan itself, which is removed for the comparison.
                 others = (1 - weight * ratio[occupied]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     logs = np.log(ratio[occupied] / others)
@@ -121,7 +120,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def chance(self) -> Floats:
-        """(scans,) standard deviation of the logarithm of `disagreement` that is expected by chance."""
+        """(scans,) standard deviation by which the logarithm of `disagreement` is expected to vary by chance."""
         shared = (self.contribution > 0).sum(axis=0) > 1
         actual = self.contribution * self.count / _WAVE_VECTORS_PER_VALUE
         result = np.full(len(self.bands), np.nan)
@@ -139,7 +138,7 @@ class JoinedSpectrum(TextRepr):
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             part = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
-            # The integral ends at the centre of a bin, so half of the bin is excluded.
+            # The integral ends at the centre of a bin, so half of this bin is excluded.
             result.append(np.sqrt(part.cumsum() - part / 2))
         return ScaleDependentRoughness(
             wavelength=read_only(2 * math.pi / self.wave_number), gradient=read_only(result[0]),
@@ -150,13 +149,13 @@ class JoinedSpectrum(TextRepr):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian surface with this spectrum, without wavelengths outside the spectrum.
+        """Generate a periodic Gaussian surface with this spectrum, and with no wavelengths beyond the spectrum.
 
         Parameters
         ----------
         seed, repetition : int
         side : {"lower", "upper"}
-            The random numbers are those of `random_phases` with these three arguments.
+            Seed, repetition and side select the random numbers, as in `random_phases`.
         shape : (int, int)
             Rows and columns, at least 4 each.
         spacing : float or (float, float), µm
@@ -189,7 +188,8 @@ def joined_spectrum(
         Scans of one surface, which must be homogeneous and isotropic. The spectrum of a profile is converted to that of
         the surface by `isotropic_spectrum`. Least-squares lines or planes are subtracted.
     shortest_wavelengths : sequence of float or None, µm, optional
-        Shortest wavelength to use from every scan. None: the limit from `instrument_limit`, at least eight points.
+        Shortest wavelength to use from every scan. None stands for the limit from `instrument_limit`, but at least
+        eight points.
     tip_radii : sequence of float or None, µm, optional
         Tip radius of every scan.
     names : sequence of str, optional
@@ -257,7 +257,7 @@ def joined_spectrum(
     occupied = all_waves > 0
     density = np.exp(
         np.interp(np.log(q), np.log(q[occupied]), np.log(total.sum(axis=0)[occupied] / all_waves[occupied]))
-    )  # this interpolates across gaps
+    )  # interpolates linearly in logarithms across gaps
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
             wave_number=read_only(q), density=read_only(density), count=read_only(all_waves),

@@ -16,14 +16,15 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat
 
-# Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so more lines add little.
+# Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so further lines add
+# little information.
 MAX_FITTED_LINES = 64
 _BOTH: tuple[Along, Along] = ("x", "y")
-MAX_MISFIT = 1.5  # largest rms factor between a spectrum and its power law at which the fit is accepted
-# Two bands are equal if neither end differs by more than this ratio.
+MAX_MISFIT = 1.5  # largest rms factor between a spectrum and its power law for which the fit is accepted
+# Largest ratio of the ends of two bands that count as equal.
 _MAX_EQUAL_BAND_RATIO = 1.5
 _MODEL_VARIANCE = 0.04  # variance of the logarithm of a bin due to the model, added to its statistical variance
-_MIN_LINE_POINTS = 7  # minimum number of points that the seven-point slope formula needs
+_MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,7 +38,7 @@ class LineRoughness(TextRepr):
     Pq : float, µm
         Root-mean-square height over all lines.
     Pdq, Pdq_neighbours : float
-        Root-mean-square slope over all lines, with the seven-point formula and with differences of neighbours.
+        Root-mean-square slope over all lines, from the seven-point formula and from differences of neighbouring points.
     spectrum : PowerSpectrum
         Mean spectrum of the lines, after a Hann window.
     band : (float, float), µm, or None
@@ -50,7 +51,7 @@ class LineRoughness(TextRepr):
     hurst_exponents : (k,) ndarray of float
         Exponents of the fitted lines in the common band; empty without a band. Flat lines have no exponent.
     misfit : float
-        Rms factor between the mean spectrum, in ten bins per decade, and the power law of the mean exponent; 1 for an
+        Rms factor between the mean spectrum, in ten bins per decade, and the power law with the mean exponent: 1 for an
         exact power law, NaN without exponents.
 
     Examples
@@ -216,7 +217,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor between a binned spectrum and a power law in a band, without the variance `chance`."""
+    """Return the rms factor between a binned spectrum and a power law in a band, less the variance `chance`."""
     inside = in_band(bins.wave_number, *band) & (bins.density > 0)
     if not inside.any():
         return math.nan

@@ -30,7 +30,7 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
     Returns
     -------
     heights : ndarray of float, µm
-        Heights with the shape of `ratios`. At 0 it is the highest point, at 1 the lowest.
+        Heights with the shape of `ratios`: the highest point at ratio 0, the lowest point at ratio 1.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def core_parameters(heights: Floats) -> CoreParameters:
 def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
     """Fit the straight line through the core.
 
-    Return its height difference over the core, and its heights at material ratios of 0 and 100 %.
+    Returns the height difference of this line over the core, and its heights at material ratios of 0 and 100 %.
     """
     heights = np.sort(deviation, axis=None)[::-1]
     points = heights.size

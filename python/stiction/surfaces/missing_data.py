@@ -1,4 +1,4 @@
-"""Missing data and outliers of a scan. The module interpolates gaps, measures their size, and detects outliers."""
+"""Missing data and outliers of a scan: interpolation and size of gaps, and detection of outliers."""
 
 from __future__ import annotations
 
@@ -9,23 +9,25 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 
 MIN_OUTLIER_DEVIATIONS = 6.0
-"""Smallest deviation of an outlier from its neighbours, in robust standard deviations. A robust standard deviation is
-1.4826 times the median absolute deviation."""
+"""Smallest deviation of an outlier from its neighbours, in robust standard deviations.
+
+The robust standard deviation is 1.4826 times the median absolute deviation.
+"""
 MAX_OUTLIER_GROUP = 4  # largest number of adjacent outliers; a larger group is a feature of the surface
 
-_WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles and for maps
-# Minimum number of estimates of a height from neighbours. With three estimates, one may contain another outlier.
+_WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
+# Minimum number of estimates of a height from its neighbours. One of three estimates may contain another outlier.
 _MIN_ESTIMATES = 3
-# An outlier may lie on this many of the five or more lines through neighbours by chance.
+# Number of lines through neighbours, out of five or more, that an outlier may follow by chance.
 _MAX_CHANCE_LINES = 2
 _MAX_PASSES = 8
-_MIN_EDGE_POINTS = 20  # minimum number of points at edges that is needed to estimate their scatter separately
+_MIN_EDGE_POINTS = 20  # minimum number of points at edges for which their scatter is estimated separately
 
 
 def interpolate_missing(heights: Floats, *, extrapolate: bool) -> Floats:
     """Interpolate gaps (NaN) linearly along x, then along y.
 
-    With `extrapolate`, gaps at an edge get the nearest height.
+    With `extrapolate`, gaps at an edge are filled with the nearest height.
     """
     filled = heights.copy()
     for to_edge in (False, True)[: 1 + extrapolate]:
@@ -39,7 +41,7 @@ def interpolate_missing(heights: Floats, *, extrapolate: bool) -> Floats:
 
 
 def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]]:
-    """Return the number of points of the largest connected gap, and its bounding box."""
+    """Return the number of points in the largest connected gap, and its bounding box."""
     from scipy.ndimage import find_objects, label
 
     numbers, _ = label(missing, np.ones((3,) * missing.ndim))
@@ -60,7 +62,7 @@ def describe_missing(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> 
 
 
 def find_outliers(heights: Floats) -> NDArray[np.bool_]:
-    """Find outliers, which are single points or groups of up to four points that deviate from their neighbours.
+    """Find outliers: single points or groups of up to four points that deviate from their neighbours.
 
     Parameters
     ----------
@@ -99,7 +101,7 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
 
 
 def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
-    """Return the median deviation of all points or, if larger, of the neighbourhood.
+    """Return the median deviation over all points or, if larger, over the neighbourhood.
 
     Edge points are treated separately.
     """
@@ -112,15 +114,14 @@ def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edg
             usual[part | (usual == 0)] = np.median(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(is_measured & np.isfinite(distances) & (usual > 0), distances / usual, 1.0)
-    # A worn surface is smoother on plateaus than in valleys. Therefore points are also compared with their
-    # neighbourhood.
+    # A worn surface is smoother on plateaus than in valleys, so points are also compared with their neighbourhood.
     return np.asarray(usual * np.maximum(median_filter(ratio, size=_WINDOW_WIDTHS[distances.ndim]), 1.0))
 
 
 def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return deviations from means of opposite neighbours, deviations from lines through neighbours, and edge points.
 
-    Deviations are NaN where too few neighbours are measured.
+    Deviations are NaN at points with too few measured neighbours.
     """
     steps: list[tuple[int, ...]] = [(1,), (2,), (3,), (4,)]
     if heights.ndim == 2:
@@ -135,7 +136,7 @@ def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, 
     means = np.stack([(shift(step, 1) + shift(step, -1)) / 2 for step in steps])
     off_means = np.abs(heights - _finite_median(means, _MIN_ESTIMATES))
     sides = [np.stack([2 * shift(step, sign) - shift(step, 2 * sign) for step in steps]) for sign in (1, -1)]
-    # Heights are extrapolated from each of two sides for profiles, and from each of eight directions for maps.
+    # Each height is extrapolated from both sides in profiles, and from eight directions in maps.
     lines = np.stack([_finite_median(side[:3], 1) for side in sides]) if heights.ndim == 1 else np.concatenate(sides)
     off_lines = np.sort(np.abs(heights - lines), axis=0)  # NaN last
     count = np.isfinite(off_lines).sum(axis=0)
@@ -147,7 +148,7 @@ def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, 
 
 
 def _finite_median(values: Floats, min_count: int) -> Floats:
-    """Return the median of the finite values along the first axis; NaN where there are fewer than `min_count`."""
+    """Return the median of the finite values along the first axis; NaN if there are fewer than `min_count`."""
     ordered = np.sort(values, axis=0)  # NaN last
     count = np.isfinite(ordered).sum(axis=0)
     lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)

@@ -1,7 +1,7 @@
 """Pairs of surfaces from two scans: pairs of lines, pairs of pieces of maps, and pairs of surrogates.
 
-Pair number `index` depends only on the scans, the options and the index. It is independent of the number of pairs and
-of the process that computes it.
+A pair depends only on the scans, the options and its index. It depends neither on the number of pairs nor on the
+process that computes it.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ from stiction.surfaces.profile import Along, Profile, Side, index_mask
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Default number of pairs of lines. They take a second or two, and suffice for an interval.
+# Default number of pairs of lines, which take a second or two and suffice for an interval.
 DEFAULT_LINES = 128
-# Divisor of the length of a map that limits its shift. At a quarter of the length, three quarters of the maps overlap.
+# Divisor of the length of a map that limits its shift: after a shift by a quarter, three quarters of the maps overlap.
 SHIFT_DIVISOR = 4
-MIN_PIECE_POINTS = 16  # minimum number of rows and of columns of a piece
+MIN_PIECE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
 MAX_SURROGATE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
 Surrogates = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
-_PLASTIC_RATIO = 1.324717957244746  # real root of x^3 = x + 1
+_PLASTIC_RATIO = 1.324717957244746  # real root of x^3 = x + 1, for two-dimensional quasi-random points
 _QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1
 GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength of generated surfaces
 
 
 def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
-    """Return point `index` of a low-discrepancy sequence in the unit cube.
+    """Return the point with the given index of a low-discrepancy sequence in the unit cube.
 
     The sequence is an additive recurrence with the golden ratio.
     """
@@ -69,10 +69,10 @@ class LinePairs:
     surrogates: Surrogates = "none"
     seed: int = 2016
     several: bool = False
-    count: int | None = None  # number of equally spaced pairs, or None for a sequence of any length
+    count: int | None = None  # number of equally spaced pairs; None for a sequence of any length
 
     def max_count(self) -> int | None:
-        """Return the number of different pairs. None if it is unlimited."""
+        """Return the number of different pairs; None if it is unlimited."""
         if self.surrogates != "none":
             return None
         widths = [self._line_count(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
@@ -118,19 +118,19 @@ class LinePairs:
         return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
     def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
-        """Return line `index` of a surface. `apart` shifts the line by a third of the width, with wrap-around."""
+        """Return line `index` of a surface; with `shifted`, shifted by a third of the width, with wrap-around."""
         if isinstance(body, Profile):
             return body
         line = body.row if self.along == "x" else body.column
         return line(self._line_number(body, index, shifted=shifted))
 
     def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the row or column number of line `index`. No line is repeated before all lines have been used."""
+        """Return the row or column number of line `index`. No line repeats before all lines have been used."""
         width = self._line_count(surface)
         start = max(width // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * width // self.count) % width
-        # The step is near the golden ratio times the width, and coprime to the width.
+        # The step is close to the golden ratio times the width, and has no common divisor with it.
         step = max(1, round(width * _GOLDEN_RATIO))
         while math.gcd(step, width) > 1:
             step += 1
@@ -155,25 +155,26 @@ def paired_lines(
     surrogates: Surrogates = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Convert two scans to pairs of profiles for `press`. The pairs consist of flipped sliders and their counterfaces.
+    """Convert two scans to pairs of profiles for `press`: flipped sliders, and their counterfaces.
 
     Parameters
     ----------
     upper, lower : Profile or Surface
         Scans, both with heights out of the material. If the grids differ, the finer one is used for both.
     travel : float, µm, optional
-        Largest offset; sliders are shortened to allow it. The default for a single pair is half of the lower profile,
-        or the part that exceeds the upper profile if that is longer. The default for several pairs is no travel: the
-        longer line of a pair is cropped to the shorter one, at positions that vary from pair to pair.
+        Largest offset, by which sliders are shortened. The default for a single pair is half the length of the lower
+        profile, or its excess length over the upper profile if this is larger. The default for several pairs is no
+        travel: the longer line of a pair is cropped to the length of the shorter line, at positions that vary from pair
+        to pair.
     level : {"line", "mean", "quadratic"} or None
         Trend to subtract from every line, and again from every slider after it is cropped.
     lines : int
-        Number of pairs, evenly spaced over the surfaces, or of surrogates; two profiles are one pair. The lines of two
-        surfaces are offset by a third of the width, so that a surface can be paired with itself.
+        Number of pairs of lines, evenly spaced over the surfaces, or of pairs of surrogates; two profiles are one pair.
+        The lines of two surfaces are offset by a third of the width, so that a surface can be paired with itself.
     along : {"x", "y"}
         Direction of the lines: "x" for rows, "y" for columns.
     surrogates : {"none", "upper", "lower", "both"}
-        Bodies to replace by their `surrogate`, a new one for every line.
+        Bodies that are replaced by a `surrogate`, with a new surrogate for every line.
     seed : int
         Seed of the surrogates.
 
@@ -235,7 +236,7 @@ def _crop_to_equal_length(
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """Return the part of the lower profile below a slider at an offset (µm)."""
+    """Return the section of the lower profile below a slider at an offset (µm)."""
     first = round(offset / lower.spacing)
     below = slice(first, first + len(slider))
     return Profile(lower.heights[below], spacing=lower.spacing, missing=index_mask(lower.missing, below))
@@ -246,7 +247,7 @@ def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profil
 
 @dataclass(frozen=True, eq=False)
 class MapPairs:
-    """Pairs of pieces of two maps at varying relative shifts, or of surrogates of the pieces.
+    """Pairs of pieces of two maps at different relative shifts, or of surrogates of the pieces.
 
     All pieces have the same size.
 
@@ -255,16 +256,16 @@ class MapPairs:
     image.
     """
 
-    upper: Surface  # flipped map, so that heights of the upper body point upwards
+    upper: Surface  # the map after flipping, so that its heights are measured upwards
     lower: Surface
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
-    seed: int = 2016  # of surrogates
-    # shifts (x, y) of the upper map, µm, which replace the sequence of shifts
+    seed: int = 2016  # seed of the surrogates
+    # Shifts (x, y) of the upper map in µm, which replace the sequence of shifts.
     shifts: tuple[tuple[float, float], ...] | None = None
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
-        """Spacings of rows and of columns, µm, which are the finer spacings of both maps."""
+        """Spacings of rows and of columns, µm: the finer spacings of the two maps."""
         (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
         return min(uy, ly), min(ux, lx)
 
@@ -281,7 +282,7 @@ class MapPairs:
 
     @cached_property
     def _steps(self) -> tuple[tuple[int, int], ...]:
-        """Largest shifts of the upper map along y and x, in whole rows and columns."""
+        """Largest shifts of the upper map along y and x, in rows and columns."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
@@ -293,7 +294,7 @@ class MapPairs:
 
     @cached_property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns of every piece. Raises ValueError if there are too few."""
+        """Numbers of rows and columns of every piece. Raises a `ValueError` if a piece would be too small."""
         if self.shifts is not None:
             sizes = [self._overlap(steps)[1] for steps in self._steps]
             rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
@@ -334,7 +335,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of the upper piece and of the lower piece, on the finer spacing."""
+        """Return the first rows and columns of the upper piece and of the lower piece, on the finer spacing."""
         if self.shifts is not None:
             first, size = self._overlap(self._steps[index])
             below = tuple(start + (n - m) // 2 for start, n, m in zip(first, size, self.shape, strict=True))
@@ -366,7 +367,7 @@ class MapPairs:
         return self._cut_piece(self.upper, upper), self._cut_piece(self.lower, lower)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Return levelled pieces from a pair of surrogates of the complete maps."""
+        """Return levelled pieces from a pair of surrogates of the whole maps."""
         upper, lower = (
             self._cut_piece(
                 surrogate(body, self.seed, repetition=index, side=side), _centred_origin(points, self.shape)
@@ -392,7 +393,7 @@ class SquarePairs:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns of every piece. Raises ValueError if there are too few."""
+        """Numbers of rows and columns of every piece. Raises a `ValueError` if a piece would be too small."""
         points = self._num_side_points - self._num_side_points // SHIFT_DIVISOR
         if points < MIN_PIECE_POINTS:
             raise ValueError(
@@ -409,7 +410,7 @@ class SquarePairs:
 
 @dataclass(frozen=True, eq=False)
 class IsotropicPairs(SquarePairs):
-    """Pairs of isotropic random surfaces that are generated from the spectra of two profiles."""
+    """Pairs of isotropic random surfaces that are generated with the spectra of two profiles."""
 
     upper: Profile  # levelled profile, flipped so that heights of the upper body point upwards
     lower: Profile
@@ -431,7 +432,7 @@ class IsotropicPairs(SquarePairs):
 
     @property
     def used(self) -> tuple[float, float]:
-        """Side of the surface divided by the length of the profile, for the upper and the lower body."""
+        """Ratio of the side of the surface to the length of the profile, for the upper and the lower body."""
         upper, lower = (self._num_side_points / len(item) for item in self._resampled_profiles)
         return upper, lower
 
@@ -458,19 +459,20 @@ def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectr
 
 @dataclass(frozen=True, eq=False)
 class SpectrumPairs(SquarePairs):
-    """Pairs of pieces of random, periodic, isotropic surfaces that are generated from two spectra.
+    """Pairs of pieces of random, periodic, isotropic surfaces that are generated with two spectra.
 
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    # Spectrum of the upper body. It needs no flipping, which does not change the statistics of random phases.
+    # Spectrum of the upper body. It is not flipped, because flipping does not change the statistics of random phases.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016
-    cut_off: tuple[float, float] = (0.0, 0.0)  # cutoff wavelengths of the upper and the lower body, µm; 0 for no cutoff
+    cut_off: tuple[float, float] = (0.0, 0.0)  # cutoff wavelengths of the upper and the lower body, µm; 0 for no filter
     finest: float = (
-        0.0  # Shortest cutoff of a study, µm. It determines the grid, so that members are equal at all cutoffs.
+        # Shortest cutoff of a study, µm. It determines the grid, so that members have the same surfaces at all cutoffs.
+        0.0
     )
 
     @cached_property
@@ -484,12 +486,12 @@ class SpectrumPairs(SquarePairs):
 
     @property
     def side(self) -> float:
-        """Side of the complete generated surfaces, µm."""
+        """Side of the whole generated surfaces, µm."""
         return self._num_side_points * self._step
 
     @property
     def used(self) -> tuple[float, float]:
-        """Area of a piece divided by the area of the complete surface, for both bodies."""
+        """Ratio of the area of a piece to the area of the whole surface, for both bodies."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 

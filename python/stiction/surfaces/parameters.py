@@ -1,4 +1,4 @@
-"""Roughness parameters with their name, standard, formula, unit and requirements, and sets of parameter values."""
+"""Roughness parameters: names, standards, formulas, units and requirements, and sets of their values."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Parameter:
     name : str
     meaning : str
     source : str
-        Standard and clause; the subject of the clause where its number is uncertain.
+        Standard and clause, or the subject of the clause if its number is uncertain.
     formula : str
         In LaTeX, with z the height about the mean line or plane.
     unit : str
@@ -27,7 +27,7 @@ class Parameter:
     needs : str
         Requirement for a value; empty if the parameter always exists.
     is_fraction : bool
-        Whether text shows the value in percent.
+        True if the value is printed in percent.
     """
 
     name: str
@@ -62,7 +62,7 @@ _PROFILE = {
     "mrk1": ("material ratio at the upper end of the core", _RATIO, r"mr(\text{core line at 0})", ""),
     "mrk2": ("material ratio at the lower end of the core", _RATIO, r"mr(\text{core line at 100 \%})", ""),
 }  # fmt: skip
-"""Meaning, subject of the clause, formula and unit of profile parameters. The keys lack the letter of the profile."""
+"""Meaning, subject of the clause, formula and unit of profile parameters; keys omit the letter of the profile."""
 
 _OF_PROFILE = {
     "P": ("a", "q", "t", "sk", "ku", "dq"),
@@ -144,7 +144,7 @@ SURFACE_PARAMETERS = (
     Parameter("Spd", "density of peaks", f"{_AREAL}, 5.8 feature", r"n/A", "1/µm²"),
     Parameter(
         "Spc", "arithmetic mean peak curvature", f"{_AREAL}, 5.8 feature",
-        r"-\frac12 \frac1n \sum_i (∂_x^2 z + ∂_y^2 z)_i", "1/µm", "a peak inside of the map",
+        r"-\frac12 \frac1n \sum_i (∂_x^2 z + ∂_y^2 z)_i", "1/µm", "a peak in the interior of the map",
     ),
     Parameter("S5p", "five-point peak height", f"{_AREAL}, 5.8 feature", r"\frac15 \sum_{i=1}^5 z_{p,i}", needs=_PEAKS),
     Parameter(
@@ -152,7 +152,7 @@ SURFACE_PARAMETERS = (
     ),
     Parameter("S10z", "ten-point height", f"{_AREAL}, 5.8 feature", "S5p + S5v", needs="five peaks and five pits"),
 )  # fmt: skip
-"""Parameters of a surface, in the order of their presentation."""
+"""Parameters of a surface, in the order in which they are presented."""
 
 PARAMETERS = {
     parameter.name: parameter
@@ -163,7 +163,7 @@ PARAMETERS = {
 
 @dataclass(frozen=True, repr=False)
 class ParameterSet(TextRepr):
-    """Values of roughness parameters, available as attributes.
+    """Values of roughness parameters, which are also attributes.
 
     Attributes
     ----------
@@ -178,7 +178,7 @@ class ParameterSet(TextRepr):
 
     def __getattr__(self, name: str) -> float:
         """Return the value of a parameter by name."""
-        # `values` is not yet set while an object is copied
+        # `values` does not exist yet while an object is copied
         values: Mapping[str, float] = self.__dict__.get("values", {})
         if name in values:
             return values[name]

@@ -17,10 +17,10 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-Align = Literal["start", "middle"]  # part of the larger body that is kept
-# Tolerance of positions on a grid, in spacings. With it, 0.3 µm is point 3 at a spacing of 0.1 µm.
+Align = Literal["start", "middle"]  # end of the longer body, or its middle, that is kept
+# Tolerance of positions on a grid, in spacings: 0.3 µm is point 3 at a spacing of 0.1 µm in spite of round-off.
 GRID_TOLERANCE = 1e-9
-LINE_ROUND_OFF = 1e-14  # residual of a subtracted straight line relative to the largest height
+LINE_ROUND_OFF = 1e-14  # residual of a subtracted straight line, relative to the largest height, that is round-off
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
@@ -31,7 +31,7 @@ _LEVELLED = {
     "plane": "levelled by a plane",
 }
 
-# Number of points beyond which the end condition of a spline has no effect.
+# Distance in points from the end of a spline beyond which the end condition has no effect.
 _SPLINE_MARGIN = 32
 _KEPT = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING = (np.floor, np.ceil)
@@ -68,7 +68,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     Raises
     ------
     ValueError
-        If the trend is not one of the names.
+        If the trend has none of these names.
 
     See Also
     --------
@@ -76,8 +76,9 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
     Notes
     -----
-    The polynomials are orthogonal on the uniform grid, from their three-term recurrence, so each coefficient of the
-    least-squares fit is a quotient of two sums. On surfaces the basis functions are products of them. Circles, spheres
+    The polynomials are orthogonal on the uniform grid, and are computed by their three-term recurrence. Each
+    coefficient of the least-squares fit is therefore a quotient of two sums. On surfaces, the basis functions are
+    products of two polynomials. Circles, spheres
     and cylinders are fitted along the height, not along their normals.
 
     Examples
@@ -108,7 +109,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
-    """Return polynomials of degree 0 to `degree` that are orthogonal on a uniform grid and of magnitude about 1."""
+    """Return polynomials of degree 0 to `degree` that are orthogonal on a uniform grid, with values of about 1."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -118,7 +119,7 @@ def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
 
 
 def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Subtract the least-squares fit of orthogonal functions. Return zero where only round-off remains."""
+    """Subtract the least-squares fit of orthogonal functions; the result is exactly zero if only round-off remains."""
     rest = heights
     if missing is not None:
         values = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
@@ -169,7 +170,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
     body : Profile or Surface
         Body to crop.
     start, stop : float, µm, or (float, float) for a surface
-        Positions within the extent, along y and x for a surface; by default to the end.
+        Positions within the extent, along y and x for a surface; by default the beginning and the end.
 
     Returns
     -------
@@ -208,7 +209,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the first point and the exclusive end of a range, and a description of the range."""
+    """Return the first point of a range and the point after its last point, and a description of the range."""
     extent = points * spacing
     start = number("start", start, unit="µm")
     stop = extent if stop is None else number("stop", stop, unit="µm")
@@ -232,7 +233,7 @@ def on_common_grid(a: Profile, b: Profile, *, align: Align = ...) -> tuple[Profi
 @overload
 def on_common_grid(a: Surface, b: Surface, *, align: Align = ...) -> tuple[Surface, Surface]: ...
 def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Resample two profiles or two surfaces to the finer of their grids, over the length that they have in common.
+    """Resample two profiles or two surfaces to the finer of their grids, over their common length.
 
     Parameters
     ----------
@@ -283,12 +284,12 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
 
 
 def _count_points(length: float, spacing: float) -> int:
-    """Return the number of points from 0 to a length (µm). The end is included despite round-off."""
+    """Return the number of points from 0 to a length (µm), including the end in spite of round-off."""
     return math.floor(length / spacing + GRID_TOLERANCE) + 1
 
 
 def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
-    """Resample a body to spacings (µm) and a shape. Return it unchanged if it has these already."""
+    """Resample a body to spacings (µm) and a shape; a body that already has these is returned unchanged."""
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
@@ -327,14 +328,14 @@ def resample_piece(
         heights = CubicSpline(np.arange(begin, end), cropped_heights, axis=axis, bc_type="natural")(positions)
     (rows, columns), (dy, dx) = shape, spacing
     step_taken = (
-        f"cut to {rows} rows of {columns} points from {origin[0] * dy:.6g} and {origin[1] * dx:.6g} µm (y, x) on, "
+        f"cut to {rows} rows of {columns} points from {origin[0] * dy:.6g} and {origin[1] * dx:.6g} µm (y, x), "
         f"spacings {dy:g} and {dx:g} µm"
     )
     return surface.changed(np.asarray(heights), step_taken, spacing=spacing, missing=missing)
 
 
 def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
-    """Return a mask at positions between points. A position is missing if one of its two adjacent points is missing."""
+    """Return a mask at positions between points, which are missing if either adjacent point is missing."""
     if missing is None:
         return None
     below, above = (np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _NEIGHBOUR_ROUNDING)
@@ -342,14 +343,14 @@ def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
 
 
 def _resample_along(heights: Any, actual: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
-    """Resample heights along an axis by natural cubic splines; masks are resampled, too.
+    """Resample heights along an axis by natural cubic splines, together with their masks.
 
-    With equal spacing, the axis is only cropped.
+    If the spacing does not change, the axis is only cropped.
     """
     if heights is None:
         return None
     last = heights.shape[axis] - 1
-    # This is the position of the first point in points of the old grid.
+    # position of the first new point, in points of the old grid
     ratio = spacing / actual
     start = max(0.0, (last - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if actual == spacing:
@@ -418,11 +419,11 @@ def rotated(surface: Surface, angle: float) -> Surface:
     shape = math.floor(height / dy) + 1, math.floor(width / dx) + 1
     if min(shape) < MIN_POINTS:
         raise ValueError(
-            f"angle {angle:g} leaves {shape[0]} rows of {shape[1]} points; at least {MIN_POINTS} are needed"
+            f"angle {angle:g} leaves {shape[0]} rows of {shape[1]} points; at least {MIN_POINTS} are required"
         )
     y = (np.arange(shape[0]) - (shape[0] - 1) / 2)[:, np.newaxis] * dy
     x = (np.arange(shape[1]) - (shape[1] - 1) / 2) * dx
-    # This is the position of a point before the rotation about the middle.
+    # positions of the new points before the rotation about the middle
     from_y = (actual[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
     from_x = (actual[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
@@ -445,9 +446,9 @@ def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[flo
     """Return the height and width of the largest rectangle parallel to the axes within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer, shorter = max(height, width), min(height, width)
-    if shorter <= 2 * sine * cosine * longer:  # two corners of the result lie on the longer sides
+    if shorter <= 2 * sine * cosine * longer:  # in this case two corners of the result lie on the longer sides
         half_shorter = shorter / 2
-        across, along = half_shorter / cosine, half_shorter / sine  # the shorter side limits the result
+        across, along = half_shorter / cosine, half_shorter / sine  # in this case the shorter side limits the result
         return (along, across) if height >= width else (across, along)
     span = cosine**2 - sine**2
     return (height * cosine - width * sine) / span, (width * cosine - height * sine) / span

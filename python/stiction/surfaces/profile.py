@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]  # body of a pair
 Along = Literal["x", "y"]  # direction of the lines of a surface, which are rows ("x") or columns ("y")
-MAX_POINTS = 100_000_000  # maximum number of points of a generated body, which is 0.8 GB of heights
-MIN_POINTS = 4  # minimum number of points, because a natural cubic spline with curvature needs two interior points
+MAX_POINTS = 100_000_000  # maximum number of points of a generated body, which take 0.8 GB
+MIN_POINTS = 4  # minimum number of points, so that a natural cubic spline has two interior points with curvature
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Body(PlotRepr):
-    """Base class of profiles and surfaces. A body consists of heights on a uniform grid and their history."""
+    """Base class of profiles and surfaces: heights on a uniform grid, with their history."""
 
     _ndim: ClassVar[int]
     x: ClassVar[property]
@@ -39,8 +39,9 @@ class Body(PlotRepr):
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def _store(self, heights: Floats, spacing: Any) -> None:
-        """Store valid heights and spacing, and check the history and the mask."""
-        if heights.flags.writeable or not heights.flags.owndata:  # another object may still modify the array
+        """Store heights and spacing, which must be valid, after checking the history and the mask."""
+        # copied, because another object may still modify the array
+        if heights.flags.writeable or not heights.flags.owndata:
             heights = read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", spacing)
@@ -54,12 +55,12 @@ class Body(PlotRepr):
             object.__setattr__(self, "missing", read_only(mask) if mask.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # The constructor makes the heights of the copy read-only after unpickling.
+        # The constructor makes the heights read-only again after unpickling.
         return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property
     def spacings(self) -> tuple[float, ...]:
-        """Distances between neighbouring points along (y and) x, µm."""
+        """Distances between neighbouring points along x or, for surfaces, along y and x, µm."""
         return self.spacing if isinstance(self.spacing, tuple) else (self.spacing,)
 
     @property
@@ -72,7 +73,7 @@ class Body(PlotRepr):
         return replace(self, heights=heights, history=(*self.history, step), **others)
 
     def __repr__(self) -> str:
-        """Return size, roughness and history in one line."""
+        """Return the size, the roughness and the history in one line."""
         return describe_body(type(self).__name__, self.heights, self.spacings, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -86,7 +87,7 @@ class Body(PlotRepr):
 
     @classmethod
     def from_(cls, other: Any, *, unit: str | None = None) -> Self:
-        """Convert an object of another library, with its heights, spacing and unit.
+        """Convert an object of another library with its heights, spacing and unit.
 
         Parameters
         ----------
@@ -190,14 +191,14 @@ class Profile(Body):
 
 
 def index_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Apply an index to a mask that may be None."""
+    """Return a part of a mask, which may be None, by an index."""
     return None if mask is None else mask[index]
 
 
 def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
-    """Return the mask of points that are missing in at least one of two bodies. None if no point is missing.
+    """Return the mask of points that are missing in either of two bodies; None if no point is missing.
 
-    Raises ValueError if no point was measured in both.
+    Raises a `ValueError` if no point is measured in both bodies.
     """
     masks = [body.missing for body in (upper, lower) if body.missing is not None]
     missing: NDArray[np.bool_] | None = np.logical_or.reduce(masks) if masks else None
@@ -207,7 +208,7 @@ def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
 
 
 def reject_missing(body: Any, operation: str) -> None:
-    """Raise ValueError if a scan has missing data, which the operation does not support."""
+    """Raise a `ValueError` if a scan has missing data, because the operation does not support them."""
     if body.missing is not None:
         raise ValueError(
             f"{operation} requires complete scans, but {int(body.missing.sum())} points are masked: use the half-space "
@@ -218,7 +219,7 @@ def reject_missing(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """Return a profile scaled to an amplitude. Its heights are stored in `scaled`, which avoids an allocation."""
+    """Return a profile scaled to an amplitude. Its heights are written into `scaled`, which saves an allocation."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):

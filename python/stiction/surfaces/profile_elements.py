@@ -1,4 +1,4 @@
-"""Profile elements of ISO 21920, which are hills and dales between crossings of the mean line."""
+"""Profile elements of ISO 21920: hills and dales between crossings of the mean line."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ import numpy as np
 
 from stiction._checks import Floats
 
-DISCRIMINATION_FRACTION = 0.1  # smallest height of a hill relative to Rp, and smallest depth of a dale relative to Rv
+# smallest height of a hill relative to Rp, and smallest depth of a dale relative to Rv, for the feature to count
+DISCRIMINATION_FRACTION = 0.1
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
-    """Return the spacings (points) and the heights of the profile elements of a profile about its mean line.
+    """Return the spacings (points) and heights of the profile elements of a profile relative to its mean line.
 
-    A hill counts if it rises above a tenth of the peak height, a dale if it falls below a tenth of the pit depth, both
-    above 0. An element is a hill with the dale that follows, or a dale with the hill that follows. Both bodies of an
-    element end at crossings of the mean line, interpolated between points; where the profile crosses the line several
-    times between a hill and a dale that count, at the mean of the first and the last of these crossings.
+    A hill counts if it rises above a tenth of the peak height, and a dale counts if it falls below a tenth of the pit
+    depth; both limits must be above 0. An element is a hill and the following dale, or a dale and the following hill.
+    Both features of an element end at crossings of the mean line, interpolated between points. If the profile crosses
+    the line several times between a hill and a dale that count, the end is the mean of the first and the last of these
+    crossings.
     """
     side = np.zeros(heights.size, np.int8)
     side[heights > DISCRIMINATION_FRACTION * peak] = 1
@@ -34,7 +36,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     first = crossing_positions[np.searchsorted(crossings, last)]
     final = crossing_positions[np.searchsorted(crossings, following) - 1]
     ends = (first + final) / 2
-    # The highest and the lowest point are found between one end and the next.
+    # The highest and the lowest point are searched between two successive ends.
     starts = np.ceil(ends).astype(np.intp)
     highest = np.maximum.reduceat(heights, starts)[:-1]
     lowest = np.minimum.reduceat(heights, starts)[:-1]
@@ -43,7 +45,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
 
 
 def mean_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
-    """Return the mean spacing (points) and the mean height of the profile elements. NaN if there is no element."""
+    """Return the mean spacing (points) and the mean height of the profile elements; NaN if there is no element."""
     spacings, tall = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan

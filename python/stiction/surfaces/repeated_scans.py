@@ -1,4 +1,4 @@
-"""Noise of an instrument, estimated from two scans of the same area. The noise may have any spectrum."""
+"""Noise of an instrument, estimated from two scans of the same area, without assumptions about the noise spectrum."""
 
 from __future__ import annotations
 
@@ -20,36 +20,37 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Largest fraction of the mean square slope that may be noise. The error of h' is then below 5 %.
+# Largest fraction of the mean square slope that may be noise; the error of h' is then below 5 %.
 MAX_NOISE_FRACTION = 0.1
 MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of smaller ranges would underflow
-MIN_CORRELATION = 0.5  # smallest correlation at which two scans are taken to show the same area
-# widths (points) of the Gaussian filters in the successive stages of the alignment
+MIN_CORRELATION = 0.5  # smallest correlation for which two scans are assumed to show the same area
+# widths (points) of the Gaussian filters in successive stages of the alignment
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NEWTON_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
-# points per independent value of white noise that was filtered with a width of 1 point
+# number of points per independent value of white noise after a filter with a width of 1 point
 _CORRELATED_POINTS = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation needs
 _CANDIDATES = 400  # number of trial cutoffs
-_INTEGER_SHIFT_TOLERANCE = 1e-4  # largest deviation from an integer shift, in points, that is attributed to round-off
+# largest deviation of a shift from an integer, in points, that is attributed to round-off
+_INTEGER_SHIFT_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RepeatedScans(PlotRepr):
-    """Comparison of two scans of the same area. Arrays have one value for each octave of the wavelength.
+    """Comparison of two scans of the same area. Arrays contain one value for each octave of the wavelength.
 
     Attributes
     ----------
     scan : Profile or Surface
         Mean of both scans in their overlap, levelled.
     shift : tuple of float, µm
-        Position of the origin of the second scan in the first, along (y and) x.
+        Position of the origin of the second scan in the first scan, along x, or along y and x.
     correlation : float
         Correlation of the aligned heights.
     wavelength : (n,) ndarray, µm
         Shortest wavelength of every octave, from two points upwards.
     noise, common : (n,) ndarray, µm
-        Root-mean-square height per octave of the noise of one scan, and of the common part of both.
+        Root-mean-square height per octave of the noise of one scan, and of the heights that both scans share.
     noise_rms : float, µm
         Root-mean-square noise of one scan over all wavelengths.
     limit : float, µm
@@ -77,7 +78,7 @@ class RepeatedScans(PlotRepr):
     limit: float = field(metadata={"unit": "µm"})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the noise and the roughness that both scans have in common as functions of the wavelength.
+        """Draw the noise, and the roughness that both scans share, as functions of the wavelength.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -100,8 +101,7 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     Raises
     ------
     ValueError
-        If types or spacings differ, if points are missing, if both scans are identical, or if they are not of the same
-        area.
+        If types or spacings differ, if points are missing, if the scans are identical, or if they show different areas.
 
     See Also
     --------
@@ -171,7 +171,7 @@ def _check_scans(first: Any, second: Any) -> None:
 
 
 def _find_noise_limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """Return the shortest cutoff wavelength that limits the noise fraction of the mean square slope."""
+    """Return the shortest cutoff wavelength at which noise is a small enough fraction of the mean square slope."""
     if noise @ q**2 <= MAX_NOISE_FRACTION * (of_mean @ q**2):
         return shortest
     wave: float
@@ -183,7 +183,7 @@ def _find_noise_limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float
 
 
 def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the heights of both scans in their overlap after alignment, and the shift of the second scan in points."""
+    """Return the overlapping heights of both scans after alignment, and the shift of the second scan in points."""
     from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 
     shift_found, best = _find_integer_shift(a, b), (math.inf, np.zeros(a.ndim))
@@ -222,14 +222,14 @@ def _slopes(heights: Floats) -> list[Floats]:
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Find the integer shift with the largest correlation among the shifts with an overlap of more than half."""
+    """Return the integer shift with the largest correlation, among shifts with an overlap of more than half."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
     ones, others = ([rfftn(value, shape) for value in (np.ones(c.shape), c, c**2)] for c in (a, b))
 
     def sum_products(of_a: int, of_b: int) -> Floats:
-        """Sum the products of powers of the heights of both scans over the overlap, at every shift."""
+        """Return the sum over the overlap of products of powers of both scans' heights, at every shift."""
         return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -248,7 +248,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _overlap(
     shape: tuple[int, ...], other: tuple[int, ...], shift_found: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap in the first scan at a shift in points, and its positions in the second scan."""
+    """Return the overlap in the first scan for a shift in points, and its positions in the second scan."""
     selected, positions = [], []
     for points, others, step in zip(shape, other, shift_found.tolist(), strict=True):
         first = max(0, math.ceil(step) + (_OVERLAP_MARGIN if step > 0 else 0))

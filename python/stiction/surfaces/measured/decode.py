@@ -14,7 +14,7 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS = 25_000_000, 4_000_000
 """Maximum number of lines of a text, and maximum number of cells of a line."""
 
-# maximum number of lines that are searched for a layout, and of characters of each line
+# maximum number of lines, and of characters per line, that are searched for a layout
 HEAD_LINES, HEAD_WIDTH = 200, 1000
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line in a message
 
@@ -22,20 +22,24 @@ BLANK, NUMBERS, TEXT = 0, 1, 2
 """Kinds of lines. A NUMBERS line contains only numbers, separators and marks of missing points."""
 
 _LEGACY_ENCODINGS = ("cp1252", "cp932", "gb18030", "euc-kr", "cp437", "latin-1")
-"""Encodings of text that is not UTF-8 and has no byte order mark. The most likely encoding is first; the last cannot
-fail."""
+"""Encodings that are tried, the most likely first, for text without a byte order mark that is not UTF-8.
+
+The last encoding cannot fail.
+"""
 
 _ENCODING_HINTS = re.compile(
     "[µμ]m|[㎛㎚㎜]|単位|高さ|横|縦|位置|データ|幅|单位|高度|水平|垂直|校准|높이|단위|너비|\\bHöhe\\b|\\bÅ\\b|°"
 )
-"""Words that indicate an encoding."""
+"""Words by which an encoding is recognised."""
 
 MISSING_WORDS = (
     "nan", "-nan", "n/a", "#n/a", "#wert!", "#value!", "null", "none", "bad", "no data", "nodata", "invalid", "void",
     "inf", "-inf", "+inf", "infinity", "-infinity", "1.#qnan", "-1.#ind", "1.#inf", "-1.#inf", "nan(ind)", "-nan(ind)",
 )  # fmt: skip
-"""Words that stand for missing points, in upper or lower case. Empty cells, asterisks and at least two dashes also
-stand for missing points."""
+"""Words that mark missing points, in upper or lower case.
+
+Empty cells, asterisks, and two or more dashes mark missing points too.
+"""
 
 
 NUMERIC_CHARACTERS = b"0123456789+-.,;|*eE\"' \t\r\n"
@@ -56,7 +60,7 @@ class Text:
 
     data: bytes
     encoding: str
-    words: tuple[str, ...] = ()  # additional words that stand for missing points
+    words: tuple[str, ...] = ()  # additional words that mark missing points
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
@@ -65,22 +69,22 @@ class Text:
         return np.concatenate([[0], ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
-        """Return whether lines contain characters that numbers do not contain, such as words for missing points."""
+        """Return whether lines contain characters that do not occur in numbers, such as words for missing points."""
         return bool((self.bits[lines] & _NON_NUMERIC_BIT).any())
 
     def __len__(self) -> int:
         return self.starts.size - 1
 
     def raw(self, line_number: int) -> bytes:
-        """Return line `at`, counted from 0, without its line feed."""
+        """Return a line without its line feed; `line_number` counts from 0."""
         return self.data[self.starts[line_number] : self.starts[line_number + 1] - 1]
 
     def line(self, line_number: int) -> str:
-        """Return line `at`, counted from 0, without its line feed and surrounding blanks."""
+        """Return a line without its line feed and surrounding blanks; `line_number` counts from 0."""
         return self.raw(line_number).decode("utf-8", "replace").strip(" \r")
 
     def lines(self, first: int, end: int) -> list[str]:
-        """Return the lines of a range that are not empty."""
+        """Return the non-empty lines of a range."""
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
     def describe_line(self, line_number: int) -> str:
@@ -92,7 +96,7 @@ class Text:
 
     @cached_property
     def head(self) -> tuple[str, ...]:
-        """First lines that are not empty."""
+        """First non-empty lines of the text."""
         lines = (
             self.data[start : start + HEAD_WIDTH].partition(b"\n")[0]
             for start in self.starts[:-1][:HEAD_LINES].tolist()
@@ -102,14 +106,14 @@ class Text:
 
     @cached_property
     def missing(self) -> re.Pattern[bytes]:
-        """Pattern of words for missing points that fill a cell."""
+        """Pattern of the words that mark a cell as a missing point."""
         words = sorted({*MISSING_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
         any_word = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
         return re.compile(rf'(?i)(?<![^\s;,|"])(?:{any_word})(?![^\s;,|"])'.encode())
 
     @cached_property
     def bits(self) -> NDArray[np.uint8]:
-        """Character kinds that occur in each line, as bits."""
+        """Kinds of characters in each line, as bits."""
         return np.bitwise_or.reduceat(np.frombuffer(self.data.translate(_KIND_TABLE), np.uint8), self.starts[:-1])
 
     @cached_property

@@ -16,15 +16,15 @@ from stiction.surfaces.measured.decode import decode
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, Channels, ColumnTable, FormatError, read_chunks
 from stiction.surfaces.measured.text import parse_table
 
-# Maximum number of XML tags in a workbook. A cell with a number has four tags, so this allows 2.5 million heights.
+# Maximum number of XML tags in a workbook. A number takes four tags, so this allows 2.5 million heights.
 MAX_TAGS = 10_000_000
-# Maximum number of XML tags in a row: eight for each column of the largest sheet. A complete row is held in memory.
+# Maximum number of XML tags in a row, which is held in memory: eight for each column of the largest sheet.
 MAX_TAGS_PER_ROW = 8 * 16_384
 _ROW_TAG = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
 def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
-    """Return the sheets of a workbook as channels. `words` are additional words that stand for missing points."""
+    """Return the sheets of a workbook as channels. `words` are additional words that mark missing points."""
     try:
         with warnings.catch_warnings(action="ignore"):  # openpyxl warns about the styles of workbooks
             from openpyxl import load_workbook
@@ -74,7 +74,7 @@ def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> C
 
 
 def _reject_zip_bombs(data: bytes) -> None:
-    """Reject an archive with more text or XML tags than fit in memory, independently of its directory."""
+    """Reject an archive with more text or XML tags than fit into memory, whatever sizes its directory declares."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         remaining, tags = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
@@ -104,7 +104,7 @@ def _is_number(cell: Any) -> bool:
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the columns with two or more numbers, and at least a quarter of the numbers in the fullest column."""
+    """Return the columns that have two or more numbers, and at least a quarter as many as the fullest column."""
     numbers: Counter[int] = Counter(index for row in rows for index, cell in enumerate(row) if _is_number(cell))
     max_count = max(numbers.values(), default=0)
     return sorted(index for index, count in numbers.items() if count > 1 and 4 * count >= max_count)

@@ -9,22 +9,23 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FormatError
 
-EXACT_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in steps
-# Largest deviation of a point from the grid, in steps, in addition to the precision of the printed position.
+EXACT_TOLERANCE = 1e-3  # largest deviation, in steps, of nominally exact positions from a grid
+# Largest deviation, in steps, of a point from the grid, in addition to the rounding of the printed position.
 MAX_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
 MIN_ROUNDED_STEP = 2.0  # smallest step of rounded positions, in units of the last printed digit
-# Largest scatter of rounded positions about a grid, in last printed digits. It is 1 and a margin for the fitted step.
+# Largest scatter, in last printed digits, of rounded positions about a grid: 1, plus a margin for the fitted step.
 MAX_SCATTER_DIGITS = 1.2
-MIN_GAP_RATIO = 4.0  # smallest ratio between gaps in the grid and gaps that are caused by rounding
+MIN_GAP_RATIO = 4.0  # smallest ratio of a gap between grid points to a gap that results from rounding
 
 
 def to_grid(
     x: Floats, y: Floats, z: Floats, digits: Sequence[Callable[[], Floats] | None]
 ) -> tuple[Floats, tuple[float, float], str]:
-    """Return heights (rows, columns) with NaN at missing nodes, the spacings (Δy, Δx), and a step for the history.
+    """Return heights (rows, columns) with NaN at missing nodes, the spacings (Δy, Δx), and an entry for the history.
 
-    Rows are in ascending order of y, columns of x. Raises `FormatError` if the points are not on a grid.
+    Rows are in ascending order of y, and columns in ascending order of x. Raises `FormatError` if the points are not on
+    a grid.
     """
     (dx, columns), (dy, rows) = (
         _locate_along_axis(name, index, get_digits)
@@ -61,7 +62,7 @@ def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats
     count = int(nodes.max())
     step = float(positions.max() - positions.min()) / count
     deviations = np.abs(positions - positions.min() - nodes * step)
-    # In measured positions, both ends are as uncertain as all other positions.
+    # Measured positions at both ends are as uncertain as all other positions.
     if deviations.max() > EXACT_TOLERANCE * step:
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
         deviations = np.abs(positions - first - nodes * step)
@@ -79,9 +80,9 @@ def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats
 
 
 def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Return the step of a grid without missing nodes whose positions are rounded to printed digits.
+    """Return the step of a grid without missing nodes, whose positions were rounded when printed.
 
-    Return None if there is none.
+    Returns None if there is no such grid.
     """
     distinct = np.unique(positions)
     if digits is None or distinct.size < 3:
@@ -94,12 +95,12 @@ def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> flo
 
 
 def estimate_step(positions: Floats) -> float | None:
-    """Return the median gap between positions that repeat with small deviations. Gaps from rounding are excluded."""
+    """Return the median gap between positions that repeat with small deviations, excluding gaps from rounding."""
     distinct = np.unique(positions)
     gaps = np.diff(distinct)
     if not gaps.size:
         return None
-    # Gaps are steps of the grid, multiples of steps at missing nodes, or much smaller differences from rounding.
+    # Gaps are grid steps, multiples of grid steps at missing nodes, or much smaller differences from rounding.
     ordered = np.sort(gaps)
     ratios = ordered[1:] / ordered[:-1]
     if ratios.size and ratios.max() > MIN_GAP_RATIO:

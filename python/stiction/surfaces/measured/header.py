@@ -12,14 +12,14 @@ from stiction.surfaces.measured.raw import LENGTH_UNITS, Declarations, StatedLen
 from stiction.surfaces.measured.split import Dialect
 
 _T = TypeVar("_T")
-COMMENT_CHARACTERS = "#%!/ "  # characters that start a comment line in some programs
+COMMENT_CHARACTERS = "#%!/ "  # characters that begin comment lines in various programs
 
 _DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
 _SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
 _UNIT_PATTERN = r"[^\W\d_]{1,12}"
 _LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
 _UNIT_GAP_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
-"""Space between a number and its unit, or the end of a cell if a unit of length fills the last one."""
+"""Space between a number and its unit, or a cell separator if the next cell contains only a unit of length."""
 
 _SPACING_PATTERN = re.compile(
     r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
@@ -71,7 +71,7 @@ _FACTOR_PATTERN = re.compile(
     re.IGNORECASE,
 )
 _CONVERSION_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
-"""Words that show that a scale converts numbers to heights. Without them, a scale is often a colour range."""
+"""Words that indicate that a scale converts numbers to heights. A scale without these words is often a colour range."""
 
 _CODE_PATTERN = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
@@ -121,7 +121,7 @@ class ColumnHeads:
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    height_unit: str | None = None  # unit in a line that names only heights
+    height_unit: str | None = None  # unit in a line that names heights only
 
 
 def normalise_line(line: str) -> str:
@@ -188,7 +188,7 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> D
 
 
 def parse_history(header: Sequence[str]) -> list[str]:
-    """Return the history steps that `write_profile` and `write_surface` write above the numbers."""
+    """Return the history entries that `write_profile` and `write_surface` write above the numbers."""
     return [line.removeprefix(_HISTORY_PREFIX) for line in header if line.startswith(_HISTORY_PREFIX)]
 
 
@@ -208,7 +208,7 @@ def _parse_spacing(match: re.Match[str]) -> StatedLength | None:
     """Parse a spacing. A resolution counts as a spacing only if it is a length per sample."""
     if match[1].casefold() == "resolution" and not match[5]:
         return None
-    # the comma separates two cells, or is a decimal comma
+    # The comma is either a separator of two cells or a decimal comma.
     if "," in match[3] and "," in match[0][match.end(3) - match.start() :]:
         return None
     return parse_length(match[3], match[4] or match[2])
@@ -270,7 +270,7 @@ def _names_heights_alone(line: str) -> bool:
 def _units_in(line: str) -> list[str]:
     """Return the units in a line.
 
-    They are the units in brackets or, if there are none, the units that are separate words.
+    Units in brackets are returned or, if there are none, units that are separate words.
     """
     bracketed = [word for word in _BRACKET_PATTERN.findall(line) if is_unit(word)]
     units = [length_unit(word.strip(" \"'.:")) or word for word in bracketed]
@@ -286,7 +286,7 @@ def _has_value(line: str) -> bool:
 
 
 def is_unit(word: str) -> bool:
-    """Return whether a word is a unit of length or of another quantity."""
+    """Return whether a word is a unit, of length or of another quantity."""
     return length_unit(word) is not None or NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 
@@ -305,7 +305,7 @@ def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> C
 
 
 def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
-    """Split a line of names into `width` cells. Its separator may differ from the separator of the numbers below."""
+    """Split a line of names into `width` cells. The separator may differ from the separator of the numbers below."""
     uncommented = line.lstrip(COMMENT_CHARACTERS) if line.lstrip(" ")[:1] in tuple("#%!/") else line
     candidates = [
         dialect.cells(uncommented),
@@ -318,7 +318,7 @@ def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
             cells.pop()
         if len(cells) == width:
             return cells
-        if len(cells) == width - 1 and line[:1] in "\t;, ":  # the column of row numbers has no name
+        if len(cells) == width - 1 and line[:1] in "\t;, ":  # the column of row numbers may have no name
             return ["", *cells]
     return None
 
@@ -357,6 +357,6 @@ def unit_in_name(cell: str) -> str | None:
     """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm"."""
     bracketed = _BRACKET_PATTERN.findall(cell)
     last = bracketed[-1].strip() if bracketed else cell.strip(" \"'")
-    if NON_LENGTH_UNIT_PATTERN.fullmatch(last):  # the unit raises an error if this column is used as heights
+    if NON_LENGTH_UNIT_PATTERN.fullmatch(last):  # a column with another unit raises an error if it is used as heights
         return last
     return length_unit((last if bracketed else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))

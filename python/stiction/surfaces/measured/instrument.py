@@ -61,10 +61,10 @@ def _read_channel(path: Path, index: int, name: str) -> Raw:
         points = int(np.prod(channel.nb_grid_pts))
         if points > MAX_POINTS:
             raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
-        if isinstance(channel.unit, tuple):  # the units of positions and values differ, so the values are not lengths
+        if isinstance(channel.unit, tuple):  # positions and values have different units, so the values are not lengths
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # Without sizes, SurfaceTopography needs placeholders. The spacing that follows from them is not used.
+        # SurfaceTopography requires sizes even if the file has none. The spacing from these placeholders is not used.
         sizes = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = Source(f"{reader.format()} by SurfaceTopography", column=name)
         body = channel.topography(**sizes)

@@ -1,4 +1,4 @@
-"""Third step of reading: convert heights and spacing to µm and find the missing points."""
+"""Third step of reading: convert heights and spacing to µm, and find missing points."""
 
 from __future__ import annotations
 
@@ -24,18 +24,20 @@ Missing = Literal["error", "interpolate", "mask"]
 Outliers = Literal["keep", "mask"]
 
 MIN_LENGTH_DIGITS = 1000
-"""Length of the positions, in units of their last printed digit, above which the positions may be uneven. The spacing
-then has a relative error of 1/1000."""
+"""Length of the positions, in units of their last printed digit, above which the positions may be uneven.
+
+The spacing then has a relative error of at most 1/1000.
+"""
 
 _SPACING_RANGE = (1e-6, 1e6)
-_MAX_LENGTH = 1e9  # µm; larger values have a wrong unit, or they mark missing points
+_MAX_LENGTH = 1e9  # µm; larger values have a wrong unit, or mark missing points
 CODE_TOLERANCE = 1e-6  # relative tolerance for missing-value codes that are stored in single precision
 _Length = TypeVar("_Length", float, Floats)
 
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Options of the caller for a file, after they have been checked."""
+    """Options of the caller for reading a file, after validation."""
 
     position_unit: str | None
     height_unit: str | None
@@ -45,17 +47,18 @@ class ReadOptions:
     columns: tuple[Selection, ...] | None
     outliers: Outliers
     crop: tuple[float, ...] | None  # first and last x, followed by first and last y for a surface, µm
-    codes: tuple[float, ...] = ()  # numbers that stand for missing points, as in the file
-    words: tuple[str, ...] = ()  # words for missing points
+    codes: tuple[float, ...] = ()  # numbers that mark missing points, as written in the file
+    words: tuple[str, ...] = ()  # words that mark missing points
     accept: tuple[str, ...] = ()  # names of accepted caveats
-    one_unit: bool = False  # whether `unit` is one string, which also applies to lengths without a unit in the file
+    # True if `unit` is a single unit, which then also applies to lengths without a unit in the file
+    one_unit: bool = False
 
 
 def read_options(
     unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None, outliers: Outliers = "keep",
     crop: Any = None, missing_value: Any = None, accept: Any = None,
 ) -> ReadOptions:  # fmt: skip
-    """Check the options of the caller for a file."""
+    """Validate the options of the caller for reading a file."""
     codes, words = _parse_codes(missing_value)
     accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
     if not set(accepted) <= set(CAVEATS):
@@ -97,7 +100,7 @@ def read_options(
 
 
 def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Split marks of missing points into numbers and words."""
+    """Split the marks of missing points into numbers and words."""
     values_given = given.split(",") if isinstance(given, str) else () if given is None else given
     values_given = (values_given,) if isinstance(values_given, (int, float)) else values_given
     codes, words = [], []
@@ -189,7 +192,7 @@ def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Sur
         declared, tolerance = _declared_spacing(raw) or (
             dx,
             0.0,
-        )  # the declared spacing may belong to rows or to columns
+        )  # the declared spacing may be the spacing of rows or of columns
         if min(abs(declared - dy), abs(declared - dx)) > tolerance:
             raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
         _compare_with_unitless_spacing(raw, (dy, dx))
@@ -218,7 +221,7 @@ def _to_body(
         codes = [item for item in remaining if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *filled)
-    heights = read_only(heights) if heights.base is None else heights  # the body need not copy a read-only array
+    heights = read_only(heights) if heights.base is None else heights  # a body need not copy an array that is read-only
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining)
 
@@ -227,7 +230,7 @@ def _to_body(
 
 
 def _parse_units(unit: Any) -> tuple[str | None, str | None]:
-    """Return the units of positions and of heights."""
+    """Return the units of the positions and of the heights."""
     pair = unit if isinstance(unit, tuple) else (unit, unit)
     if len(pair) != 2 or not all(item is None or (isinstance(item, str) and length_unit(item)) for item in pair):
         raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {unit!r}")
@@ -246,7 +249,7 @@ def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
 
 
 def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
-    """Return the unit from the file or from the caller. They must agree, and one of them is required."""
+    """Return the unit from the file or from the caller. One of them is required, and they must agree."""
     file_unit = None if of_file is None else length_unit(of_file)
     if of_file is not None and file_unit is None:
         raise FormatError(
@@ -262,19 +265,19 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
-    """Return the given unit of positions. A single unit for all lengths does not override the unit in the file."""
+    """Return the given unit of the positions. A single unit for all lengths does not replace a unit in the file."""
     has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
     return None if has_own_unit else options.position_unit
 
 
 def _to_micrometres(values: _Length, unit: str) -> _Length:
     factor = LENGTH_UNITS[unit]
-    # A division by an integer, where possible, makes 100 nm exactly 0.1 µm.
+    # Division by an integer, where possible, converts 100 nm to exactly 0.1 µm.
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
 def _convert_heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
-    """Return heights in µm with NaN at missing points, the unit of the heights, caveats, and history steps."""
+    """Return heights in µm with NaN at missing points, the unit of the heights, caveats, and history entries."""
     unit, caveats, steps = _height_unit(raw, options.height_unit)
     numbers = raw.heights
     for code in (*raw.codes, *options.codes):
@@ -306,7 +309,7 @@ def _convert_heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[
 
 
 def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the unit of heights. If a file declares a factor and a unit, the unit of the caller is not needed."""
+    """Return the unit of the heights. The caller need not give it if the file declares a factor and a unit."""
     if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
     actual, caller_unit = str(length_unit(raw.unit)), str(length_unit(given))
@@ -342,7 +345,7 @@ def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
 
 
 def _compare_with_unitless_spacing(raw: Raw, given: tuple[float, ...]) -> None:
-    """Reject a spacing that differs from a declared spacing without a unit by more than a change of units."""
+    """Reject a spacing that differs from a declared spacing without a unit by more than a change of unit."""
     if raw.bare_spacing is None:
         return
     actual = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
@@ -371,7 +374,7 @@ def _compare_with_declarations(raw: Raw, spacing: tuple[float, float]) -> None:
 def _spacings_from_size(
     size: tuple[StatedLength, StatedLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Return the spacings from a declared size, and a history step."""
+    """Return the spacings that follow from a declared size, and a history entry."""
     spacings = []
     for actual, points, declared in zip(size, shape, given, strict=True):
         length = actual.length * LENGTH_UNITS[actual.unit] / points
@@ -384,9 +387,9 @@ def _spacings_from_size(
 
 
 def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[FileCaveat]]:
-    """Return the spacing of a profile (µm), history steps, and caveats.
+    """Return the spacing of a profile (µm), history entries, and caveats.
 
-    The spacing is negative if positions decrease.
+    The spacing is negative if the positions decrease.
     """
     declared = _declared_spacing(raw)
     if raw.positions is None:
@@ -414,7 +417,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         direction = -1.0 if measured < 0 else 1.0
         if given is not None:
             if _worst_printed_deviation(x, direction * given, digit, MAX_UNEVENNESS * given) is not None:
-                _reject_uneven(x, measured, digit)  # takes precedence
+                _reject_uneven(x, measured, digit)  # the given spacing takes precedence
                 numbering = "".join(f"; {caveat.cure}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
                     f"has positions with a spacing of {abs(measured):.7g} µm, but spacing is {given.text}{numbering}"
@@ -451,7 +454,7 @@ def _declared_spacing(raw: Raw) -> tuple[float, float] | None:
 
 
 class _PositionDigits:
-    """Values of the last printed digits of positions (µm). They are computed on first use."""
+    """Resolution of printed positions: the value of the last digit of each position (µm), computed on first use."""
 
     def __init__(self, raw: Raw, unit: str) -> None:
         self._raw, self._unit = raw, unit
@@ -475,11 +478,11 @@ def _worst_printed_deviation(
 
 
 def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
-    """Return the point with the largest deviation from a uniform grid, unless the printed digits explain it."""
+    """Return the point farthest from a uniform grid; None if the printed digits explain the deviation."""
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # The first and the last point are each off by half a digit if they are rounded, or together by less than one digit
-    # if they are truncated.
+    # Rounding displaces the first and the last point by up to half a digit each. Truncation displaces them by less than
+    # one digit relative to each other.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off
@@ -488,7 +491,7 @@ def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> 
 
 
 def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
-    """Reject positions that are not uniform, or that have too few digits for their spacing."""
+    """Reject positions that are not uniform, or whose digits are too few for their spacing."""
     if measured == 0:
         raise FormatError("has its first and last point at the same position")
     worst = _worst_printed_deviation(x, measured, digit, MAX_UNEVENNESS * abs(measured))
@@ -525,7 +528,7 @@ def _check_spacing(spacing: float) -> float:
 def _fill_gaps(
     heights: Floats, spacing: tuple[float, ...], options: ReadOptions
 ) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
-    """Return cropped heights that are interpolated and masked as requested, their mask, and history steps."""
+    """Return cropped heights, with missing points interpolated or masked as requested, the mask, and a history."""
     steps: list[str] = []
     if options.crop is not None:
         if len(options.crop) != 2 * heights.ndim:

@@ -1,4 +1,4 @@
-"""Layouts, which are the text files and workbooks of specific instrument programs."""
+"""Layouts of the text files and workbooks of particular instruments."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from stiction.surfaces.measured.raw import ColumnTable, FormatError, Raw, Source
 from stiction.surfaces.profile import MAX_POINTS
 
 SPACINGS = ("spacing_y_um", "spacing_x_um")
-"""Fields of the second array in a file of `write_surface`. A file of `write_profile` has only the last field."""
+"""Fields of the second array in a file of `write_surface`. A file of `write_profile` has only the last one."""
 
 _MAX_HISTORY_LENGTH = 1_000_000  # maximum number of characters of the history, which is the third array
 
@@ -29,7 +29,7 @@ def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: t
 
 
 def read_npy(data: bytes) -> ColumnTable | Raw:
-    """Read an array, and the spacing and history that may follow. Pickled objects are not loaded."""
+    """Read an array, with the spacing and history that may follow it. Pickled objects are not loaded."""
     file = io.BytesIO(data)
     stored = _read_array(file, data)
     if stored.dtype.kind not in "iuf" or stored.ndim not in (1, 2):
@@ -56,7 +56,7 @@ def read_npy(data: bytes) -> ColumnTable | Raw:
 def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tuple[str, ...]] | None:
     """Return the spacings and the history that follow the heights in a file of `write_npy`.
 
-    Return None for other content.
+    Returns None if other content follows.
     """
     try:
         spacing, history = _read_array(file, data), _read_array(file, data)

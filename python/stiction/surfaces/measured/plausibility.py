@@ -14,15 +14,15 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# Minimum number of points at an extreme value that may be a code for missing points.
+# Minimum number of points at an extreme value for this value to be a possible code for missing points.
 MIN_REPEATS = 2
-# Smallest distance of a code from all other heights, as a multiple of the range of the other heights.
+# Smallest distance of a code from all other heights, relative to the range of the other heights.
 MIN_CODE_DISTANCE = 2.0
-# Minimum number of different heights. A scan with fewer different heights is a surface with steps.
+# Minimum number of different heights for a value to be a code; a surface with steps has fewer different heights.
 MIN_DISTINCT_HEIGHTS = 5
 MAX_CODES = 3  # maximum number of codes for missing points in a scan
-MIN_CHECKED_POINTS = 20  # minimum number of points of a scan that is checked; smaller scans are examples
-MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm; the limits are an ångström, a centimetre and a metre
+MIN_CHECKED_POINTS = 20  # minimum number of points in a scan that is checked; smaller arrays are assumed to be examples
+MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm: an ångström, a centimetre and a metre
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Scan:
     heights: Floats
     spacing: tuple[float, ...]  # µm, along (y and) x
     factor: float = 1.0  # factor that converts the numbers in the file to µm
-    from_text: bool = True  # whether the numbers were read from text; integers in text may be counts
+    from_text: bool = True  # True if the numbers were read from text; integers in text may be counts
 
     @cached_property
     def known(self) -> Floats:
@@ -47,7 +47,7 @@ class Scan:
 
 
 class PlausibilityCheck(NamedTuple):
-    """Named check, which consists of a function that yields its findings and the option or edit that settles them."""
+    """Named check: a function that yields findings, and the option or edit that resolves them."""
 
     name: str
     find: Callable[[Scan], Iterator[str]]
@@ -55,12 +55,12 @@ class PlausibilityCheck(NamedTuple):
 
 
 def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
-    """Return the caveats of all checks for a scan."""
+    """Return the caveats of a scan from all checks."""
     if scan.heights.size < MIN_CHECKED_POINTS:
         return ()
     findings = [(check, text) for check in CHECKS[:1] for text in check.find(scan)]
     codes = [float(text.partition("|")[2]) * scan.factor for _, text in findings]
-    if codes:  # the other checks ignore the codes
+    if codes:  # the other checks ignore heights that may be codes
         is_code = np.isclose(scan.heights[..., np.newaxis], codes, rtol=1e-9, atol=0.0).any(axis=-1)
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
     findings += [(check, text) for check in CHECKS[1:] for text in check.find(scan)]
@@ -87,9 +87,9 @@ def _find_repeated_extremes(scan: Scan) -> Iterator[str]:
 
 
 def _find_code(heights: Floats) -> tuple[float, int, float] | None:
-    """Return a repeated extreme value, its count, and its distance from all other heights.
+    """Return a repeated extreme value, its count, and its distance from the other heights.
 
-    Return None if there is none.
+    Returns None if there is no such value.
     """
     if heights.size < 2 * MIN_DISTINCT_HEIGHTS:
         return None
@@ -159,7 +159,7 @@ CHECKS = (
     PlausibilityCheck("size", _find_implausible_sizes, "check the unit of the spacing, --unit and --spacing"),
     PlausibilityCheck("tall", _find_tall_scans, "check the units of heights and spacing, --unit and --spacing"),
 )
-"""Checks that every scan undergoes."""
+"""Checks that are applied to every scan."""
 
 READER_CAVEATS = (
     "x3p-increment",
@@ -171,6 +171,6 @@ READER_CAVEATS = (
     "points",
     "scale",
 )
-"""Names of further caveats, which the readers of files add."""
+"""Names of further caveats, which the file readers add."""
 
 CAVEATS = (*(check.name for check in CHECKS), *READER_CAVEATS)

@@ -1,4 +1,4 @@
-"""Content of a file of measured heights, before units and missing points are determined."""
+"""Content of a file of measured heights, before the units and the missing points are determined."""
 
 from __future__ import annotations
 
@@ -21,18 +21,21 @@ LENGTH_UNITS = {
     "nanometre": 1e-3, "nanometer": 1e-3, "nanometres": 1e-3, "nanometers": 1e-3,
     "angstrom": 1e-4, "ångström": 1e-4,
 }  # fmt: skip
-"""Factors from units of length to µm. Both Unicode characters for micro and for ångström are included. Upper and lower
-case matter in symbols, but not in words."""
+"""Factors from units of length to µm.
+
+Both Unicode characters for micro and for ångström are included. Upper and lower case are distinguished in symbols, but
+not in words.
+"""
 
 MAX_BYTES = 2_000_000_000
 MAX_TEXT_BYTES = 300_000_000  # parsing of a text needs about ten times the size of the text in memory
 _CHUNK = 1 << 16
-# compression methods that allow reading in pieces of limited size
+# Compression methods that can be read in pieces of limited size.
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class FormatError(ValueError):
-    """Error for a file that cannot be read or written: damaged, incomplete, of another kind, or already present.
+    """Error for a file that cannot be read or written: it is damaged, incomplete, of another kind, or already exists.
 
     Notes
     -----
@@ -54,8 +57,8 @@ class FormatWarning(UserWarning):
 
     Notes
     -----
-    The readers issue it. The message contains the name of each caveat and the option that settles it; the argument
-    `accept` of the readers silences the caveats that it names.
+    Readers issue this warning. The message contains the name of each caveat, and the option that resolves it. The
+    argument `accept` of the readers suppresses the caveats that it lists.
 
     Examples
     --------
@@ -68,7 +71,7 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileCaveat:
-    """Named caveat about a file, with the option or the edit that settles it."""
+    """Named caveat about a file, with the option or the edit that resolves it."""
 
     name: str
     text: str
@@ -80,7 +83,7 @@ class FileCaveat:
 
 @dataclass(frozen=True)
 class StatedLength:
-    """Length that is declared next to the data, with the value of one unit in its last digit."""
+    """Length that is declared next to the data, with the value of one unit in the last digit, its resolution."""
 
     length: float
     digit: float
@@ -106,21 +109,21 @@ Digits = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class Raw:
-    """Numbers of a file without conversion, with their units if the file contains units. Missing heights are NaN."""
+    """Numbers of a file before conversion, with their units if the file contains units. Missing heights are NaN."""
 
     heights: Floats  # (n,) or (rows, columns)
     unit: str | None = None
-    positions: Floats | None = None  # (n,) of a profile
-    digits: Digits | None = None  # function that returns (n,) values of the last printed digits of the positions
+    positions: Floats | None = None  # (n,) positions of a profile
+    digits: Digits | None = None  # function that returns the value of the last printed digit of each position, (n,)
     position_unit: str | None = None  # unit of the positions or, if there are no positions, of the spacing
     spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx) if there are no positions
     stated: StatedLength | None = None  # declared spacing
     stated_spacings: tuple[StatedLength, StatedLength] | None = None  # declared spacings of rows and columns
     size: tuple[StatedLength, StatedLength] | None = None  # declared height and width of a map
-    history: tuple[str, ...] = ()  # selections that were made in the file, in one phrase each
+    history: tuple[str, ...] = ()  # descriptions of the selections that were made in the file
     source: Source = Source()
-    codes: tuple[float, ...] = ()  # declared values of missing points
-    factor: float | None = None  # declared factor from the numbers to `unit`
+    codes: tuple[float, ...] = ()  # values that the file declares as missing points
+    factor: float | None = None  # declared factor that converts the numbers to `unit`
     bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
     caveats: tuple[FileCaveat, ...] = ()
 
@@ -132,30 +135,30 @@ class WordColumn:
     place: int  # column number
     words: str  # the most frequent words with their counts
     rarest: str  # the least frequent word
-    missing: NDArray[np.bool_]  # (rows,) whether the word is one that the caller gave for missing points
+    missing: NDArray[np.bool_]  # (rows,) True if the word is one that the caller gave for missing points
 
 
 @dataclass(frozen=True)
 class ColumnTable:
-    """Numbers in columns. One or two columns are a profile, or all columns together are a map."""
+    """Numbers in columns. One or two columns are a profile; alternatively, all columns together are a map."""
 
     values: Floats  # (rows, columns) with NaN at missing values
     names: tuple[str, ...] = ()  # column names; empty if there are none
     units: tuple[str | None, ...] = ()
-    # function that returns (rows,) values of the last printed digits of a column
+    # function that returns the value of the last printed digit of each number in a column, (rows,)
     digits: Callable[[int], Floats] | None = None
-    # function that returns (columns,) values of the last printed digits of a row
+    # function that returns the value of the last printed digit of each number in a row, (columns,)
     row_digits: Callable[[int], Floats] | None = None
     declared: Declarations = field(default_factory=lambda: Declarations())
     history: tuple[str, ...] = ()  # processing steps that were applied before the heights were written
-    area: bool = False  # whether two columns may be a map, whose positions are then recognised by equal steps
+    area: bool = False  # True if two columns may be a map, whose positions are then recognised by equal steps
     source: Source = Source()
-    places: tuple[int, ...] | None = None  # column numbers in the file, if some columns are skipped
+    places: tuple[int, ...] | None = None  # column numbers in the file, if some columns were skipped
     caveats: tuple[FileCaveat, ...] = ()
     word_columns: tuple[WordColumn, ...] = ()  # columns of words, whose values are NaN
 
     def column_digits(self, column: int) -> Digits | None:
-        """Return a function that computes the values of the last printed digits of a column."""
+        """Return a function that computes the value of the last printed digit of each number in a column."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 
@@ -168,11 +171,11 @@ class Declarations:
     spacings: tuple[StatedLength, StatedLength] | None = None  # spacings of the rows and of the columns of a map
     size: tuple[StatedLength, StatedLength] | None = None  # height and width of a map
     bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
-    unit: str | None = None  # unit of the heights, which may be another unit than a length
-    factor: float | None = None  # factor from the numbers to `unit`
-    codes: tuple[float, ...] = ()  # values of missing points
-    counts: tuple[float, ...] = ()  # integers that are either codes for missing points or numbers of missing points
-    scale: str = ""  # line with either a factor for the heights or a range of heights
+    unit: str | None = None  # unit of the heights, which may be a unit of another quantity than length
+    factor: float | None = None  # factor that converts the numbers to `unit`
+    codes: tuple[float, ...] = ()  # values that mark missing points
+    counts: tuple[float, ...] = ()  # integers that are either codes for missing points or counts of missing points
+    scale: str = ""  # line that declares either a factor for the heights or a range of heights
     points: int | None = None  # number of points of a profile
     tip_radius: StatedLength | None = None  # radius of the stylus tip
     line: str = ""  # line that declares the unit or the factor
@@ -191,10 +194,10 @@ Content = Raw | ColumnTable | Channels  # result of a reader
 
 
 def length_unit(text: str) -> str | None:
-    """Return the key of `LENGTH_UNITS` for a unit of length. Return None for other units."""
+    """Return the key of `LENGTH_UNITS` for a unit of length; None for other units."""
     if text in LENGTH_UNITS:
         return text
-    plain = unicodedata.normalize("NFKC", text)  # normalisation converts ligatures such as ㎛
+    plain = unicodedata.normalize("NFKC", text)  # the normalisation converts ligatures such as ㎛
     if plain in LENGTH_UNITS:
         return plain
     folded = plain.casefold()
@@ -205,9 +208,9 @@ def length_unit(text: str) -> str | None:
 
 
 def read_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator[bytes]:
-    """Yield a member of an archive in pieces, up to `max_bytes`.
+    """Yield the content of an archive member in pieces, up to `max_bytes`.
 
-    The size in the directory of the archive is not trusted.
+    The size that the archive declares is not trusted.
     """
     try:
         info = archive.getinfo(name)

@@ -52,14 +52,16 @@ READERS: dict[str, Callable[[bytes], Content]] = {
     ".xlsx": read_excel,
     **dict.fromkeys(TEXT_SUFFIXES, read_text),
 }
-"""Readers by the ending of the file name in lower case. SurfaceTopography reads other files, and binary files that are
-named like text."""
+"""Readers by the ending of the file name in lower case.
+
+SurfaceTopography reads all other files, and binary files with the ending of a text file.
+"""
 
 _SIGNATURES = {
     b"\x93NUMPY": ((".npy",), "a NumPy array (.npy)"),
     b"PK": ((".x3p", ".xlsx"), "a zip archive, as X3P and workbooks are"),
 }
-"""First bytes of certain file types, with the file name endings and a description of each type."""
+"""First bytes of certain file types, with the usual endings and a description of each type."""
 
 MissingValue = str | float | Sequence[str | float]
 _Body = TypeVar("_Body", bound=Profile | Surface)
@@ -67,7 +69,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface)
 
 @dataclass(frozen=True)
 class Reading(Generic[_Body]):
-    """Profile or surface read from a file, with the interpretation of the file."""
+    """Profile or surface from a file, and how the file was interpreted."""
 
     body: _Body
     file: str
@@ -156,7 +158,7 @@ def read_profile(
         Names or numbers, counted from 0, of the columns of positions and of heights in a table, or of heights only. The
         unit in a name can be omitted.
     outliers : {"keep", "mask"}
-        Whether to treat points beyond 6 robust deviations of their neighbours, in groups of up to four, as missing.
+        "mask" treats points beyond 6 robust deviations of their neighbours, in groups of up to four, as missing.
     crop : str or sequence of str, optional
         Range to read, with units: "x0,x1" such as "10 um,50 um", or "x0,x1,y0,y1" for a surface. Applied first.
     missing_value : float, str, or several, optional
@@ -180,8 +182,8 @@ def read_profile(
     Warns
     -----
     FormatWarning
-        If the file contradicts itself, or if its heights or its size are implausible. The warning contains the name
-        of each caveat and the option that settles it.
+        If the file contradicts itself, or if its heights or its size are implausible. The warning contains the name of
+        each caveat and the option that resolves it.
 
     See Also
     --------
@@ -337,9 +339,9 @@ def read_measurement(
 
 
 def load_reading(path: str | os.PathLike[str], **options: Any) -> Reading[Profile | Surface]:
-    """Read a measured profile or surface with the interpretation of its file. Options are as for `read_measurement`.
+    """Read a profile or surface with the interpretation of its file. Options are the same as for `read_measurement`.
 
-    Caveats are in `caveats`; no warning is issued.
+    Caveats are returned in `caveats`, and no warning is issued.
     """
     allowed = ("unit", "spacing", "missing", "channel", "columns", "outliers", "crop", "missing_value", "accept")
     given = {"missing": "error", "outliers": "keep"} | {name: options.pop(name) for name in allowed if name in options}
@@ -357,7 +359,8 @@ def _read_body(
     """Return the body in a file, and issue its caveats as warnings."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
-        warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)  # the public caller
+        # stacklevel 3 refers to the code that calls a public reader
+        warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)
     return reading.body
 
 
@@ -366,7 +369,7 @@ def _interpret_file(
     options: ReadOptions,
     convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],
 ) -> Reading[_Body]:
-    """Read a file and interpret it. Every error message contains the complete path."""
+    """Read a file and interpret its content. Every error message contains the complete path."""
     path = Path(path)
     try:
         raw = select_heights(_read_content(path, options.words), options.channel, options.columns)
@@ -392,7 +395,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
     """Read the content of a file with the reader for its name and its first bytes."""
     suffix = path.suffix.lower()
     if not path.is_file():
-        path.stat()  # this call raises the specific error
+        path.stat()  # raises the specific error
         raise FormatError("is a directory" if path.is_dir() else "is not a file")
     size = path.stat().st_size
     if size == 0:
@@ -426,7 +429,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
 
 
 def _read_binary(path: Path) -> Content:
-    """Read a binary file whose name ends like that of a text, with SurfaceTopography."""
+    """Read a binary file whose name has the ending of a text file, with SurfaceTopography."""
     if is_available():
         try:
             return read_instrument(path)
@@ -439,7 +442,7 @@ def _read_binary(path: Path) -> Content:
 
 
 def _read_by_instrument(path: Path, start: bytes, words: tuple[str, ...]) -> Content:
-    """Read a file with SurfaceTopography. If it is text with an unknown ending, read it as a table."""
+    """Read a file with SurfaceTopography or, if it is text with an unknown ending, as a table."""
     try:
         return read_instrument(path)
     except FormatError as error:

@@ -1,4 +1,4 @@
-"""Second step of reading tables: select the columns of the heights from options or from the numbers."""
+"""Second step of reading tables: select the columns of heights, from options or from the numbers themselves."""
 
 from __future__ import annotations
 
@@ -26,18 +26,23 @@ from stiction.surfaces.measured.raw import (
 )
 
 MAX_UNEVENNESS = 1e-3
-"""Largest deviation of a point from a uniform grid, in spacings. Such a deviation has no visible effect on the heights,
-and occurs in positions that were stored in single precision."""
+"""Largest deviation of a point from a uniform grid, in spacings, that is accepted.
+
+Such a deviation has no visible effect on the heights. It occurs in positions that were stored in single precision.
+"""
 
 MIN_COLUMNS = 4  # minimum number of columns of a matrix of heights in a text
-MAX_GRID_POINTS = 100_000_000  # points of a map
-MAX_LISTED_NAMES = 12  # names in a message
-MAX_PROFILE_COLUMNS = 3  # columns that a caller can choose: positions and heights, or x, y and z
-MIN_JITTERED_POSITIONS = 8  # minimum number of measured, slightly uneven positions that are recognised
-MAX_JITTER = 0.5  # largest range of the steps of measured positions, as a multiple of their mean
-MIN_TILT_CORRELATION = 0.98  # smallest correlation of heights with their index at which the surface counts as tilted
-MIN_COMPARED_NUMBERS = 20  # minimum number of heights with equal decimals that make a different first number suspicious
-# Smallest step of positions, in units of the last digit. Coarse heights may have smaller equal steps.
+MAX_GRID_POINTS = 100_000_000  # largest number of points of a map
+MAX_LISTED_NAMES = 12  # largest number of names that a message lists
+MAX_PROFILE_COLUMNS = 3  # largest number of columns that a caller can choose: x, y and z
+MIN_JITTERED_POSITIONS = 8  # minimum number of positions for slightly uneven, measured positions to be recognised
+MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
+# smallest correlation between heights and their index for which the surface counts as tilted
+MIN_TILT_CORRELATION = 0.98
+# minimum number of heights with equally many decimals for which a first number with fewer is suspicious
+MIN_COMPARED_NUMBERS = 20
+# Smallest step of positions in units of the last digit, because coarsely rounded heights may also have small equal
+# steps.
 MIN_STEP_DIGITS = 3.0
 Selection = str | int
 
@@ -46,14 +51,14 @@ _NUMBERING_NAME_PATTERN = re.compile(
 )
 _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-# names that do not define the meaning of the flags
+# column names that do not tell whether 1 marks valid or invalid points
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 _X, _Y = (re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy")
 _Z = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
 
 
 def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> Raw:
-    """Return the heights that the caller selected or, without a selection, those found by the shape of the table."""
+    """Return the heights that the caller selected or, without a selection, those that the table's shape suggests."""
     if isinstance(content, Channels):
         index = _select_channel(content, channel)
         raw = select_heights(content.read(index), None, columns)
@@ -135,9 +140,9 @@ def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> Raw:
 
 
 def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: Any) -> Raw:
-    """Return the heights of a table with all declarations of its header."""
+    """Return the heights of a table together with all declarations in its header."""
     declared = table.declared
-    # these counts are too large to be numbers of points
+    # these integers are too large to be counts of missing points
     counts = tuple(count for count in declared.counts if count > heights.size)
     caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
@@ -163,7 +168,7 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
 
 
 def _select_profile(table: ColumnTable, *places: int) -> Raw:
-    """Return the heights of one column, or the positions and heights of two columns over their common length."""
+    """Return the heights of one column, or the positions and heights of two columns as far as both have numbers."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
     raw = _to_raw(
@@ -179,7 +184,8 @@ def _select_profile(table: ColumnTable, *places: int) -> Raw:
         caveats = () if history else _find_first_number_caveat(table)
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
-    is_empty = np.isnan(positions) & np.isnan(heights)  # the rows follow the end of the shorter of two adjacent tables
+    # these rows follow the end of the shorter of two adjacent tables
+    is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
     digits = table.column_digits(places[0])
     return replace(
@@ -200,7 +206,7 @@ def _describe_column(table: ColumnTable, place: int) -> str:
 
 
 def _height_unit(table: ColumnTable, place: int) -> str | None:
-    """Return the unit of a height column. Raises `FormatError` if the column is named like another quantity."""
+    """Return the unit of a column of heights. Raises `FormatError` if the name of the column is another quantity."""
     unit = _units(table)[place]
     if unit is not None and length_unit(unit) is None:
         return unit
@@ -214,7 +220,7 @@ def _height_unit(table: ColumnTable, place: int) -> str | None:
 
 
 def _remove_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Return a height column without its first number if this number is the count of the other numbers."""
+    """Return a column of heights without its first number, if this number is the count of the other numbers."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         if heights[place] == heights.size - 1 - place:
             if place:
@@ -247,7 +253,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
 
 
 def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
-    """Return a caveat if positions may be point numbers."""
+    """Return a caveat if the positions may be point numbers."""
     name = table.names[place] if table.names else ""
     if _units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
         return ()
@@ -307,7 +313,7 @@ def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[i
 
 
 def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
-    """Apply a column of flags. Remove the column, and the heights that it marks as invalid.
+    """Apply a column of flags: remove the column, and mark the heights that it declares invalid as missing.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
     """
@@ -363,7 +369,7 @@ class Shape:
 
 
 def _read_by_shape(table: ColumnTable) -> Raw:
-    """Return the heights of a table with the first shape that recognises it."""
+    """Return the heights of a table, read with the first shape that recognises it."""
     table, step = _remove_numbering(table)
     empty = np.isnan(table.values).all(axis=0)
     if table.places is not None and empty.any() and not empty.all():
@@ -382,7 +388,7 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         if first not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first + np.arange(rows)):
             return table, ()
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
-            return table, ()  # positions, with a caveat
+            return table, ()  # these are kept as positions, with a caveat
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
     if (
@@ -410,9 +416,9 @@ def _read_matrix(table: ColumnTable) -> Raw:
 
 
 def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Remove a first column of positions that agree with the declared spacing. Return the table and a history step.
+    """Remove a first column of positions that agree with the declared spacing; return the table and a history entry.
 
-    Raises `FormatError` if the first row or column contains other positions. A single row or column is heights.
+    Raises `FormatError` if the first row or column contains other positions. A single row or column contains heights.
     """
     heights = table.values
     if min(heights.shape) == 1:
@@ -438,7 +444,7 @@ def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 
 
 def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line contains positions, and the other lines do not rise like a tilted plane."""
+    """Return whether the first line contains positions. Lines that all rise alike belong to a tilted surface."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _counts_evenly_as_printed(first, digits):
@@ -448,7 +454,7 @@ def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
     steps = np.diff(first[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions have unequal steps. Raw heights of a tilted surface rise similarly, but they do so in all
+    # Measured positions have unequal steps. The heights of a tilted surface rise similarly, but they do so in all
     # lines.
     return any(_correlation(other) < MIN_TILT_CORRELATION for other in other_lines)
 
@@ -462,7 +468,7 @@ def _correlation(values: Floats) -> float:
 
 
 def counts_evenly(values: Floats, slack: float = 0.0) -> bool:
-    """Return whether values rise or fall in equal steps. The first value is ignored, because it may be a corner."""
+    """Return whether values rise or fall in equal steps; the first value is ignored, as it may be a corner."""
     following = values[1:]
     if following.size < 4 or not np.isfinite(following).all():
         return False
@@ -477,7 +483,7 @@ def counts_evenly(values: Floats, slack: float = 0.0) -> bool:
 
 
 def _counts_evenly_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether values rise or fall in equal steps within their printed digits."""
+    """Return whether values rise or fall in steps that are equal within the printed digits."""
     if counts_evenly(values):
         return True
     if digits is None or values.size < 5 or not np.isfinite(values[1:]).all():
@@ -512,7 +518,7 @@ def _read_labelled(table: ColumnTable) -> Raw:
 
 
 def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
-    """Return the columns of x, y and z in a list of points. They are found by name, or are the only three columns."""
+    """Return the columns of x, y and z in a list of points, by their names or because there are only three."""
     columns = table.values.shape[1]
     if not any(table.names):
         return (0, 1, 2) if columns == 3 else None
@@ -533,7 +539,7 @@ def _are_triplets(table: ColumnTable) -> bool:
         return False
     count = x.size
     distinct = [np.unique(value).size for value in (x, y)]
-    # On a grid, x and y have few values that repeat. The positions of a profile do not repeat.
+    # On a grid, x and y have few different values. The positions of a profile are all different.
     return (max(distinct) < count and min(distinct) > 1) or (
         bool(table.names) and max(distinct) == count and min(distinct) > 1
     )
@@ -555,7 +561,7 @@ def _read_triplets(table: ColumnTable, *places: int) -> Raw:
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:
-    """Return whether points x, y, z are a profile along x, which has a single y."""
+    """Return whether points x, y, z form a profile along x, with a single value of y."""
     places = _find_xyz_columns(table)
     if places is None or table.area or (table.values.shape[1] != 3):
         return False
@@ -575,7 +581,7 @@ def _reject_columns(table: ColumnTable) -> Raw:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return the other missing information of a table, as the end of a sentence."""
+    """Return the other information that a table lacks, as the end of a sentence."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

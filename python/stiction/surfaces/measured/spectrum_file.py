@@ -1,4 +1,4 @@
-"""File of a spectrum that is combined from several scans: a table (CSV) below one line for each scan."""
+"""Files of spectra that are combined from several scans: a table (CSV) below one line for each scan."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 
 WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
-"""Columns of a spectrum file. A table that lacks the last column was not written by this program."""
+"""Columns of a spectrum file. Tables from other programs lack the last column."""
 
-FRACTION, RATIO = "fraction of ", "power over the joined of "  # beginnings of the names of two columns for each scan
+FRACTION, RATIO = "fraction of ", "power over the joined of "  # beginnings of the names of the two columns of each scan
 _SCAN = re.compile(r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)")
-_HEAD_BYTES = 100_000  # number of bytes at the beginning of a file that are searched for column names
-_RATIO_TOLERANCE = 1e-3  # relative tolerance of the ratios of wave numbers, which allows for printed digits
+_HEAD_BYTES = 100_000  # number of bytes at the beginning of a file in which the column names are searched
+# relative tolerance of the ratio of successive wave numbers, because printed numbers are rounded
+_RATIO_TOLERANCE = 1e-3
 
 
 def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
@@ -67,8 +68,8 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
         names = [f"{name} ({index})" for index, name in enumerate(names, 1)]
     roughness = spectrum.roughness()
     columns: dict[str, Any] = {
-        "wavelength (um)": roughness.wavelength, "rms gradient down to it": roughness.gradient,
-        "rms curvature down to it (1/um)": roughness.curvature, WAVE_NUMBER: spectrum.wave_number,
+        "wavelength (um)": roughness.wavelength, "rms gradient down to this wavelength": roughness.gradient,
+        "rms curvature down to this wavelength (1/um)": roughness.curvature, WAVE_NUMBER: spectrum.wave_number,
         DENSITY: spectrum.density, WAVES: spectrum.count,
     }  # fmt: skip
     for prefix, rows in ((FRACTION, spectrum.contribution), (RATIO, spectrum.ratio)):
@@ -98,7 +99,7 @@ def is_spectrum(path: Path) -> bool:
 def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     r"""Read a surface spectrum from a table.
 
-    The file was written by `write_spectrum` or ``stiction characterise --together``, or is a similar table.
+    The file may be one that `write_spectrum` or ``stiction characterise --together`` wrote, or a similar table.
 
     Parameters
     ----------
@@ -134,7 +135,8 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     path = Path(path)
     try:
         text = read_content(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
-        table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)  # pandas before version 3 rounds numbers
+        # pandas before version 3 would round numbers
+        table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None
     except NotReadableError as error:
@@ -154,7 +156,9 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     except KeyError as error:
         raise FormatError(f"{printable_path(path)}: is not a spectrum: it has no column {error.args[0]!r}") from None
     except ValueError:
-        raise FormatError(f"{printable_path(path)}: is not a spectrum: it contains other values than numbers") from None
+        raise FormatError(
+            f"{printable_path(path)}: is not a spectrum: it contains values that are not numbers"
+        ) from None
     steps = np.diff(np.log(q)) if (q > 0).all() and np.isfinite(q).all() else np.empty(0)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > _RATIO_TOLERANCE * steps.mean() + 1e-12:
         raise FormatError(f"{printable_path(path)}: is not a spectrum: {WAVE_NUMBER!r} must rise in equal ratios")

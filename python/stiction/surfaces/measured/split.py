@@ -1,4 +1,4 @@
-"""Parsing of numeric lines: separator, decimal mark and quotes of a text, and its matrix of numbers."""
+"""Parsing of numeric lines: separators, decimal marks and quotes of a text, and its matrix of numbers."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from stiction._checks import Floats
 from stiction.surfaces.measured.decode import BLANK, MAX_CELLS, NUMBERS, NUMERIC_CHARACTERS, Text
 from stiction.surfaces.measured.raw import FormatError
 
-_SAMPLE_LINES = 60  # maximum number of lines that are searched for the separator and the decimal mark
-_SAMPLE_SIZE = 10_000  # maximum number of characters of all these lines together
+_SAMPLE_LINES = 60  # maximum number of lines that are used to detect the separator and the decimal mark
+_SAMPLE_SIZE = 10_000  # maximum number of characters in these lines
 _LONG_LINE = 200  # mean length of lines above which the cells are counted line by line
-MAX_SAMPLED = 20_000  # maximum number of rows that are searched for the printed digits of a column
-MAX_COUNT_CELLS = 2  # maximum number of cells of a line of counts or sizes above the numbers
+MAX_SAMPLED = 20_000  # maximum number of rows from which the printed digits of a column are determined
+MAX_COUNT_CELLS = 2  # maximum number of cells of a line above the numbers that is a count or a size
 _QUOTED_SEPARATOR = "\x1f"  # character that replaces the separator in quoted cells
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
@@ -34,7 +34,7 @@ class Dialect:
     separator: str | None
     point: str
     thousands: str = ""
-    pairs: bool = False  # whether the comma is both separator and decimal mark, so that two cells are one number
+    pairs: bool = False  # True if the comma is both separator and decimal mark, so that two cells are one number
 
     def __str__(self) -> str:
         names = {"\t": "tab", None: "space", ";": "semicolon", ",": "comma", "|": "bar"}
@@ -91,21 +91,21 @@ class NumberBlock:
     lines: Lines  # line numbers of the rows, counted from 0
     dialect: Dialect
     values: Floats  # (rows, columns)
-    # first line of the end where lines have fewer cells, for example because of a shorter profile
+    # First line from which lines have fewer cells, for example because of a shorter profile next to a longer one.
     short: int | None = None
-    omitted: tuple[int, ...] = ()  # line numbers of counts and sizes above the rows
+    omitted: tuple[int, ...] = ()  # line numbers of counts and sizes that precede the rows
 
     def row(self, line: int) -> list[str]:
         """Return the cells of a row."""
         return self.dialect.cells(self.text.line(int(self.lines[line])))
 
     def digits(self, column: int) -> Floats:
-        """Return the values of the last printed digits of a column, from at most `MAX_SAMPLED` rows."""
+        """Return the value of the last printed digit of each number in a column, from at most `MAX_SAMPLED` rows."""
         decimals = digits = 0
         max_decimals = -1000
         count = self.lines.size
         sample = np.arange(count)
-        if count > MAX_SAMPLED:  # half of the sample is from the beginning, half is spread over the whole column
+        if count > MAX_SAMPLED:  # half of the sample comes from the beginning, half from the whole column
             half = MAX_SAMPLED // 2
             sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
         for line in sample.tolist():
@@ -120,7 +120,7 @@ class NumberBlock:
         return digit_value(self.values[:, column], max_decimals, digits)
 
     def row_digits(self, line: int) -> Floats:
-        """Return the values of the last printed digits of a row."""
+        """Return the value of the last printed digit of each number in a row."""
         matches = [match for cell in self.row(line) if (match := self.dialect.number.fullmatch(cell)) and match[0]]
         decimals = max((len(match[3] or "") - int(match[4] or 0) for match in matches), default=0)
         digits = max((len((match[2] + (match[3] or "")).lstrip("0")) for match in matches), default=0)
@@ -128,7 +128,7 @@ class NumberBlock:
 
 
 def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the value of the last digit of numbers that have the given decimals and significant digits."""
+    """Return the value of the last printed digit of numbers with the given decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
     by_digits = np.where(np.isfinite(size), size, -400) + 1 - digits
@@ -136,7 +136,7 @@ def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
 
 
 def find_number_runs(text: Text) -> list[tuple[int, int]]:
-    """Return the first and the last line of each run of numeric lines. Blank lines do not interrupt a run."""
+    """Return the first and the last line of each run of numeric lines. A run may contain blank lines."""
     kinds = text.kinds
     filled = np.flatnonzero(kinds != BLANK)
     numbers = kinds[filled] == NUMBERS
@@ -147,7 +147,7 @@ def find_number_runs(text: Text) -> list[tuple[int, int]]:
 def detect_dialect(text: Text, first: int, last: int) -> Dialect:
     """Find the dialect in which most lines of a run are numbers.
 
-    Raises `FormatError` if there is none, or if there are two.
+    Raises `FormatError` if there is no such dialect, or if there are two.
     """
     sample_lines = np.unique(
         np.concatenate([np.arange(max(first, last + 1 - _SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
@@ -183,7 +183,7 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
 
 
 def is_row(line: str, dialect: Dialect, text: Text) -> bool:
-    """Return whether all cells of a line are numbers or marks of missing points. At least one must be a number."""
+    """Return whether all cells of a line are numbers or marks of missing points, with at least one number."""
     any_number = False
     for cell in dialect.cells(line):
         if (kind := cell_kind(cell, dialect, text)) is None:
@@ -193,7 +193,7 @@ def is_row(line: str, dialect: Dialect, text: Text) -> bool:
 
 
 def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
-    """Classify a cell as a number, a word or another mark of a missing point. Return None for other cells."""
+    """Classify a cell as a number, a word for a missing point, or another mark of one; None for other cells."""
     match = dialect.number.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
         return "number"
@@ -203,7 +203,7 @@ def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
 
 
 def _truncate(line: str, width: int) -> str:
-    """Truncate a long line after a complete cell."""
+    """Truncate a long line at the end of a cell."""
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
 
 
@@ -235,7 +235,7 @@ def _line_above(text: Text, first: int) -> str:
 
 
 def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect) -> None:
-    """Reject commas all of which may be thousands separators. For example, "1,250" is 1.25 or 1250."""
+    """Reject a text in which every comma may be a thousands separator: "1,250", for example, is 1.25 or 1250."""
     ambiguous = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example, shown = -1, ""
     for line in range(first, last + 1):
@@ -260,8 +260,8 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
     """Parse the numbers of a run of lines as a matrix.
 
     Lines of at most `MAX_COUNT_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines with an
-    unusual number of cells are rejected. Missing cells are filled with NaN if only the height of a position is missing,
-    and with `ragged` also at the end of a table.
+    unusual number of cells are rejected. Missing cells are filled with NaN if only the height at a position is missing
+    and, with `ragged`, at the end of a table.
     """
     lines = _filled_lines(text, first, last, dialect)
     if not lines.size:
@@ -270,7 +270,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
     starts, cells = _cells_of_rows(blob, joint)
     usual = Counter(cells.tolist()).most_common(1)[0][0]
     if usual == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
-        usual = 2  # most heights are missing
+        usual = 2  # two columns in which most heights are missing
     if usual > MAX_CELLS:
         raise FormatError(
             f"has lines of {usual} cells; at most {MAX_CELLS} can be read: write one number a line, or .npy"
@@ -282,7 +282,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
         num_skipped = 0
     omitted = tuple(lines[:num_skipped].tolist())
     lines, cells, blob = lines[num_skipped:], cells[num_skipped:], blob[starts[num_skipped] :] if num_skipped else blob
-    if (cells > usual).any():  # the additional cells may come from trailing separators
+    if (cells > usual).any():  # the additional cells may result from trailing separators
         rows = [row.rstrip(joint) if n > usual else row for n, row in zip(cells, blob.split(b"\n"), strict=True)]
         blob = b"\n".join(row + joint * max(0, usual - 1 - row.count(joint)) for row in rows)
         _, cells = _cells_of_rows(blob, joint)
@@ -302,13 +302,13 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
     values = _parse_numbers(text, lines, usual, column).reshape(-1, usual)
     ends = {len(dialect.cells(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
     while values.shape[1] > max(ends | {1}) and np.isnan(values[:, -1]).all():
-        values = values[:, :-1]  # each line ends with a separator
+        values = values[:, :-1]  # every line ends with a separator
     short = int(lines[np.argmax(wrong)]) if usual != 2 and wrong.any() else None
     return NumberBlock(text, lines, dialect, values, short, omitted)
 
 
 def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
-    """Return whether the single numbers of the first rows are positions that continue in the rows below."""
+    """Return whether the single numbers in the first rows are positions that continue in the rows below."""
     first = [row.split(joint)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
     if not count or not all(map(_is_number, first)):
         return False
@@ -317,7 +317,7 @@ def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
 
 
 def numbers_in(text: Text, first: int, last: int) -> Floats:
-    """Return all numbers in a range of lines, separated by white space. Line breaks have no meaning."""
+    """Return all numbers in a range of lines, separated by white space. Line breaks count as blanks."""
     blob = text.data[text.starts[first] : text.starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
         blob = text.missing.sub(b"nan", blob)
@@ -328,7 +328,7 @@ def numbers_in(text: Text, first: int, last: int) -> Floats:
 
 
 def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
-    """Return the lines of a run that are rows. A line without a number is a row if it has separators of empty cells."""
+    """Return the lines of a run that are rows. A line without numbers is a row if it has separators of empty cells."""
     kinds = text.kinds[first : last + 1]
     filled = kinds != BLANK
     if dialect.separator is not None and not filled.all():
@@ -338,7 +338,7 @@ def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
 
 
 def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Return rows with decimal points and without quotes and blanks, and the separator of their cells."""
+    """Return rows with decimal points and without quotes or blanks, and the separator of their cells."""
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
         blob = text.data[text.starts[first] : text.starts[last + 1] - 1]
@@ -372,7 +372,7 @@ def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, b
 
 
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # a number that contains a blank
+_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number that contains a blank
 
 
 def _has_dashes(blob: bytes) -> bool:
@@ -402,7 +402,7 @@ def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
 
 
 def _parse_numbers(text: Text, lines: Lines, width: int, column: bytes) -> Floats:
-    """Parse a column of text as correctly rounded numbers. Empty lines are NaN."""
+    """Parse one column of text as correctly rounded numbers; empty lines become NaN."""
     import pandas
 
     # The default parser of pandas before version 3.1 has errors in the last bit.

@@ -1,4 +1,4 @@
-"""Second step of reading text: find the layout of an instrument, or else a table with header and footer."""
+"""Second step of reading text: find the layout of an instrument, or else read a table with header and footer."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from stiction.surfaces.measured.split import (
 )
 from stiction.surfaces.measured.word_columns import FoundColumn, describe_words, replace_word_columns
 
-MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history step in a header
+MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entry in a header
 MAX_HISTORY_STEPS = 1000
-# Maximum number of numeric lines below the data, as a fraction of the lines of data.
+# Maximum number of numeric lines below the data, relative to the number of lines of data.
 MAX_FOOTER_FRACTION = 0.1
-# Minimum number of rows of a block above the data. A smaller block is a size or a count.
+# Minimum number of rows of a block above the data; a smaller block is a size or a count.
 MIN_BLOCK_ROWS = 2
 
 
 def read_text(data: bytes, words: tuple[str, ...] = ()) -> Content:
-    """Parse a text. `words` are additional words that stand for missing points."""
+    """Parse a text. `words` are additional words that mark missing points."""
     return parse_content(decode(data, words))
 
 
@@ -44,7 +44,7 @@ def parse_content(text: Text) -> Content:
 
 
 def find_layout(text: Text) -> Layout | None:
-    """Return the instrument layout that recognises a text. Return None if there is none."""
+    """Return the instrument layout that recognises a text; None if there is none."""
     from stiction.surfaces.measured.layouts import LAYOUTS
 
     return next((layout for layout in LAYOUTS if layout.recognise(text)), None)
@@ -59,7 +59,7 @@ def with_source(content: Content, text: Text, layout: str) -> Content:
 
 
 def parse_table(text: Text) -> ColumnTable | Channels:
-    """Parse the largest run of numeric lines and the header above it as a table. Several equal runs are channels."""
+    """Parse the largest run of numeric lines and its header as a table. Equally large runs become channels."""
     text, word_columns = replace_word_columns(text)
     runs = find_number_runs(text)
     if not runs:
@@ -88,7 +88,7 @@ def parse_table(text: Text) -> ColumnTable | Channels:
 
 
 def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence[FoundColumn] = ()) -> ColumnTable:
-    """Return a block, its header, which starts at line `begin`, and its footer as a table."""
+    """Return a table of a block with its footer and its header, which begins at line `begin`."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = text.lines(begin, first), text.lines(end, len(text)) if begin == 0 else []
     width = block.values.shape[1]
@@ -136,7 +136,7 @@ def describe_source(block: NumberBlock) -> Source:
 
 
 def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a run, or the line above if it is a row of labels after a word in the corner."""
+    """Return the first line of a run, or the line above it if this line has a word in the corner followed by labels."""
     above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if above < 0 or dialect.separator is None:
         return first
@@ -146,16 +146,17 @@ def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> i
 
 
 def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
-    """Reject an unreadable line next to numbers.
+    """Reject a line next to numbers that has a cell which cannot be read.
 
-    Such a line has as many cells, most of which are numbers, and no labels.
+    Such a line has as many cells as its neighbours, most of which are numbers, and is not a line of labels.
     """
     for line in sorted({line for first, last in runs for line in (first - 1, last + 1) if 0 <= line < len(text)}):
         if text.kinds[line] != TEXT or width == 1 or text.line(line).startswith(("#", "%", "!", "/")):
             continue
         cells = dialect.cells(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
-        numbers = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])  # excludes "name value"
+        # excludes lines of the form "name value"
+        numbers = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or numbers < width or None not in kinds or _are_labels(cells, dialect):
             continue
         _reject_word(text, line, next(cell for cell, kind in zip(cells, kinds, strict=True) if kind is None))
@@ -180,7 +181,7 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_equal_runs(
     text: Text, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs that are as wide as the main run. A run of one or two numbers above it is a size or a count."""
+    """Return the runs that are as wide as the main run; one or two numbers above it are a size or a count."""
     width = len(dialect.cells(text.line(main[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:
@@ -196,7 +197,7 @@ def _find_equal_runs(
 def _to_channels(
     text: Text, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundColumn] = ()
 ) -> Channels:
-    """Return blocks with equal numbers of columns as channels. Each channel has its own header."""
+    """Return blocks with equal numbers of columns as channels with separate headers."""
     begins = [0, *(last + 1 for _, last in runs)]
     names = []
     for (first, last), begin in zip(runs, begins, strict=False):

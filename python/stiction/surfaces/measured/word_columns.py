@@ -14,32 +14,33 @@ from stiction._text import printable
 from stiction.surfaces.measured.decode import BLANK, NUMBERS, TEXT, Text
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs
 
-_SEPARATORS = ("\t", ";", "|", None, ",")  # the comma last, because it may be a decimal mark of the others
+# The comma is last, because it may be the decimal mark in cells that others separate.
+_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-_MISSING = "nan"  # replaces the words
-_MAX_SEPARATOR_LINES = 400  # lines that decide whether a separator is possible
-MIN_ROWS = 4  # smallest number of rows in which columns of words are searched
+_MISSING = "nan"  # text that replaces a word
+_MAX_SEPARATOR_LINES = 400  # number of lines from which the separators that are possible are determined
+MIN_ROWS = 4  # smallest number of rows of a text in which columns of words are searched
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
 
 @dataclass(frozen=True)
 class FoundColumn:
-    """Column of words in a text, with the lines where the word is one that the caller gave for missing points."""
+    """Column of words in a text, with the lines that have a word which the caller gave for missing points."""
 
     place: int
     counts: Mapping[str, int]
-    missing_lines: tuple[int, ...]  # counted from 0
+    missing_lines: tuple[int, ...]  # line numbers, counted from 0
 
 
 def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
-    """Replace the words in columns without numbers by ``nan``; return the text and these columns."""
+    """Replace the words in columns without numbers by ``nan``; return the text and the columns of words."""
     runs = find_number_runs(text)
     if not (text.words or _has_words_at_numbers(text, runs)):
         return text, ()
     lines = np.flatnonzero(text.kinds != BLANK).tolist()
     largest_run = max((last + 1 - first for first, last in runs), default=0)
     samples = {separator: _find_table(text, lines[:_MAX_SEPARATOR_LINES], separator) for separator in _SEPARATORS}
-    separator = max(samples, key=lambda key: len(samples[key].numeric))  # the first of equal ones
+    separator = max(samples, key=lambda key: len(samples[key].numeric))  # the first of equally good separators
     if not samples[separator].words:
         return text, ()
     table = samples[separator] if len(lines) <= _MAX_SEPARATOR_LINES else _find_table(text, lines, separator)
@@ -68,7 +69,7 @@ def describe_words(counts: Mapping[str, int]) -> str:
 
 
 def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
-    """Return whether no line consists of numbers, or a line with words is next to a line of numbers below the first."""
+    """Return whether no line consists of numbers only, or a line with words adjoins a line of numbers."""
     if not runs:
         return True
     kinds = text.kinds[text.kinds != BLANK]
@@ -80,11 +81,12 @@ def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
 
 @dataclass
 class _WordTable:
-    numeric: set[int] = field(default_factory=set)  # columns with numbers
+    numeric: set[int] = field(default_factory=set)  # indices of the columns with numbers
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
     words: dict[int, Counter[str]] = field(default_factory=dict)  # by column
-    missing_lines: dict[int, list[int]] = field(default_factory=dict)  # with a word for a missing point, by column
+    # by column, the lines with a word for a missing point
+    missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 
 def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
@@ -120,7 +122,7 @@ def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _Wor
         words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given)})
         if (
             words and not {cell.casefold() for cell in counts} <= given
-        ):  # a column without any value is not one of flags
+        ):  # a column without any value is not a column of words
             table.words[index] = words
     return table
 
@@ -130,7 +132,7 @@ def _is_word(cell: str, dialect: Dialect, text: Text, given: set[str]) -> bool:
 
 
 def _split(line: str, separator: str | None) -> list[str]:
-    """Split a line into all of its cells, also empty ones at its end."""
+    """Split a line into all of its cells, including empty cells at the end."""
     if separator is None:
         return line.replace('"', " ").split()
     cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), []) if '"' in line else None

@@ -1,4 +1,4 @@
-"""Writing of profiles and surfaces to files, in which all numbers are preserved exactly."""
+"""Writing of profiles and surfaces to files that preserve all numbers exactly."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
     profile : Profile
         Profile to write.
     path : path
-        Path ending in .csv: positions and heights in µm, below the spacing, the history and the units. Or ending in
-        .npy: the heights in µm, which `numpy.load` returns, followed by arrays of the spacing and the history. The file
-        must not exist; it appears when it is complete.
+        Path that ends in .csv or .npy. A .csv file contains positions and heights in µm, below the spacing, the history
+        and the units. A .npy file contains the heights in µm, which `numpy.load` returns, followed by arrays of the
+        spacing and the history. The file must not exist; it appears when it is complete.
 
     Raises
     ------
@@ -63,8 +63,8 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     surface : Surface
         Surface to write.
     path : path
-        Path ending in .csv: the matrix of heights in µm, of at least four columns, below the spacings along y and x,
-        the history and the unit. Or ending in .npy, as for `write_profile`.
+        Path that ends in .csv or .npy. A .csv file contains the matrix of heights in µm, with at least four columns,
+        below the spacings along y and x, the history and the unit. For .npy see `write_profile`.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
 
 
 def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
-    """Write a body in the format of its file name: text with the history below the head, or arrays."""
+    """Write a body in the format given by the file name: text with the history below the head, or arrays."""
     path = Path(path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")

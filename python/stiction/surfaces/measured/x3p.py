@@ -21,10 +21,10 @@ _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN_XML = "main.xml"
 
 _XML_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
-"""Numbers of XML Schema, which have no underscores and only ASCII digits."""
+"""Numbers of XML Schema, with ASCII digits and without underscores."""
 
-_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml, in addition to the points that it lists
-_MAX_ELEMENTS = 100_000  # maximum number of XML elements of main.xml, without its points
+_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml, in addition to the size of the points that it lists, in bytes
+_MAX_ELEMENTS = 100_000  # maximum number of XML elements in main.xml besides its points
 _MAX_BYTES_PER_POINT = 200
 _MAX_SPARE_BYTES = 64  # maximum number of bytes of the validity mask beyond the last point
 _MAX_DEPTH = 6
@@ -45,7 +45,7 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
     mains = [name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN_XML and name.count("/") <= 1]
     if not mains:
         raise FormatError(f"is a zip archive without {_MAIN_XML}, so it is not an X3P file")
-    folder = min(mains, key=len).removesuffix(_MAIN_XML)  # some programs put all members into a directory
+    folder = min(mains, key=len).removesuffix(_MAIN_XML)  # some programs place all members in a directory
     root = _MainXml(archive, folder)
     feature = _get_text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
@@ -88,7 +88,7 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
 
 
 class _MainXml:
-    """Text of main.xml by the path of its elements, and the points that are listed there."""
+    """Texts of main.xml by the paths of their elements, and the points that main.xml lists."""
 
     def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
         self.folder = folder
@@ -154,15 +154,15 @@ class _StoredAxis:
         self.stored = _TYPES[stored]
         self.increment = _get_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
-        if self.absolute and stored in ("F", "D"):  # lengths in floating point need no factor
+        if self.absolute and stored in ("F", "D"):  # lengths in floating point are not multiplied by an increment
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
                     FileCaveat(
                         "x3p-increment",
                         f"{name} is stored in floating point, as metres, and has an increment of {self.increment:g}, "
                         "which is not applied",
-                        "compare a height with that of another program; if they agree, "
-                        "accept it (--accept x3p-increment)",
+                        "compare a height with the same height in another program; if they agree, accept it (--accept "
+                        "x3p-increment)",
                     ),
                 )
             self.increment = 1.0
@@ -188,7 +188,7 @@ def _read_shape(root: _MainXml) -> tuple[int, int]:
 def _read_columns(
     archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
 ) -> dict[str, NDArray[Any]]:
-    """Return the stored values of all points for each axis."""
+    """Return the stored values of all points, for each axis."""
     if root.listed is not None:
         return _parse_listed_points(root.listed, list(stored), points)
     kind = np.dtype(list(stored.items()))
@@ -205,7 +205,7 @@ def _read_columns(
 
 
 def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
-    """Parse points that are listed as text. Axes are separated by semicolons; the text of a missing point is empty."""
+    """Parse points that are listed as text, with axes separated by semicolons and empty texts for missing points."""
     if len(rows) != points:
         raise FormatError(f"declares {points} points, but lists {len(rows)}")
     columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute}

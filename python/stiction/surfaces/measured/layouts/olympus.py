@@ -37,7 +37,7 @@ def _read(text: Text) -> ColumnTable:
     return replace(
         table, values=table.values[:, 1:], names=table.names[1:], units=(unit,) * (table.values.shape[1] - 1),
         area=True, digits=None, row_digits=None,
-        history=(*table.history, "the first column, which numbers the rows, left out"),
+        history=(*table.history, "the first column, which numbers the rows, removed"),
     )  # fmt: skip
 
 

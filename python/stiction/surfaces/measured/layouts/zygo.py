@@ -26,7 +26,7 @@ from stiction.surfaces.measured.shapes import MAX_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_block
 from stiction.surfaces.measured.text import describe_source
 
-# numbers of header lines, counted from 0, with the origin and size of the map, and with the pixel size
+# Indices from 0 of the header lines with the origin and size of the map, and with the pixel size.
 _SIZE, _RESOLUTION = 3, 7
 
 
