@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import xarray
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
-from stiction.studies.hardness import _interpolate_loads
+from stiction.mechanics.hardness import area_per_load
+from stiction.studies.hardness import SampledAreas, _interpolate_loads
 from stiction.studies.interfaces import ShearStrength
 
 TABOR_TOLERANCE = 5e-3
@@ -173,3 +174,13 @@ def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
     hardness, mu = np.array([0.5, 2.0]), np.array([0.2, 0.6])
     pressure = ShearStrength("all", mu).under_shear(hardness, alpha)
     assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
+
+
+def test_sampled_areas_equal_exact_areas_for_many_hardnesses_and_beyond_the_nodes():
+    nodes, at_nodes = np.array([0.15, 0.5, 1.3]), np.array([[6.5, 2.1, 0.95], [7.0, 2.3, 1.1]])
+    elastic = np.array([0.4, 0.5])
+    areas = SampledAreas(nodes, at_nodes, elastic)
+    hardness = np.geomspace(0.04, 5.0, 20_000)
+    for part, tolerance in ((hardness, 1e-5), (hardness[:50], 1e-12), (3 * hardness, 1e-12)):
+        exact = area_per_load(part, nodes, at_nodes, elastic)
+        assert areas(np.log(part)) == pytest.approx(exact, rel=tolerance)

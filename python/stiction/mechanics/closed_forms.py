@@ -768,13 +768,19 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
     >>> hardness_under_shear(0.625, mu0=0.2, tau0=[0.05, 0.1, 0.125], alpha=[0, 27, 27]).round(3)
     array([0.625, 0.094,   nan])
     """
-    strength, square = check_positive(hardness=hardness)[0], friction_parameter("alpha", alpha)
-    mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
-    left = strength**2 - square * tau**2
+    parameters = {"mu0": mu0, "tau0": tau0, "alpha": alpha}
+    mu, tau, square = (friction_parameter(name, value) for name, value in parameters.items())
+    strength = check_positive(hardness=hardness)[0]
+    return np.where(square == 0, strength, solve_yield_condition(strength, mu, tau, square))
+
+
+def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
+    """Return the pressure of `hardness_under_shear` for arguments that are already checked."""
+    shear = alpha * (mu0 * tau0)
+    excess = np.square(hardness) - alpha * tau0**2  # not above 0 at seizure
     with np.errstate(invalid="ignore"):
-        root = np.sqrt((square * mu * tau) ** 2 + (1 + square * mu**2) * left)
-        pressure = left / (square * mu * tau + root)
-    return np.where(square == 0, strength, np.where(left > 0, pressure, np.nan))
+        pressure = excess / (shear + np.sqrt(shear**2 + (1 + alpha * mu0**2) * excess))
+    return np.where(excess > 0, pressure, np.nan)
 
 
 @reject_overflow

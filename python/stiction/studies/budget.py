@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket
-from stiction.mechanics.closed_forms import hardness_under_shear
+from stiction.mechanics.closed_forms import hardness_under_shear, solve_yield_condition
 from stiction.mechanics.quantities import attributes_of
-from stiction.studies.evaluation import PerLoad, areas_of, member_sums, member_values
+from stiction.studies.evaluation import PerLoad, area_growth, areas_of, member_sums, member_values
 from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
@@ -171,15 +171,14 @@ def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator)
     """
     if (hardness := areas.hardness) is None:
         return {}
-    mu0, tau0, growth = at["mu0"].values, at["tau0"].values, find_junction_growth(study)
+    mu0, tau0 = at["mu0"].values, at["tau0"].values
     pressure = np.full((mu0.size, tau0.size), hardness)
     grown = np.ones((at.sizes["sliding"], at.sizes["load"], *pressure.shape))
-    if growth is not None:
+    if (growth := find_junction_growth(study)) is not None:
         pressure = hardness_under_shear(hardness, mu0[:, np.newaxis], tau0, growth.value)
-        own = np.full(pressure.size, hardness)
-        for rule, load in np.ndindex(grown.shape[:2]):
-            values = areas.growth_ratio(load, str(at["sliding"].values[rule]), own, pressure.ravel())
-            grown[rule, load] = np.where(tau0 == 0, 1.0, values.reshape(pressure.shape))
+        rules = at["sliding"].values.tolist()
+        grown = np.stack([area_growth(areas, study, rule, mu0, tau0) for rule in rules])
+        grown[..., tau0 == 0] = 1.0
     dims = ("mu0", "tau0")
     return {"sheared_pressure": (dims, pressure), "area_growth": (("sliding", "load", *dims), grown)}
 
@@ -353,7 +352,7 @@ class _CoefficientSamples:
         """Return the contact pressure H' (GPa) under shear; NaN at seizure. `alpha` is the central value by default."""
         if self.growth is None:
             return hardness
-        found = hardness_under_shear(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
+        found = solve_yield_condition(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
         return float(found) if found.ndim == 0 else found
 
     def _grown(self, hardness: Floats, tau0: Any, pressure: Any, modulus: Any = 1.0) -> Any:

@@ -477,13 +477,18 @@ def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolat
     return AreaInterpolator.from_result(loads, ratio, float(gradient.mean()), np.zeros(loads.size), study, result)
 
 
+def mean_areas(result: Result) -> Floats:
+    """Return the mean true area (µm²) of the members at the solved loads; callers use `Result.mean_areas`."""
+    zero = np.zeros(1)
+    areas = _members_before_growth(result, result.study.contact.steps(), zero, zero, "elastic", None, ())
+    return np.asarray(areas["contact_area"].mean([dim for dim in areas["contact_area"].dims if dim != "load"]).values)
+
+
 def growth_of_area(result: Result, loads: Floats) -> Floats:
     """Return d ln(A/F) / d ln F, where A is the mean true area, at loads (mN)."""
     steps = result.study.contact.steps()
     if steps.size > 1:
-        zero = np.zeros(1)
-        curve = _members_before_growth(result, steps, zero, zero, "elastic", None, ())["contact_area"]
-        ratio = curve.mean([dim for dim in curve.dims if dim != "load"]).values / steps
+        ratio = result.mean_areas / steps
         known = np.isfinite(ratio) & (ratio > 0)
         if known.sum() > 1:
             slope = np.gradient(np.log(ratio[known]), np.log(steps[known]))

@@ -192,6 +192,13 @@ class Result:
         return default_loads(self)
 
     @cached_property
+    def mean_areas(self) -> NDArray[np.float64]:
+        """Mean true area (µm²) of the members at the solved loads."""
+        from stiction.studies.evaluation import mean_areas
+
+        return mean_areas(self)
+
+    @cached_property
     def at_study_loads(self) -> xarray.Dataset:
         """Values and intervals at the loads, mu0 and tau0 of the study, with the uncertainty budget.
 
