@@ -405,6 +405,27 @@ def test_lines_with_as_many_cells_as_the_data_are_data(tmp_path):
         assert body.heights.size == (60 if place == 30 else 59)
 
 
+@pytest.mark.parametrize("count", [2, 30])
+@pytest.mark.parametrize("first", [0, 20, 60])
+@pytest.mark.parametrize("cells", ["{z}", "{x},{z}"])
+def test_repeated_words_next_to_numbers_are_rejected(tmp_path, cells, first, count):
+    """Repeated words are neither a header nor a footer."""
+    path = tmp_path / "a.csv"
+    lines = [cells.format(x=0.5 * at, z=z) for at, z in enumerate(LINE_HEIGHTS)]
+    lines[first:first] = [cells.format(x="Err", z="Err" if cells == "{z}" else at) for at in range(count)]
+    path.write_text("\n".join(lines))
+    with pytest.raises(FormatError, match=r"'Err' is not a number; --missing-value Err treats it"):
+        read_measurement(path, unit="um")
+
+
+def test_rows_of_dashes_between_numbers_are_missing_points(tmp_path):
+    path = tmp_path / "a.txt"
+    lines = [f"{z}" for z in LINE_HEIGHTS]
+    path.write_text("z (um)\n" + "\n".join([*lines[:20], "---", "---", "---", *lines[20:]]))
+    body = read_measurement(path, spacing="0.5 um", missing="mask")
+    assert np.flatnonzero(body.missing).tolist() == [20, 21, 22]
+
+
 def test_codes_for_missing_points_are_named_and_masked(tmp_path):
     path = tmp_path / "a.csv"
     for code in ("-9999", "-32768", "99999.0", "0.000"):

@@ -1,6 +1,7 @@
 import hashlib
 import io
 import os
+import re
 import time
 import tracemalloc
 import zipfile
@@ -404,7 +405,7 @@ def workbook_bytes(*sheets, **changes):
 
 
 SHEET_HEAD = [["points", 5], ["made by", "a gauge"], [], [None, "x (um)", "z (um)"]]
-SHEET_HEAD += [[None, x, z, "ok"] for x, z in zip(X, HEIGHTS, strict=True)]
+SHEET_HEAD += [[None, x, z, None, "a note"] for x, z in zip(X, HEIGHTS, strict=True)]
 
 
 def test_workbooks_are_read(file):
@@ -423,6 +424,39 @@ def test_workbooks_are_read(file):
     assert "misses 1 of 5 points, the first at point 2, counted from 0" in error_message(
         file(workbook_bytes(("one", gaps)), "d.xlsx")
     )
+
+
+LONG_HEIGHTS = [*HEIGHTS, *HEIGHTS, 1.5, *HEIGHTS, 0.5]
+WORD_TABLES = {
+    "words": (["x (um)", "z (um)", "state"], lambda z: [z, "OK" if z > 0 else "NG"]),
+    "few words": (["x (um)", "z (um)", "state"], lambda z: [z, None if z > 0 else "NG"]),
+    "words as heights": (["x (um)", "z (um)"], lambda z: [z if z > 1 else "NG"]),
+    "empty cells": (["x (um)", "z (um)"], lambda z: [z if z > 1 else None]),
+}
+
+
+@pytest.mark.parametrize("table", WORD_TABLES)
+def test_words_in_workbooks_have_the_same_effect_as_in_text(file, table):
+    names, cells = WORD_TABLES[table]
+    rows = [names, *([at / 4, *cells(z)] for at, z in enumerate(LONG_HEIGHTS))]
+    text = "".join(",".join("" if cell is None else str(cell) for cell in row) + "\n" for row in rows)
+    workbook, text = file(workbook_bytes(("one", rows)), "a.xlsx"), file(text, "a.csv")
+    messages = [re.sub(r"\('.*'\) ", "", error_message(path)).split(": ", 1)[1] for path in (workbook, text)]
+    assert messages[0] == messages[1]
+    assert ("NG" in messages[0]) == (table != "empty cells")
+    profiles = [read_profile(path, missing="mask", missing_value="NG") for path in (workbook, text)]
+    assert profiles[0].heights.tolist() == profiles[1].heights.tolist()
+    assert profiles[0].missing.tolist() == profiles[1].missing.tolist()
+
+
+def test_columns_of_workbooks_with_words_are_numbered_as_in_the_sheet(file):
+    names, cells = WORD_TABLES["words"]
+    rows = [[None, None, *row] for row in (names, *([at / 4, *cells(z)] for at, z in enumerate(LONG_HEIGHTS)))]
+    path = file(workbook_bytes(("one", rows)), "a.xlsx")
+    message = error_message(path)
+    assert "has words in column 4 (state)" in message
+    assert "(--columns 2,3)" in message
+    assert read_profile(path, columns=(2, 3)).heights.tolist() == LONG_HEIGHTS
 
 
 def test_damaged_workbooks_are_rejected(file, monkeypatch):

@@ -130,13 +130,12 @@ class Text:
         # Lines of asterisks or dashes are rows of missing points if they are between rows of numbers. Otherwise they
         # are rulers.
         filled = np.flatnonzero(kinds != BLANK)
-        rulers = (
-            np.flatnonzero((kinds[filled][1:-1] == TEXT) & (bits[filled][1:-1] & (_NON_NUMERIC_BIT | _DIGIT_BIT) == 0))
-            + 1
-        )
-        for position in rulers.tolist():
-            if kinds[filled[position - 1]] == NUMBERS == kinds[filled[position + 1]]:
-                kinds[filled[position]] = NUMBERS
+        is_ruler = (kinds[filled] == TEXT) & (bits[filled] & (_NON_NUMERIC_BIT | _DIGIT_BIT) == 0)
+        others = np.flatnonzero(~is_ruler)
+        for gap in np.flatnonzero(np.diff(others) > 1).tolist():
+            first, last = others[gap : gap + 2].tolist()
+            if kinds[filled[first]] == NUMBERS == kinds[filled[last]]:
+                kinds[filled[first + 1 : last]] = NUMBERS
         return kinds
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import math
 import re
 import warnings
@@ -63,8 +64,8 @@ def _set_layout(table: ColumnTable, layout: str) -> ColumnTable:
 
 
 def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> ColumnTable:
-    """Parse the numeric columns of a sheet and the header above them as a table."""
-    columns = _find_numeric_columns(rows)
+    """Parse the table of a sheet, which has the most numbers, and the header above it."""
+    columns = _find_table_columns(rows)
     lines = [_join_row(row, columns) for row in rows]
     content = parse_table(decode(("\n".join(lines) + "\n").encode(), words))
     if not isinstance(content, ColumnTable):
@@ -110,9 +111,36 @@ def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
     return sorted(index for index, count in numbers.items() if count > 1 and 4 * count >= max_count)
 
 
-def _join_row(row: Sequence[Any], columns: list[int]) -> str:
-    """Join the cells of a row by tabs. If the row contains numbers, only the numeric columns are joined."""
-    selected = [row[index] if index < len(row) else None for index in columns]
+def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> range:
+    """Return the longest run of rows with a number in one of the columns."""
+    has_number = [any(map(_is_number, _select_cells(row, columns))) for row in rows]
+    runs = [list(run) for is_run, run in itertools.groupby(range(len(rows)), has_number.__getitem__) if is_run]
+    longest = max(runs, key=len)
+    return range(longest[0], longest[-1] + 1)
+
+
+def _find_table_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
+    """Return the numeric columns and all columns that adjoin them in the data rows.
+
+    An adjoining column contains words, or numbers in a few rows only. An empty column separates two tables.
+    """
+    numeric = _find_numeric_columns(rows)
+    data = _find_data_rows(rows, numeric)
+    filled = {index for row in rows[data.start : data.stop] for index, cell in enumerate(row) if cell is not None}
+    columns: list[int] = []
+    for _, group in itertools.groupby(enumerate(sorted(filled | set(numeric))), lambda item: item[1] - item[0]):
+        adjoining = [index for _, index in group]
+        columns += adjoining if set(adjoining) & set(numeric) else []
+    return columns
+
+
+def _select_cells(row: Sequence[Any], columns: Sequence[int]) -> list[Any]:
+    return [row[index] if index < len(row) else None for index in columns]
+
+
+def _join_row(row: Sequence[Any], columns: Sequence[int]) -> str:
+    """Join the cells of a row by tabs. If the row contains numbers, only the columns of the table are joined."""
+    selected = _select_cells(row, columns)
     if any(map(_is_number, selected)) or (selected and all(isinstance(cell, str) for cell in selected)):
         return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in selected)
     return "\t".join(" ".join(str(cell).split()) for cell in row if cell is not None)

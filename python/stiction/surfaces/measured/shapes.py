@@ -279,17 +279,19 @@ def _without_words(table: ColumnTable, columns: Sequence[Selection] | None) -> C
 
     Raises `FormatError` unless the caller gave such a word for each of these columns, or chose the columns.
     """
-    word_places = [column.place for column in table.word_columns]
+    word_places, numbers = [column.place for column in table.word_columns], _column_numbers(table)
     others = [place for place in range(table.values.shape[1]) if place not in word_places]
     for column in table.word_columns:
         name = f" ({printable(table.names[column.place])})" if table.names and table.names[column.place] else ""
-        text = f"column {column.place}{name}"
+        text = f"column {numbers[column.place]}{name}"
         if column.missing.any():
             step = f"{int(column.missing.sum())} points missing according to the words in {text}"
             table = replace(table, values=_mask_heights(table.values, column.missing, others))
         elif columns is None:
             chosen = [
-                place for place in others if not (table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[place]))
+                numbers[place]
+                for place in others
+                if not (table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[place]))
             ]
             example = ",".join(map(str, chosen[:MAX_PROFILE_COLUMNS]))
             raise FormatError(

@@ -148,18 +148,32 @@ def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> i
 def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
     """Reject a line next to numbers that has a cell which cannot be read.
 
-    Such a line has as many cells as its neighbours, most of which are numbers, and is not a line of labels.
+    Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
+    line beyond it has the same words.
     """
-    for line in sorted({line for first, last in runs for line in (first - 1, last + 1) if 0 <= line < len(text)}):
-        if text.kinds[line] != TEXT or width == 1 or text.line(line).startswith(("#", "%", "!", "/")):
+    neighbours = {neighbour for first, last in runs for neighbour in ((first - 1, -1), (last + 1, 1))}
+    for line, step in sorted(neighbours):
+        if not 0 <= line < len(text) or text.kinds[line] != TEXT or text.line(line).startswith(("#", "%", "!", "/")):
             continue
         cells = dialect.cells(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
         # excludes lines of the form "name value"
         numbers = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
-        if len(cells) != width or numbers < width or None not in kinds or _are_labels(cells, dialect):
+        if len(cells) != width or None not in kinds or _are_labels(cells, dialect):
             continue
-        _reject_word(text, line, next(cell for cell, kind in zip(cells, kinds, strict=True) if kind is None))
+        has_most_numbers = width > 1 and numbers >= width
+        if has_most_numbers or _repeats_words(text, dialect, kinds, cells, line + step):
+            _reject_word(text, line, next(cell for cell, kind in zip(cells, kinds, strict=True) if kind is None))
+
+
+def _repeats_words(text: Text, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
+    """Return whether a line has the same words and otherwise numbers in its cells as another line, unlike a header."""
+    if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
+        return False
+    others = dialect.cells(text.line(other))
+    return [cell_kind(cell, dialect, text) for cell in others] == kinds and all(
+        cell == other_cell for cell, other_cell, kind in zip(cells, others, kinds, strict=True) if kind is None
+    )
 
 
 def _reject_word(text: Text, line: int, word: str) -> None:
