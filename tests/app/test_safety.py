@@ -20,7 +20,9 @@ import pytest
 pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.server_process import start_server, wait_until, write_maps
+from stiction.app import server
 from stiction.app.jobs import Jobs, run_module
+from stiction.app.server import MAX_REQUESTS
 
 MAX_SERVER_MEMORY = 400e6  # bytes; the server loads xarray and reads one scan at a time
 
@@ -210,15 +212,12 @@ def test_decompression_bomb_is_reported_as_reading_error(app, name, tmp_path):
 
 @pytest.mark.soak
 def test_server_survives_a_thousand_simultaneous_requests(app):
-    def request_start_page(_):
-        try:
-            return app.request("GET", "/")[0]
-        except OSError:
-            return "refused"
+    def request_profiles(_):
+        return app.request("GET", f"/profiles?set={quote('[]')}")[0]
 
     with ThreadPoolExecutor(250) as pool:
-        statuses = list(pool.map(request_start_page, range(1000)))
-    assert set(statuses) <= {200, "refused"}
+        statuses = list(pool.map(request_profiles, range(1000)))
+    assert set(statuses) == {200, 503}
     assert statuses.count(200) > 50
     assert app.resident_memory() < MAX_SERVER_MEMORY
     assert wait_until(app.is_alive, bool)
@@ -363,6 +362,37 @@ def test_server_answers_its_owner_despite_many_idle_connections(tmp_path):
         server.process.send_signal(signal.SIGTERM)
         assert server.process.wait(30) == 0
         assert server.process.stderr.read() == ""
+
+
+def test_server_rejects_requests_beyond_its_limit_in_a_sentence(app):
+    header_lines = (
+        f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
+    )
+    (private_folder,) = app.find_private_folders()
+    with ExitStack() as stack:
+        for _ in range(MAX_REQUESTS):
+            client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))
+            client.sendall(f"PUT /scans?name=x HTTP/1.1\r\n{header_lines}\r\nContent-Length: 9\r\n\r\n1".encode())
+        wait_until(lambda: len(list(private_folder.glob("*.partial"))), lambda count: count == MAX_REQUESTS)
+        status, _, body = app.request("GET", "/jobs")
+        assert (status, f"already has {MAX_REQUESTS} requests" in body.decode()) == (503, True)
+        assert app.request("GET", "/jobs", cookie="")[0] == 403
+    assert wait_until(lambda: app.request("GET", "/jobs")[0], lambda status: status == 200)
+
+
+def test_late_response_is_replaced_by_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr(server, "MAX_REQUEST_TIME", 0.05)
+    app = server.Server(tmp_path, tmp_path, 1)
+    monkeypatch.setattr(app, "_rejection", lambda request: None)
+    monkeypatch.setattr(app, "_app", lambda *_: asyncio.Event().wait())
+    messages = []
+
+    async def send(message):
+        messages.append(message)
+
+    asyncio.run(app({"type": "http", "method": "GET", "path": "/jobs", "headers": []}, None, send))
+    assert messages[0]["status"] == 503
+    assert b"took longer" in messages[1]["body"]
 
 
 def test_terminated_server_ends_without_traceback_during_requests_and_jobs(tmp_path):

@@ -39,7 +39,8 @@ class Connection(H11Protocol):
         super().connection_made(transport)
         self.idle[self] = self.loop.call_later(MAX_IDLE, self._abort)
         if len(self.idle) > MAX_IDLE_CONNECTIONS:
-            next(iter(self.idle))._abort()
+            # The event loop reads requests that have already arrived before it calls a callback of a callback.
+            self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:
         """Stop the timer when the head of the request is complete."""
@@ -51,6 +52,10 @@ class Connection(H11Protocol):
         """Stop the timer of a connection that the client has closed."""
         self._leave_idle()
         super().connection_lost(exc)
+
+    def _close_oldest(self) -> None:
+        if len(self.idle) > MAX_IDLE_CONNECTIONS:
+            next(iter(self.idle))._abort()
 
     def _leave_idle(self) -> None:
         if (timer := self.idle.pop(self, None)) is not None:

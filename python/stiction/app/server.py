@@ -35,6 +35,7 @@ MAX_SCAN_BYTES = 300_000_000  # maximum number of bytes of a scan, as much text 
 MAX_TOTAL_BYTES = 2_000_000_000  # maximum number of bytes of all scans
 MAX_REQUEST_BYTES = 2**16  # maximum number of bytes of any other request
 MAX_REQUEST_TIME = 120.0  # maximum number of seconds for a request and its response
+MAX_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six
 MAX_NAME_LENGTH = 60  # maximum number of characters of a scan name
 MAX_LISTED_RESULTS = 100  # maximum number of listed results
 MAX_PREVIEW_POINTS = 2**21  # maximum number of points of a scan for a preview
@@ -62,6 +63,8 @@ RESPONSE_HEADERS = {
     "connection": "close",  # the server does not read further data from the connection
 }  # fmt: skip
 ENDED_RESPONSE = PlainTextResponse("The server has ended.\n", 503)
+BUSY_RESPONSE = PlainTextResponse(f"The server already has {MAX_REQUESTS} requests; try again later.\n", 503)
+TIMEOUT_RESPONSE = PlainTextResponse(f"The request took longer than {MAX_REQUEST_TIME:.0f} s.\n", 503)
 FOREIGN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.\n", 403)
 
 
@@ -127,20 +130,25 @@ class Server:
 
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
-        if self._has_ended:
-            return await ENDED_RESPONSE(scope, receive, send_with_headers)
+        rejection = ENDED_RESPONSE if self._has_ended else self._rejection(Request(scope))
+        if rejection is None and len(self._requests) >= MAX_REQUESTS:
+            rejection = BUSY_RESPONSE
+        if rejection is not None:
+            return await rejection(scope, receive, send_with_headers)
         task: Any = asyncio.current_task()
         self._requests.add(task)
         try:
             async with asyncio.timeout(MAX_REQUEST_TIME):
-                await (self._rejection(Request(scope)) or self._app)(scope, receive, send_with_headers)
+                await self._app(scope, receive, send_with_headers)
         except TimeoutError:
-            pass
+            rejection = TIMEOUT_RESPONSE
         except asyncio.CancelledError:
-            with suppress(RuntimeError):  # the response has already started
-                await ENDED_RESPONSE(scope, receive, send_with_headers)
+            rejection = ENDED_RESPONSE
         finally:
             self._requests.discard(task)
+        if rejection is not None:
+            with suppress(RuntimeError):  # the response has already started
+                await rejection(scope, receive, send_with_headers)
 
     def _rejection(self, request: Request) -> Response | None:
         headers = request.headers
