@@ -109,10 +109,10 @@ def test_displacement_at_sliding_is_proportional_to_deepest_overlap():
 def test_table_figure_and_report_show_onset(study, tmp_path):
     run(study, store=tmp_path / "result")
     result = open_result(tmp_path / "result")
-    column = "creep before sliding at mu0 = 0.3, tau0 = 20 MPa (um)"
-    assert {column, f"{column}: lower", "tangential stiffness at rest (mN/um)"} <= set(result.to_dataframe().columns)
+    column = "pre-sliding displacement at mu0 = 0.3, tau0 = 20 MPa (um)"
+    assert {column, f"{column}: lower", "initial tangential stiffness (mN/um)"} <= set(result.to_dataframe().columns)
     text = " ".join(quantities_text(at_load(result.source, [1e-3]).isel(fractal_dimension=0), study).split())
-    assert "creep before sliding at μ0 = 0.3, τ0 = 20 MPa (nm)" in text
+    assert "pre-sliding displacement at μ0 = 0.3, τ0 = 20 MPa (nm)" in text
     assert "load that slips at half of sliding at μ0 =" in text
     assert result.figures() == ["onset"]
     panels = result.figure("onset").axes

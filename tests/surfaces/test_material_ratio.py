@@ -77,7 +77,7 @@ def test_parameter_set_shows_units_and_missing_values():
     lines = dict(line.strip().split(None, 1) for line in repr(result).splitlines()[1:])
     assert lines["Str"] == "none"
     assert lines["Spd"].endswith("1/µm²")
-    assert lines["levelled"] == "no: as they are"
+    assert lines["levelled"] == "no"
     with pytest.raises(AttributeError, match="SurfaceParameters has no parameter 'Ra'"):
         result.Ra  # noqa: B018
     assert math.isnan(result.Str)

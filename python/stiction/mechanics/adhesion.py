@@ -1,4 +1,4 @@
-"""Adhesion of a half-space: an attraction that decays with the gap, as a given traction on the solver without adhesion.
+"""Adhesion of a half-space: an attraction that decays with the gap, as a traction in the solver without adhesion.
 
 The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration solves the contact of the gap g0 - Kσ and evaluates σ at the new
 gap, until σ no longer changes.
@@ -22,24 +22,24 @@ import stiction._core as _core
 from stiction._checks import Floats
 from stiction.mechanics.half_space_problem import ContactSolution, Problem, State, threads, to_contact_solution
 
-# Number of plain steps between two extrapolated steps. They damp the modes that extrapolated steps overshoot.
+# Number of plain steps between two extrapolated steps, which damp the modes that extrapolated steps overshoot.
 PLAIN = 2
 MAX_STEP = 10.0  # largest extrapolated step as a multiple of the plain step
 MAX_SOLUTIONS = 2000  # maximum number of solutions for one external load, which may include jumps
-# maximum numbers of solutions for one contact load, and of solutions without a decrease of the residual
+# maximum number of solutions for one contact load, and of successive solutions without a smaller residual
 MAX_SETTLING, PATIENCE = 60, 20
-RESIDUAL_FACTOR = 10.0  # relative residual of the attraction as a multiple of the tolerance
-MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; with a smaller tolerance, round-off may stall the solver
-# Error of a solution as a fraction of the previous residual, and the largest tolerance of a solution.
+RESIDUAL_FACTOR = 10.0  # largest relative residual of the attraction, as a multiple of the tolerance
+MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; below it, round-off may stall the solver
+# Tolerance of a solution as a fraction of the previous residual, and its largest value.
 INEXACT, MAX_TOLERANCE = 0.05, 1e-3
-# Increase of the attraction during separation, as a fraction of its maximum, that counts as a numerical error.
+# Increase of the attraction during separation, as a fraction of its maximum, that is attributed to numerical errors.
 MAX_INCREASE = 1e-3
-# Contact load below which bodies are separate, as a fraction of the attraction at first contact.
+# Contact load, as a fraction of the attraction at first contact, below which bodies count as separate.
 MIN_CONTACT = 1e-3
-STRIDE = 0.6  # contact load as a fraction of the previous contact load during separation
+STRIDE = 0.6  # ratio of successive contact loads during separation
 NEGLECTED = 0.01  # accepted relative error of the minimum load
 FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower load that is tried
-# Smallest relative decrease of an interpolated load below the minimum that justifies a solution.
+# Smallest relative difference by which an interpolated load must be below the minimum to justify a solution.
 MIN_GAIN = 0.003
 MIN_WIDTH = 0.01  # smallest relative difference of contact loads between which a load is interpolated
 MAX_REFINED = 6  # maximum number of contacts at interpolated loads
@@ -47,7 +47,7 @@ MAX_TRIALS = 24  # maximum number of external loads that are tried during separa
 
 
 class UnsolvedError(RuntimeError):
-    """Error of an attraction for which no equilibrium was found."""
+    """Error raised if no equilibrium of an attraction is found."""
 
 
 class Attraction:
@@ -60,24 +60,24 @@ class Attraction:
             tolerance,
             RESIDUAL_FACTOR * tolerance,
         )
-        # the text is the reason why the minimum load is uncertain
+        # reason why the minimum load is uncertain; empty if it is certain
         self.range, self.uncertain = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
-        # The relative error of the attraction is the error of the gap divided by the range.
+        # The relative error of the attraction equals the error of the gap divided by the range.
         self.relative_range = self.range / float(problem.gap.std() or 1)
         self.tolerance = max(min(tolerance, RESIDUAL_FACTOR * tolerance * self.relative_range), MIN_TOLERANCE)
         self.min_contact = MIN_CONTACT * float(self.of(problem.gap).mean())
 
     def of(self, gap: Floats) -> Floats:
-        """Return the attraction (GPa) at gaps (µm). Negative gaps count as 0."""
+        """Return the attraction (GPa) at gaps (µm); negative gaps count as 0."""
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def settle(self, near: State, contact: float, *, before: State) -> State:
         """Return the equilibrium at a mean contact pressure (GPa), iterated from a nearby state.
 
-        No point may be closer than in the state `before`; the bodies then bear the load when they are pulled apart.
-        Otherwise, or if the iteration fails, raise `UnsolvedError`.
+        No point may be closer than in the state `before`; the bodies then support the load when they are pulled apart.
+        Otherwise, or if the iteration fails, `UnsolvedError` is raised.
         """
         least, best = math.inf, 0
         for count, (state, residual) in enumerate(self._iterate(near, lambda _: contact, MAX_STEP)):
@@ -95,11 +95,11 @@ class Attraction:
         raise UnsolvedError("the attraction does not converge")
 
     def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
-        """Return the equilibrium under an external load (GPa), starting from a state or without contact, and True.
+        """Return the equilibrium under an external load (GPa) and True, starting from a state or without contact.
 
-        If the bodies separate, return the state with the smallest change on the way, and False. Separation is certain
-        only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium. Raise `UnsolvedError`
-        if `MAX_SOLUTIONS` do not decide.
+        If the bodies separate, the state with the smallest change on the way and False are returned. Separation is
+        certain only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium.
+        `UnsolvedError` is raised if `MAX_SOLUTIONS` solutions do not decide.
         """
         first = self.min_contact if near is None else -math.inf
         slowest, least, before = near, math.inf, math.inf
@@ -109,7 +109,7 @@ class Attraction:
                 return state, True
             if count == MAX_SOLUTIONS:
                 raise UnsolvedError("the attraction does not converge")
-            if residual < min(before, least) and count > 1:  # the first states may be near an equilibrium
+            if residual < min(before, least) and count > 1:  # the first states may happen to be near an equilibrium
                 slowest, least = state, residual
             before = residual
         assert slowest is not None
@@ -118,7 +118,7 @@ class Attraction:
     def _iterate(
         self, near: State | None, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[State, float]]:
-        """Yield states and the change of their attraction over the forces, until the bodies separate.
+        """Yield states, each with the change of its attraction relative to the forces, until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `PLAIN` plain steps, a step is extrapolated
         as a geometric series with the ratio of the last two changes, limited to `longest` times the last change.
@@ -154,7 +154,7 @@ class Attraction:
                 yield State(pressure, attraction, mean, mean - held, *known), residual
             slow = 0 if residual < least else slow + 1
             least = min(least, residual)
-            if slow > PATIENCE:  # the residual may be due to errors of the solutions
+            if slow > PATIENCE:  # the residual may result from errors of the solutions
                 inexact, slow = inexact / 10, 0
             ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
@@ -174,16 +174,18 @@ class Attraction:
             assert near is not None
             least = f"{self.force(lowest(self.separate(near)).load):.4g} mN"
             raise UnsolvedError(
-                f"bodies bear at least {least}; {self.uncertain}" if self.uncertain else f"bodies separate at {least}"
+                f"bodies support at least {least}; {self.uncertain}"
+                if self.uncertain
+                else f"bodies separate at {least}"
             )
         return found
 
     def separate(self, start: State) -> list[State]:
-        """Return states of decreasing contact load, from the start at least to the state of minimum load.
+        """Return states of decreasing contact load, from the start to the state of minimum load or beyond.
 
-        States of decreasing contact load lead near the minimum. Then lower loads are tried, with extrapolated steps and
-        finally with plain steps from the start: under a load that is lower by `NEGLECTED` the bodies separate. If this
-        is not certain, `uncertain` gives the reason.
+        States of decreasing contact load lead close to the minimum. Lower loads are then tried, first with extrapolated
+        steps and finally with plain steps from the start. The minimum is certain if the bodies separate under a load
+        that is lower by `NEGLECTED`. Otherwise `uncertain` contains the reason.
         """
         self.uncertain = ""
         opening = self.opening(start)
@@ -194,8 +196,8 @@ class Attraction:
         not_borne = -math.inf
         for _ in range(MAX_TRIALS):
             least = lowest(states).load
-            # Between two states the contact load is not below that of the later one, and the attraction is not above
-            # that of the earlier one.
+            # Between two states, the contact load is at least that of the later state, and the attraction is at most
+            # that of the earlier state.
             possible = min([b.contact - a.held for a, b in itertools.pairwise(states)] + [-states[-1].held])
             if possible >= (1 + NEGLECTED) * least:
                 return states
@@ -228,7 +230,7 @@ class Attraction:
         return states
 
     def unload(self, states: list[State]) -> list[State]:
-        """Return the states continued to smaller contact loads until the external load rises or no state is found."""
+        """Return the states, continued to smaller contact loads until the external load rises or a state is missing."""
         states = list(states)
         while states[-1].contact > self.min_contact and states[-1] is lowest(states):
             try:
@@ -238,7 +240,7 @@ class Attraction:
         return states
 
     def opening(self, state: State) -> State | None:
-        """Return the state in which complete contact opens, with a minimum pressure of 0.
+        """Return the state in which complete contact opens, with a minimum pressure of 0; None if it is incomplete.
 
         Return None if contact is incomplete.
 
@@ -254,7 +256,7 @@ class Attraction:
         return State(pressure, state.attraction, contact, contact - state.held, state.approach - part * moved)
 
     def refine(self, states: list[State]) -> list[State]:
-        """Return the states and additional states where the interpolated load is below the minimum."""
+        """Return the states, with additional states where the interpolated load is below the minimum."""
         states = list(states)
         for _ in range(MAX_REFINED):
             place = min(range(len(states)), key=lambda at: states[at].load)
@@ -278,14 +280,14 @@ class Attraction:
 
 
 def lowest(states: list[State]) -> State:
-    """Return the state of minimum load."""
+    """Return the state with the minimum load."""
     return min(states, key=lambda state: state.load)
 
 
 def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tuple[float, float]:
     """Return the minimum interpolated load (GPa) between two of up to four states, and its contact load.
 
-    The mean attraction is interpolated by a polynomial over the logarithm of the contact load.
+    The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
     x, y = (np.array(values) for values in zip(*((math.log(s.contact), s.held) for s in states), strict=True))
     factors = np.polyfit(x - x.mean(), y, x.size - 1)
@@ -298,7 +300,7 @@ def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tu
 def solve_with_adhesion(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
-    """Return the contact at each external load (mN). Each solution starts from the previous contact."""
+    """Return the contact at each external load (mN); each solution starts from the previous contact."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     attraction = Attraction(problem, tolerance=tolerance, report=report)
@@ -314,14 +316,14 @@ def solve_with_adhesion(
 
 
 def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
-    """Return the contacts of bodies pulled apart down to the minimum load, and why the minimum is uncertain."""
+    """Return the contacts of bodies pulled apart down to the minimum load, and the reason if this load is uncertain."""
     problem, whole = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
     known = float(pressure.mean()), pressed.load / whole, pressed.approach
     start = State(pressure.ravel(), np.asarray(pressed.attraction), *known)
     ways, least = [], start.load
-    # Under a decreasing load, only contacts with less load than all earlier ones are passed.
+    # Under a decreasing load, the bodies pass only through contacts with less load than all earlier contacts.
     for state in attraction.separate(start)[1:]:
         if state.load < least:
             ways.append(state)

@@ -17,14 +17,14 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Smallest spread of ln κ, with κ = A E* h'/F, between two resolutions. It holds for any number of contacts.
+# Smallest spread of ln κ between two resolutions, for any number of contacts, where κ = A E* h'/F.
 MIN_LOG_SPREAD = 0.1
-# Extrapolated wavelengths as fractions of the shortest wavelength of the scan.
+# Shortest wavelengths of the extrapolation as fractions of the shortest wavelength of the scan.
 WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_spread(contact_count: Floats) -> Floats:
-    """Return the factor within which κ of a finer scan agrees with κ of this scan in 95 % of pairs.
+    """Return the factor within which κ of a finer scan equals κ of this scan in 95 % of pairs.
 
     Fitted to mean plus two standard deviations of ln κ: 0.6 with 2 contacts, 0.35 with 5, 0.2 with 16 and 0.1 with 40.
     The pairs had Hurst exponents of 0.4 and 0.8, and shortest wavelengths of 32 and of 4 points.
@@ -41,7 +41,7 @@ def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
 
 
 def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a gap. Return None if the spectrum of the gap has no self-affine band."""
+    """Estimate the Hurst exponent of a gap; None if the spectrum of the gap has no self-affine band."""
     try:
         return estimate_hurst_exponent(gap, periodic=periodic)
     except ValueError:
@@ -51,9 +51,9 @@ def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Find the shortest wavelength that limits the gradient of the gap to a value, and the interval of the wavelength.
+    """Return the shortest wavelength at which the gradient of the gap has a given value, with an interval.
 
-    The interval follows from the factor `spread` of the gradient. Return NaN if there is no such wavelength.
+    The interval follows from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
     """
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan
@@ -68,14 +68,14 @@ def plastic_wavelength(
 def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Extrapolate from this scan to the gradients of finer scans (wavelength, statistic).
+    """Extrapolate from this scan to the gradients of finer scans, with shape (wavelength, statistic).
 
-    Return NaN without an exponent.
+    NaN is returned without a Hurst exponent.
     """
     finer = np.array(WAVELENGTH_RATIOS) * shortest
     if estimate is None:
         return np.full((finer.size, 3), np.nan)
-    # The scale matches the slopes of this scan, so that the extrapolation is continuous.
+    # The scale is matched to the slopes of this scan, so that the extrapolation is continuous.
     scale = gradient / float(roughness.gradient_at(shortest))
     gradients = scale * np.stack([roughness.continued(finer, line) for line in interval_power_laws(estimate)], axis=1)
     gradients[:, 1:] = np.sort(gradients[:, 1:], axis=1)
@@ -83,18 +83,18 @@ def extrapolated_gradients(
 
 
 def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Return projected area fractions (wavelength, load, statistic), from the area fractions at a gradient of 1."""
+    """Return projected area fractions (wavelength, load, statistic) from the area fractions at a gradient of 1."""
     within = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * within / gradients[:, np.newaxis, [0, 2, 1]]
 
 
 def interface_stretch(gradient: Floats) -> Floats:
-    """Return interface area over projected area, 1 + h'²/8, if both surfaces have equal parts of the slope."""
+    """Return the ratio of interface area to projected area, 1 + h'²/8, for two surfaces with equal slopes."""
     return np.asarray(1 + np.square(gradient) / 8)
 
 
 def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor on mu_s due to slopes across the motion, with friction at all contacts.
+    """Return the factor by which slopes across the motion increase mu_s, with friction at all contacts.
 
     The factor is 1 + h'²/16 on areas and 1 on lines.
     """
@@ -102,11 +102,11 @@ def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
 
 
 def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Return the largest real contact area of finer scans of a yielding pair, in F/H.
+    """Return the largest real contact area that finer scans of a yielding pair may have, in units of F/H.
 
-    Shorter wavelengths redistribute the load between contacts, so elastic rims of yielding contacts may grow. A scan
-    without yielding is limited by κ alone. In a test, the limit was exceeded by none of 300 pairs of 256² points with
-    2 to 40 contacts.
+    Shorter wavelengths redistribute the load between contacts, so the elastic rims of yielding contacts may grow. The
+    limit does not apply to a scan without yielding, which is limited only by κ. None of 300 pairs of 256² points with 2
+    to 40 contacts exceeded the limit.
     """
     area_ratio = np.maximum(np.asarray(area, dtype=np.float64), 1.0)
     spread = kappa_spread(np.asarray(contact_count, dtype=np.float64))
@@ -116,9 +116,10 @@ def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
 def friction_bracket(
     value: float, mu0: float, adhesion: float, contacts: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the interval of mu_s at every finer resolution of a yielding pair, with friction at all contacts.
+    """Return the range of mu_s at all finer resolutions of a yielding pair, with friction at all contacts.
 
-    `value` is mu_s of this scan; `adhesion` is tau0/H. The upper end refers to the value, or to `upper` if given.
+    `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper end is computed from `value`, or from `upper` if
+    given.
     """
     highest = value if upper is None else upper
     if adhesion > 0:
@@ -136,11 +137,11 @@ def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, 
     variables: dict[str, tuple[tuple[str, ...], Floats, str, str]] = {
         "plastic_area": (dimensions[1:2], plastic_area, "µm²", "smallest real contact area, F/H"),
         "plastic_area_fraction": (
-            dimensions[1:2], plastic_area / nominal, "1", "smallest real over nominal area, F/(H A0)"
+            dimensions[1:2], plastic_area / nominal, "1", "smallest ratio of real to nominal area, F/(H A0)"
         ),
         "bracket_area_fraction": (
             dimensions, _ends(plastic_area / nominal, largest_area / nominal), "1",
-            "real over nominal area of every finer scan",
+            "ratio of real to nominal area of every finer scan",
         ),
     }  # fmt: skip
     if parameters is not None:

@@ -1,6 +1,6 @@
-"""Contact candidates, which are places where two surfaces may touch.
+"""Contact candidates: places where two surfaces may touch.
 
-They are found once and used at many approaches.
+The candidates are found once and used at many approaches.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Largest change of a grooved gap along its grooves, as a fraction of the range of the gap.
+# Largest change of the gap along grooves, as a fraction of the range of the gap, for which the gap counts as grooved.
 _GROOVE_TOLERANCE = 1e-9
 
 
@@ -45,8 +45,8 @@ class Candidates:
     position : (c, 3) ndarray, µm
         Position on the lower surface.
     gap : (c,) ndarray, µm
-        Gap minus the gap at first contact of the grid points: a candidate touches at larger approaches. Slightly
-        negative if a minimum between grid points is lower than all grid points.
+        Gap minus the gap at first contact of the grid points; the candidate touches at larger approaches. The value is
+        slightly negative if a minimum between grid points is lower than all grid points.
     radii : (c, 2) ndarray, µm
         Principal radii of the relative curvature, the larger one first.
     deepest : float, µm
@@ -114,7 +114,7 @@ def candidates(
     deepest : float, µm
         Largest approach, at least 0.
     curvature : {"convex", "signed"}, optional
-        Whether both surfaces must be convex at a contact, or only their relative curvature. The default is "convex"
+        With "convex", both surfaces must be convex at a contact; with "signed", only their gap. The default is "convex"
         for profiles and "signed" for surfaces.
 
     Returns
@@ -170,7 +170,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the candidates, if they are given instead of two surfaces, and the contact model."""
+    """Return candidates, if they are given instead of two surfaces, and the contact model."""
     if not isinstance(upper, Candidates):
         return None, model_for_pair(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:
@@ -179,7 +179,7 @@ def candidates_and_model(
     for name, expected in (("detection", "gap-minimum"), ("curvature", upper.curvature)):
         if getattr(model, name) not in (None, expected):
             raise ValueError(
-                f"{name} must be equal to that of the candidates, {expected!r}, got {getattr(model, name)!r}"
+                f"{name} must be equal to the value for the candidates, {expected!r}, got {getattr(model, name)!r}"
             )
     model = replace(model, detection="gap-minimum", curvature=upper.curvature)
     areal = isinstance(upper.core, stiction._core.ArealCandidates)

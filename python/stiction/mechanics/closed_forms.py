@@ -1,6 +1,6 @@
-"""Exact solutions for single contacts and sinusoidal surfaces. The tests use them as references, too.
+"""Exact solutions for single contacts and sinusoidal surfaces, which also serve as references in tests.
 
-Plain NumPy, independent of the core. All arguments broadcast.
+The module uses plain NumPy and is independent of the core. All arguments broadcast.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from stiction.mechanics.friction import check_shear_strength, friction_parameter
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import Sliding
 
-# Number of bisections. It is sufficient to find the logarithm of an aspect ratio to the last bit.
+# Number of bisections, which determine the logarithm of an aspect ratio to the last bit.
 _BISECTIONS = 64
-_SLOPE_TOLERANCE = 1e-9  # tolerance by which a slope may exceed the gradient
-# Deviation of slopes below which two terms of a series are exact to the last bit.
+_SLOPE_TOLERANCE = 1e-9  # relative tolerance by which the rms slope may exceed the rms gradient
+# Standard deviation of slopes below which two terms of a series are exact to the last bit.
 _SMALL_SLOPE = 1e-3
 
 _P = ParamSpec("_P")
@@ -39,7 +39,7 @@ def check_positive(**arguments: ArrayLike) -> list[Floats]:
 
 
 def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Wrap a function so that it raises ValueError if a result or an intermediate number exceeds double precision."""
+    """Wrap a function so that it raises a `ValueError` if an intermediate or final number exceeds double precision."""
 
     @functools.wraps(function)
     def checked(*args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -400,7 +400,7 @@ def maugis_dugdale(
                 outer -= 1
             if (
                 _maugis_solution(outer, strength)[1] < force / unit
-            ):  # the difference of the two radii is lost in round-off
+            ):  # the difference between the two radii is lost in round-off
                 raise ArithmeticError
             result = brentq(lambda x, s=strength, f=force / unit: _maugis_solution(x, s)[1] - f, outer, least.x)
             radii[position] = _maugis_solution(result, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
@@ -410,7 +410,7 @@ def maugis_dugdale(
 def _maugis_solution(logarithm: float, strength: float) -> tuple[float, float]:
     """Return radius and load in Maugis' units.
 
-    The argument is the logarithm of m - 1, where m is the ratio of both radii.
+    The argument is the logarithm of m - 1, where m is the ratio of the radii of attraction and contact.
     """
     m = 1 + np.exp(logarithm)
     root = np.sqrt(np.exp(logarithm) * (m + 1))
@@ -443,7 +443,7 @@ def fuller_tabor(
     adhesion_parameter : ndarray of float
         σ/δ, dimensionless, with the broadcast shape of the arguments.
     relative_pull_off : ndarray of float
-        Pull-off force over the pull-off force of equally high summits, from 0 to 1.
+        Ratio of the pull-off force to that of equally high summits, from 0 to 1.
 
     Raises
     ------
@@ -456,8 +456,8 @@ def fuller_tabor(
 
     Notes
     -----
-    Summits separate when they are stretched by δ = 3/4 (π² w² R/E*²)^(1/3). Equally high summits have a pull-off force
-    of 3/2 π w R each; above σ/δ = 3 little of it is left. Summits behave as in `jkr` and do not interact. Fuller &
+    Summits separate when they are stretched by δ = 3/4 (π² w² R/E*²)^(1/3). Each of equally high summits has a pull-off
+    force of 3/2 π w R, of which little is left above σ/δ = 3. Summits behave as in `jkr` and do not interact. Fuller &
     Tabor, Proceedings of the Royal Society A 345 (1975) 327; σ/δ is their 1/Δc.
 
     Examples
@@ -653,8 +653,8 @@ def hertz_ellipse(
         *check_positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
     )
     larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
-    ratio = smaller / larger  # of the curvatures
-    # The ratio R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is below k.
+    ratio = smaller / larger  # ratio of the curvatures
+    # R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is below k.
     low, high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
@@ -689,13 +689,13 @@ def slope_friction(
     Returns
     -------
     coefficient : ndarray of float
-        Friction coefficient, with the broadcast shape of the arguments; NaN if the contact is self-locked,
-        (mu0 + tau0 A/F) tan θ >= 1.
+        Friction coefficient, with the broadcast shape of the arguments; NaN if the contact is self-locked, (mu0 + tau0
+        A/F) tan θ >= 1.
 
     Raises
     ------
     ValueError
-        If an argument is outside its range, or the mean pressure is needed and not given.
+        If an argument is outside its range, or if the mean pressure is required and not given.
 
     See Also
     --------
@@ -785,7 +785,7 @@ def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Flo
 
 @reject_overflow
 def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Compute the friction coefficient of contacts all of which yield, after junction growth.
+    """Compute the friction coefficient, after junction growth, if all contacts yield.
 
     Parameters
     ----------
@@ -849,17 +849,17 @@ def gentle_friction(
     rms_gradient : array_like of float
         h' of the gap, over all directions; on a line the root-mean-square slope.
     rms_slope : array_like of float, optional
-        g_s of the gap along the motion. None means isotropic, h'/sqrt(2); on a line it is h'.
+        g_s of the gap along the motion. None stands for an isotropic gap, h'/sqrt(2). On a line, the slope is h'.
     effective_modulus : array_like of float, GPa
     kappa : array_like of float
         A E* h'/F: 2.1 to 2.4 on Gaussian surfaces at small loads, 2 to 3.5 on lines. For the second order, A is the
         projected area.
     sliding : {"opposing", "all"}
-        Contacts with friction: those whose normal force opposes the motion, or all.
+        Contacts with friction: only contacts whose normal force opposes the motion, or all contacts.
     slope_ratio : array_like of float
         r, ratio of the root-mean-square slopes of the two surfaces, in either order; 0 for a rough surface on a flat.
     order : {1, 2}
-        1 for small slopes; 2 includes the larger interface of contacts on slopes across the motion.
+        1 for small slopes; 2 includes the larger interface area of contacts on slopes across the motion.
 
     Returns
     -------
@@ -884,18 +884,19 @@ def gentle_friction(
 
     Derivation: the gap determines where the surfaces touch. If two Gaussian surfaces have spectra of the same shape,
     the common part of their slopes is independent of the gap. Contact slopes are then a random sample with the variance
-    (g_s r/(1 + r²))². The gap's contribution to the slope of the deformed interface averages to zero over a contact,
-    which cannot push itself sideways. The fraction of the compliance therefore has almost no effect.
+    (g_s r/(1 + r²))². The contribution of the gap to the slope of the deformed interface averages to zero over a
+    contact, because internal forces cannot push a contact sideways. The fraction of the compliance therefore has almost
+    no effect.
 
-    The second order is w m for all contacts and (w m/2 + S)/(1 - v m S) for opposing ones. w and v are the means of
-    (1 + s²)^(1/2) and (1 + s²)^(-1/2) over normally distributed slopes s across the motion, of variance
-    (h'² - g_s²) r²/(1 + r²)². It is exact for contacts of equal load with these slopes, and intended for surfaces of
+    The second order is w m for all contacts and (w m/2 + S)/(1 - v m S) for opposing ones. w and v are the means of (1
+    + s²)^(1/2) and (1 + s²)^(-1/2) over normally distributed slopes s across the motion, of variance (h'² - g_s²) r²/(1
+    + r²)². These expressions are exact for contacts of equal load with these slopes, and are intended for surfaces of
     equal roughness and compliance.
 
     S is the mean slope of points under pressure. A contact that spans several slopes opposes as a whole, with a smaller
     mean slope: with wavelengths of many scales, S decreases to two thirds, which lowers friction by 1 % at h' = 0.1 and
-    by 10 % at 0.8. Not included are few contacts, whose mean differs from the ensemble mean, contacts that merge at
-    high loads, and slopes that are not normally distributed.
+    by 10 % at 0.8. The estimate does not include small numbers of contacts, whose mean differs from the ensemble mean,
+    contacts that merge at high loads, and slopes that are not normally distributed.
 
     Examples
     --------
@@ -972,7 +973,7 @@ def westergaard_contact_fraction(
     Returns
     -------
     fraction : ndarray of float
-        Real over nominal contact area, with the broadcast shape of the arguments; 1 at pressures above p*.
+        Ratio of real to nominal contact area, with the broadcast shape of the arguments; 1 at pressures above p*.
 
     Raises
     ------
@@ -1028,7 +1029,7 @@ def westergaard_pressure(
     See Also
     --------
     westergaard_contact_fraction : Contact fraction, with p*.
-    westergaard_gap : The other quantity along the surface.
+    westergaard_gap : Gap along the surface.
 
     Notes
     -----
@@ -1076,7 +1077,7 @@ def westergaard_gap(
     See Also
     --------
     westergaard_contact_fraction : Contact fraction, with p*.
-    westergaard_pressure : The other quantity along the surface.
+    westergaard_pressure : Pressure along the surface.
 
     Notes
     -----

@@ -43,8 +43,8 @@ class Contacts(TextRepr):
     radii : (c, 2) ndarray, µm
         Principal radii of the relative curvature, the larger one first; for spheres both are the effective radius.
     axes : (c, 2) ndarray, µm
-        Semi-axes of the contact patch, the larger one first; for Hertz spheres both are (R overlap)^(1/2). If the
-        edge of the map cuts the patch, they belong to the similar ellipse with the area inside.
+        Semi-axes of the contact patch, the larger one first; for Hertz spheres both are (R overlap)^(1/2). If the edge
+        of the map cuts the patch, the semi-axes are those of the similar ellipse with the area inside the map.
     along : (c, 3) ndarray
         Unit vector of the larger semi-axis; on profiles the y axis.
     overlap : (c,) ndarray, µm
@@ -54,7 +54,7 @@ class Contacts(TextRepr):
     area : (c,) ndarray, µm²
         Contact area of the contact law.
     opposing : (c,) ndarray of bool
-        Whether the normal force on the upper surface points against the motion. Only these contacts have friction,
+        True if the normal force on the upper surface points against the motion. Only these contacts have friction,
         unless ``sliding="all"``.
 
     Examples
@@ -134,10 +134,10 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     the distance minus the difference of the radii for a sphere in a cup, and the centre O_l + X/2 - (R_u - R_l) n/2
     (Eq. 4). Contacts with crossed centres, n_z <= 0, are rejected.
 
-    On surfaces contacts are the local minima of the splined gap g, whose common slope p = ∇z gives the normal
-    (-p, 1)/q, q² = 1 + p². The relative curvatures κ1 <= κ2 are the eigenvalues of the Hessian of g over q in the
-    metric I + p pᵀ, the overlap is (δ - g)/q, and the contact is the ellipse of Hertz (Johnson, Contact Mechanics,
-    section 4.2). Ellipses that leave the map are rejected.
+    On surfaces, contacts are the local minima of the splined gap g, where the common slope p = ∇z gives the normal (-p,
+    1)/q, q² = 1 + p². The relative curvatures κ1 <= κ2 are the eigenvalues of the Hessian of g over q in the metric I +
+    p pᵀ, the overlap is (δ - g)/q, and the contact is the ellipse of Hertz (Johnson, Contact Mechanics, section 4.2).
+    Ellipses that leave the map are rejected.
 
     Examples
     --------

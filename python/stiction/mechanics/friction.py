@@ -1,4 +1,4 @@
-"""Normal and tangential load from contact sums: F = elastic + mu0 frictional + tau0 adhesive.
+"""Normal and tangential load from contact sums: F = elastic + mu0 · frictional + tau0 · adhesive.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 """
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure"]
-"""Status of a point. It is "ok" if the point has a friction coefficient; otherwise it is the reason why there is
-none."""
+"""Status of a point: "ok" if the point has a friction coefficient, otherwise the reason why it has none."""
 
-STATUSES: tuple[Status, ...] = get_args(Status)  # the order of the statuses defines their numbers in files
+# the order of the statuses must not change, because files contain their numbers
+STATUSES: tuple[Status, ...] = get_args(Status)
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
 STATUS_NO_CONTACT: Status = "no-contact"
@@ -39,13 +39,13 @@ _CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 SIX_SUMS = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _CONTRIBUTIONS)
 """Names of the contact sums that determine the normal and the tangential load for every mu0 and tau0."""
 
-# Ratio tau0/E* above which tau0 was probably given in MPa instead of GPa.
+# Ratio tau0/E* above which tau0 was probably meant in MPa instead of GPa.
 SHEAR_STRENGTH_LIMIT = 0.1
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sums:
-    """Sums over contacts that determine both loads for every mu0 and tau0, as arrays of equal shape."""
+    """Sums over contacts that determine the normal and tangential load for any mu0 and tau0, as equal arrays."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -62,7 +62,7 @@ class Sums:
 
     @classmethod
     def from_columns(cls, columns: Mapping[str, Any]) -> Sums:
-        """Create the sums from a mapping that has all sums by name, such as the variables of a dataset."""
+        """Create the sums from a mapping that contains all sums by name, such as the variables of a dataset."""
         return Sums(**{name: columns[name] for name in SUMS})
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> Sums:
@@ -72,7 +72,7 @@ class Sums:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextRepr):
-    """Indicators of the validity of the model, as fractions of the normal load Σ F n_z. Values are NaN without contact.
+    """Indicators of the validity of the model, as fractions of the normal load Σ F n_z; NaN without contact.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Validity(TextRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Indicators of the validity of the model on surfaces, which extend `Validity` by three indicators.
+    """Indicators of the validity of the model on surfaces, with three indicators in addition to those of `Validity`.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -118,7 +118,7 @@ class SurfaceValidity(Validity):
     share_at_edge : (k,) ndarray
         Load fraction on ellipses that the edge of the map cuts; only the part inside counts.
     share_unanswered : (k,) ndarray
-        Fraction of the grid minima within the approach next to which the spline has no minimum, for example on
+        Fraction of the grid minima within the approach that have no minimum of the spline nearby, for example on
         plateaus; NaN without grid minima.
 
     Examples
@@ -144,7 +144,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute a validity indicator from sums, given by name or as attributes. The indicator is NaN without contact."""
+    """Compute a validity indicator from sums, given by name or as attributes; NaN without contact."""
     numerator, denominator = VALIDITY_RATIOS[name]
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(_column(sums, numerator) / sum(_column(sums, item) for item in denominator))
@@ -161,14 +161,14 @@ def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Float
 
 
 def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Compute the normal and the tangential load (mN) from sums (...). The shape of the loads is (..., mu0, tau0)."""
+    """Compute the normal and the tangential load (mN), with shape (..., mu0, tau0), from sums of shape (...)."""
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in SIX_SUMS}
     mu0 = mu0[:, np.newaxis]
     return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)
 
 
 class FrictionCurve(PlotRepr):
-    """Loads and friction of a pair at each step, computed from stored contact sums. A step is an approach or a load."""
+    """Loads and friction of a pair at each step (approach or load), computed from stored contact sums."""
 
     contact_count: NDArray[Any]
     contact_area: Floats
@@ -179,7 +179,7 @@ class FrictionCurve(PlotRepr):
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """Return F_N (mN) for mu0 (dimensionless) and tau0 (GPa), which are broadcast against each other.
 
-        The shape is that of (mu0, tau0) + (k,) for k steps, or + (m, k) for m directions.
+        The shape is the broadcast shape of mu0 and tau0, followed by (k,) for k steps or by (m, k) for m directions.
         """
         return compute_load("normal", self, *self._parameters(mu0, tau0))
 
@@ -188,7 +188,7 @@ class FrictionCurve(PlotRepr):
         return compute_load("tangential", self, *self._parameters(mu0, tau0))
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return F_T / F_N, or NaN unless the status is "ok", with shape and arguments as for `normal_load`."""
+        """Return F_T / F_N, which is NaN unless the status is "ok", with shape and arguments as for `normal_load`."""
         parameters = self._parameters(mu0, tau0)
         normal, tangential = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
         ok = status_at(self.contact_count, normal) == STATUS_OK
@@ -208,14 +208,14 @@ class FrictionCurve(PlotRepr):
         if mu0 is None:
             return draw_area(axes_for(ax), self.normal_elastic, self.contact_area)
         coefficient = self.friction_coefficient(mu0=mu0, tau0=tau0)
-        direction = getattr(self, "direction", 0.0)  # profiles have none
+        direction = getattr(self, "direction", 0.0)  # profiles have no attribute `direction`
         return draw_friction(axes_for(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction)
 
     def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
         strengths = friction_parameter("tau0", tau0)
         check_shear_strength(strengths, self.effective_modulus)
         materials = np.broadcast_arrays(friction_parameter("mu0", mu0), strengths)
-        # The new axes come before the axes of the sums, which are steps, or directions and steps.
+        # New axes precede the axes of the sums, which are steps, or directions and steps.
         axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return materials[0][axes], materials[1][axes]
 
@@ -223,9 +223,9 @@ class FrictionCurve(PlotRepr):
 def combine_status(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Combine boolean conditions, which are broadcast, to the status of curves, ensembles or members.
+    """Combine boolean conditions, which broadcast, into the statuses of curves, ensembles or members.
 
-    `locked` refers to the last step, `below` to a first step that already supports more than the load.
+    `locked` refers to the last step. `below` means that the first step already supports more than the load.
     """
     conditions_by_priority: list[tuple[ArrayLike, Status]] = [
         (np.logical_not(touched), STATUS_NO_CONTACT), (reached, STATUS_OK), (below, STATUS_BELOW_RANGE),
@@ -240,7 +240,7 @@ def combine_status(
 
 
 def status_at(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return the status at an approach. Unlike a load, an approach is always reached."""
+    """Return the status at an approach, which, unlike a load, is always reached."""
     return combine_status(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
@@ -253,12 +253,12 @@ def friction_parameter(name: str, values: ArrayLike) -> Floats:
 
 
 def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
-    """Warn if tau0 was probably given in MPa instead of GPa."""
+    """Warn if tau0 was probably meant in MPa instead of GPa."""
     highest = float(np.max(tau0, initial=0))
     if highest > SHEAR_STRENGTH_LIMIT * effective_modulus:
         warnings.warn(
-            f"tau0 = {highest:g} GPa is above a tenth of the effective modulus {effective_modulus:g} GPa; "
-            "is it in MPa?",
+            f"tau0 = {highest:g} GPa is above a tenth of the effective modulus {effective_modulus:g} GPa; was it "
+            "meant in MPa?",
             stacklevel=3,
         )
 

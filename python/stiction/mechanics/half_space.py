@@ -1,4 +1,4 @@
-"""Contact of two rough surfaces as one elastic half-space: the boundary-element solution, and friction from it.
+"""Contact of two rough surfaces as a single elastic half-space: boundary-element solution, and friction from it.
 
 For small slopes, two elastic bodies in frictionless contact are equivalent to one gap over a half-space of modulus E*.
 Friction from half-space pressures and local slopes: Karpenko & Akay, Tribology International 34 (2001) 531.
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution, Problem, StepKind
     from stiction.mechanics.patches import PatchSums
 
-# The solver is imported where it is used, because it imports SciPy, which takes longer than all other imports.
+# The solver is imported where it is needed, because it imports SciPy, which takes longer than all other imports.
 
 Boundary = Literal["free", "periodic"]
 Tilt = Literal["fixed", "free"]
 
 ADHESION_RANGE = 5e-4
-"""Default decay length (µm) of the attraction between solids, which is one to two atomic distances."""
+"""Default decay length (µm) of the attraction between solids: one to two atomic distances."""
 
-# Minimum number of points in the process zone E* ρ²/w at an edge. With fewer points the result depends on the grid.
+# Minimum number of points in the process zone E* ρ²/w at an edge, below which the result depends on the grid.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 
@@ -50,7 +50,7 @@ def resolved_range(work: float, spacing: float, effective_modulus: float) -> flo
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotRepr):
-    """Contact of two surfaces at one load, given on the grid. All arrays are read-only.
+    """Contact of two surfaces at one load, as arrays on the grid. All arrays are read-only.
 
     Attributes
     ----------
@@ -60,17 +60,17 @@ class HalfSpaceContact(PlotRepr):
         Gap between the deformed surfaces: 0 in contact, to the tolerance; below 0 where the hardness limits the
         pressure; NaN at missing points.
     patches : (n,) or (rows, columns) ndarray of int
-        Patch number of every point under pressure, from 1; 0 without pressure. Points are connected with all
-        neighbours, eight on surfaces, and across the edges if periodic.
+        Patch number of every point under pressure, counted from 1; 0 at points without pressure. Points are connected
+        to all neighbours, of which surfaces have eight, and across the edges if periodic.
     opposing : (n,), (rows, columns), (d, n) or (d, rows, columns) ndarray of bool
-        Whether the point's patch opposes the motion, for one direction or for d directions.
+        True if the patch of the point opposes the motion, for one direction or for d directions.
     share : (n,) or (rows, columns) ndarray
-        Fraction of the point's cell in contact: 0 without pressure, below 1 at patch edges. The sum times the cell
-        area is the projected real contact area.
+        Fraction of the point's cell that is in contact: 0 without pressure, and below 1 at edges of patches. The sum
+        over all points, times the area of a cell, is the projected real contact area.
     heights : (n,) or (rows, columns) ndarray, µm
         Heights of the lower surface before deformation.
     spacing : tuple of float, µm
-        Spacing of the points along y and x, or x.
+        Spacing of the points along y and x for surfaces, or along x for profiles.
 
     Examples
     --------
@@ -106,23 +106,23 @@ class HalfSpaceCurve(FrictionCurve):
 
     The sums are over points under pressure, analogous to those of `LoadCurve` over asperities: n is the normal of the
     deformed interface at a point, t the tangent, s the direction. A patch opposes if its force on the upper surface
-    points against s. Quantities that depend on the direction are (k,), or (d, k) for d directions.
+    points against s. Quantities that depend on the direction have the shape (k,), or (d, k) for d directions.
 
     Attributes
     ----------
     load : (k,) ndarray, mN
         The given load, or the load at the given approach.
     approach : (k,) ndarray, µm
-        Displacement of the upper surface since first contact: of its far points, or of its mean plane if periodic.
-        NaN on a free half-plane, whose far points have no finite displacement.
+        Displacement of the upper surface since first contact, measured at points far away, or at the mean plane if
+        periodic. NaN on a free half-plane, where points far away have no finite displacement.
     closure : (k,) ndarray, µm
         Decrease of the mean gap since first contact: the approach minus the mean displacement, without the bending of
         free bodies. Joint tests measure the closure. For periodic surfaces it equals the approach.
     error : (k,) ndarray
-        Largest gap at a point under pressure, or largest overlap (except where the pressure is the hardness), in
-        root-mean-square deviations of the gap, or of the displacements under a uniform pressure if that is larger.
+        Largest gap at a point under pressure, or largest overlap (except at points at the hardness), divided by the rms
+        deviation of the gap or, if larger, of the displacements under a uniform pressure.
     iterations : (k,) ndarray of int
-        Iterations on the finest grid.
+        Number of iterations on the finest grid.
     contact_count : (k,) ndarray of int
         Number of patches of connected points.
     contact_area : (k,) ndarray, µm²
@@ -130,15 +130,15 @@ class HalfSpaceCurve(FrictionCurve):
     normal_elastic : (k,) ndarray, mN
         Σ F n_z minus the attraction.
     tangential_elastic : (k,) or (d, k) ndarray, mN
-        -Σ F s·n over opposing patches, or over all.
+        -Σ F s·n over opposing patches, or over all patches.
     normal_frictional, tangential_frictional : (k,) or (d, k) ndarray, mN per unit mu0
-        Σ F t_z and -Σ F s·t over opposing patches, or over all.
+        Σ F t_z and -Σ F s·t over opposing patches, or over all patches.
     normal_adhesive, tangential_adhesive : (k,) or (d, k) ndarray, mN per GPa of tau0
-        Σ A t_z and -Σ A s·t over opposing patches, or over all.
+        Σ A t_z and -Σ A s·t over opposing patches, or over all patches.
     load_share_at_hardness, area_share_at_hardness : (k,) ndarray
-        Fractions of the load and of the points under pressure where the pressure is the hardness.
+        Fractions of the load, and of the points under pressure, that are at points at the hardness.
     contact_load : (k,) ndarray, mN
-        Total of the pressures: the load plus the attraction between adhering surfaces.
+        Sum of the pressures: the load plus the attraction of adhering surfaces.
     effective_modulus : float, GPa
         E* of the pair.
 
@@ -180,8 +180,8 @@ class HalfSpaceCurve(FrictionCurve):
     def pull_off(self) -> float:
         """Largest tension (mN) that the surfaces support, starting from the contact at the smallest load.
 
-        Computed on first use. The surfaces separate at a tension 1 % above it. If that is not certain, a warning
-        contains "at least", and `pull_off_is_bound` is True.
+        The force is computed on first use. The surfaces separate under a tension that is 1 % larger. If separation is
+        not certain, a warning contains "at least", and `pull_off_is_bound` is True.
         """
         force, is_bound = self.pull_off_bound
         if is_bound:
@@ -232,15 +232,16 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """(k,) dF/dδ (mN/µm) at constant contact points. Infinite at full contact of periodic surfaces.
+        """(k,) stiffness dF/dδ (mN/µm) with constant contact points; infinite at full contact of periodic surfaces.
 
-        NaN on a free half-plane, and if all pressure is at the hardness. Computed on first use.
+        The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
+        computed on first use.
         """
         return read_only(np.array([solution.stiffness for solution in self._pressed]))
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """(k,) dp/dc (GPa/µm), the derivative of the nominal pressure with respect to the closure, in first loading.
+        """(k,) derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, in first loading.
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -248,9 +249,9 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def tilt(self) -> Floats:
-        """(k, 2) slopes along y and x of the rotation of the upper surface, (k, 1) for lines.
+        """(k, 2) slopes along y and x by which the upper surface is rotated; (k, 1) for lines.
 
-        The slopes are 0 if it is fixed.
+        The slopes are 0 if the tilt is fixed.
         """
         return read_only(
             np.array([np.zeros(self._problem.gap.ndim) + solution.problem.tilt for solution in self._pressed])
@@ -262,6 +263,9 @@ class HalfSpaceCurve(FrictionCurve):
 
         Yielded points respond elastically as well.
 
+        The loading stiffness, `stiffness`, is smaller if there is a hardness, because yielded points support no
+        additional load.
+
         The loading stiffness, `stiffness`, is smaller if there is a hardness, because yielded points support no more
         load.
         """
@@ -272,7 +276,7 @@ class HalfSpaceCurve(FrictionCurve):
         return self._pressed[resolve_index(index, self.load.size, "loads")]
 
     def contact(self, index: int) -> HalfSpaceContact:
-        """Return pressure, gap and patches at `load[index]`."""
+        """Return pressure, gap and patches on the grid at `load[index]`."""
         position = resolve_index(index, self.load.size, "loads")
         solution, sums = self._pressed[position], self._sums[position]
         problem = solution.problem
@@ -292,20 +296,20 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def sliding(self) -> Sliding:
-        """Patches that contribute friction: "opposing" or "all"."""
+        """Patches that contribute to friction: "opposing" or "all"."""
         return self._model.sliding
 
     @property
     def hardness(self) -> float | None:
-        """Largest possible pressure, GPa. None if the bodies do not yield."""
+        """Largest possible pressure, GPa; None if the bodies do not yield."""
         return self._problem.hardness
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
-        """Return the same contacts with another sliding rule, "opposing" or "all". They are not solved again."""
+        """Return the same contacts with another sliding rule, "opposing" or "all", without solving them again."""
         return self._interpolate(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return the same contacts for another direction of motion. They are not solved again.
+        """Return the same contacts for another direction of motion, without solving them again.
 
         Parameters
         ----------
@@ -338,10 +342,10 @@ class HalfSpaceCurve(FrictionCurve):
         direction : {"+x", "-x"} or float, degrees
             Direction of the tangential load. It has no effect, because the kernel is the same for all directions.
         poisson : float or two of them
-            Poisson's ratio of both bodies, or of the upper and the lower one. It has no effect on profiles.
+            Poisson's ratio of both bodies, or of the upper and of the lower body. It has no effect on profiles.
         tolerance : float
-            Largest deviation of sticking points from the displacement of the upper surface, in root-mean-square
-            deviations of the displacements at sliding, in proportion to the load.
+            Largest deviation of sticking points from the displacement of the upper surface, relative to the rms
+            deviation of the displacements at sliding, scaled in proportion to the load.
 
         Raises
         ------
@@ -392,16 +396,17 @@ def half_space(
     upper, lower : Profile, Surface or array_like
         Two profiles or two surfaces on the same grid. Missing points make no contact.
     loads : (k,) array_like of float, mN
-        Above 0 and strictly increasing; or a string, "10 mN" or "10 MPa" on the measured area, or a list of strings. A
-        profile is 1 µm thick. For adhering surfaces, external loads of any sign: increasing as the surfaces approach,
-        or decreasing as they separate.
+        Above 0 and strictly increasing; or a string, "10 mN" or "10 MPa" on the measured area, or a list of strings.
+        Profiles have a width of 1 µm. Adhering surfaces accept external loads of any sign, which increase as the
+        surfaces approach or decrease as they separate.
     spacing : float (µm) or str, or a pair (y, x) of either, optional
         Distance of the points, for arrays.
     unit : str
         Unit of the heights of arrays.
     approaches : (k,) array_like of float, µm
-        Displacements of the upper surface since first contact, instead of loads: of its far points, or of its mean
-        plane if periodic. Above 0 and strictly increasing; or strings, "5 nm". Each approach takes about six solutions.
+        Displacements of the upper surface since first contact, instead of loads. They are measured at points far away,
+        or at the mean plane if periodic. Above 0 and strictly increasing; or strings, "5 nm". Each approach takes about
+        six solutions.
     effective_modulus : float, GPa
         E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2. By default 10 GPa for generated surfaces; required for surfaces
         that were read from files.
@@ -409,10 +414,10 @@ def half_space(
         Boundary of the contact: "free" if no material lies beyond the edges, "periodic" if the surfaces continue
         periodically.
     compliance_share : float
-        c_l = E* (1 - ν_l²)/E_l, the lower body's fraction of the compliance, from 0 to 1. Up to a constant, the
-        deformed interface is (1 - c_l) z_l + c_l z_u.
+        c_l = E* (1 - ν_l²)/E_l, the lower body's fraction of the compliance, from 0 to 1. The deformed interface is (1
+        - c_l) z_l + c_l z_u plus a constant.
     hardness : float, GPa, optional
-        Largest possible pressure: elastic, perfectly plastic, in first loading.
+        Largest possible pressure of elastic, perfectly plastic bodies in first loading.
     tilt : {"fixed", "free"}
         "fixed": the upper surface keeps its orientation. "free": it rotates about its centre, as on a ball joint, until
         the resultant of the pressures passes through the centre, to 1e-4 of its length. Approaches then refer to the
@@ -420,18 +425,19 @@ def half_space(
     direction : {"+x", "-x"}, float or a sequence of them
         Direction in which the upper surface is about to move; on surfaces also an angle in degrees from +x towards +y.
     sliding : {"opposing", "all"}
-        Patches that contribute friction: those whose force on the upper surface points against the motion, or all.
+        Patches that contribute to friction: only patches whose force on the upper surface points against the motion, or
+        all patches.
     work_of_adhesion : float, mN/µm (kJ/m²)
         Energy w to separate a unit area; or a string, "50 mJ/m^2". The attraction w/ρ exp(-gap/ρ) adds to the load.
     adhesion_range : float, µm
         Decay length ρ; or a string, "0.5 nm". Increased, with a warning, until the process zone E* ρ²/w has two grid
         points.
     tolerance : float
-        Largest error, see `HalfSpaceCurve`, and ten times that of the attraction. Approaches have the same tolerance in
-        the same unit.
+        Largest accepted `error` of `HalfSpaceCurve`, and a tenth of the largest error of the attraction. Approaches
+        have the same tolerance in the same unit.
     progress : callable, optional
-        Called in every iteration on the finest grid with the number of solved loads or approaches, the iteration and
-        the current error. An exception from it, such as Ctrl-C, ends the computation.
+        Function that is called in every iteration on the finest grid, with the number of solved loads or approaches,
+        the iteration and the current error. An exception in this function, such as from Ctrl-C, ends the computation.
 
     Returns
     -------
@@ -592,9 +598,9 @@ def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str,
 def solve_separately(
     solve: Callable[[Floats], HalfSpaceCurve], loads: Floats
 ) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
-    """Solve all loads together or, if that fails, each load separately.
+    """Solve all loads together or, if this fails, each load separately.
 
-    Return the curves and the indices of the solved loads.
+    Returns the curves and the indices of the solved loads.
     """
     try:
         return [(np.arange(loads.size), solve(loads))]
@@ -609,7 +615,7 @@ def solve_separately(
 
 
 def solve_at_no_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
-    """Return the contact of adhering surfaces at zero load. Return None if there is no solution."""
+    """Return the contact of adhering surfaces at zero load; None if there is no solution."""
     try:
         return solve(np.zeros(1))
     except RuntimeError:

@@ -1,4 +1,4 @@
-"""Half-space contact of two surfaces, with the checked problem, its solver, and the solution at one load."""
+"""Half-space contact of two surfaces: the checked problem, its solver, and the solution at one load."""
 
 from __future__ import annotations
 
@@ -23,13 +23,15 @@ from stiction.surfaces.profile import Profile, combine_missing
 from stiction.surfaces.surface import Surface
 
 MAX_CACHED_POINTS = 2**20
-"""Largest grid (points) whose kernels stay cached without users, which takes 35 MB. Computing them takes a quarter of a
-free solution."""
+"""Largest number of grid points for which kernels remain cached when no problem uses them, which takes 35 MB.
 
-# Displacement of an edge by the tilt of a linear response, as a fraction of the displacement under the load.
+Computing the kernels takes a quarter of the time of a free solution.
+"""
+
+# Displacement of an edge due to the tilt in a linear response, as a fraction of the displacement under the load.
 TILT_FRACTION = 0.01
 RESPONSE_TOLERANCE = 1e-7  # tolerance of linear responses
-# Bound of the pressure in linear responses to a mean pressure of 1. It is large enough for coarse grids.
+# Upper bound of the pressure in linear responses to a mean pressure of 1, large enough for coarse grids.
 RESPONSE_BOUND = 1e9
 MAX_CELL_RATIO = 1e6  # largest ratio of the sides of a grid cell
 
@@ -43,7 +45,7 @@ _uniform: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.Weak
 def get_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    """Return the grids of a problem with their kernels. They are shared as long as a problem uses them."""
+    """Return the grids of a problem with their kernels, which problems share as long as one of them is in use."""
     key = shape, spacing, effective_modulus, periodic
     grids = _grids_by_key.get(key)
     if grids is None:
@@ -60,19 +62,19 @@ def _unpickle_grids(
     return get_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Copies of grids, and grids of curves from another process, recompute the kernels if this process does not have them.
+# Copied grids, and grids of curves from another process, recompute their kernels if this process does not have them.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
 
 
 def threads() -> int:
-    """Return the number of threads per solution, as set by `scipy.fft.set_workers`."""
+    """Return the number of threads for a solution, as set by `scipy.fft.set_workers`."""
     fft = sys.modules.get("scipy.fft")
     return 1 if fft is None else int(fft.get_workers())
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Heights and gap (µm, minimum 0) of two surfaces and the conditions of their contact, in the units of the core."""
+    """Heights and gap (µm, minimum 0) of two surfaces, with the conditions of their contact, in core units."""
 
     upper: Floats
     lower: Floats
@@ -83,9 +85,9 @@ class Problem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    missing: NDArray[np.bool_] | None = None  # points without a height in one surface; these points make no contact
+    missing: NDArray[np.bool_] | None = None  # mask of points without a height in either surface, which make no contact
     tilt: Floats | float = 0.0  # rotation of the upper surface about its centre, as slopes along y and x, or along x
-    turns: bool = False  # whether the upper surface rotates until the resultant force acts at the centre
+    turns: bool = False  # True if the upper surface rotates until the resultant force acts at the centre
 
     @property
     def periodic(self) -> bool:
@@ -104,7 +106,7 @@ class Problem:
 
     @property
     def has_approach(self) -> bool:
-        """True if points far away have a finite displacement. False on a free half-plane."""
+        """True if points far away have a finite displacement, which is not the case on a free half-plane."""
         return self.periodic or len(self.spacing) == 2
 
     @property
@@ -134,7 +136,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """Contact at one load (mN): the pressure (GPa), contact fraction of the cell and patch number of each point."""
+    """Contact at one load (mN), with pressure (GPa), contact fraction of the cell, and patch number of each point."""
 
     problem: Problem
     load: float
@@ -166,13 +168,13 @@ class ContactSolution:
         return grid.reshape(self.problem.gap.shape)
 
     def sums(self, directions: Floats) -> PatchSums:
-        """Compute the sums over each patch. `directions` are (m, 2) horizontal unit vectors."""
+        """Compute the sums over each patch for horizontal unit vectors `directions`, (m, 2)."""
         problem = self.problem
         slope = [along[self.points] for along in problem.slope]
         return patch_sums(self.values * problem.cell, self.share * problem.cell, slope, self.patch, directions)
 
     def row(self) -> dict[str, Any]:
-        """Return the results that do not depend on friction, as one row of a curve."""
+        """Return the results that do not depend on friction, which form one row of a curve."""
         capped = self.values == self.problem.hardness
         return {
             "load": self.load,
@@ -193,9 +195,9 @@ class ContactSolution:
 
     @cached_property
     def stiffness(self) -> float:
-        """Stiffness dF/dδ (mN/µm) at constant contact points.
+        """Stiffness dF/dδ (mN/µm) with constant contact points.
 
-        Infinite at full periodic contact, and NaN without an approach.
+        The stiffness is infinite at full periodic contact, and NaN without an approach.
         """
         return self._compute_stiffness(self.free)
 
@@ -203,15 +205,15 @@ class ContactSolution:
     def unloading_stiffness(self) -> float:
         """Stiffness dF/dδ (mN/µm) of all contact points.
 
-        Unlike in `stiffness`, yielded points respond, because they unload elastically.
+        In contrast to `stiffness`, yielded points respond too, because they unload elastically.
         """
         return self.stiffness if self.free.all() else self._compute_stiffness(np.ones_like(self.free))
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Stiffness dp/dc (GPa/µm) at constant contact points, from nominal pressure and closure.
+        """Stiffness dp/dc (GPa/µm) with constant contact points, from nominal pressure and closure.
 
-        Infinite at full contact.
+        The stiffness is infinite at full contact.
         """
         problem = self.problem
         if not self.free.any():
@@ -227,7 +229,7 @@ class ContactSolution:
         return self._compute_response(self.free)
 
     def _compute_response(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (GPa) with a sum of 1 under a rigid displacement of free points, and the displacement."""
+        """Return pressures (GPa) with a sum of 1 that displace the free points rigidly, and the displacement."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free), threads=threads())
         return TiltResponse.solve(self.problem, self.on_grid(free)).to_load()
@@ -240,14 +242,14 @@ class ContactSolution:
         return problem.cell / compliance if compliance > 0 else np.inf
 
 
-MAX_GAP_RATIO = 1e6  # Largest gap as a multiple of the length. The half-space model assumes slopes far below 1.
+MAX_GAP_RATIO = 1e6  # Largest ratio of the gap to the length, because the half-space model assumes slopes far below 1.
 
 
 def make_problem(
     upper: Profile | Surface, lower: Profile | Surface, effective_modulus: float, *, periodic: bool,
     compliance_share: float, hardness: float | None,
 ) -> Problem:  # fmt: skip
-    """Create the problem of two surfaces on the same grid. The other arguments must have been checked."""
+    """Create the problem of two surfaces on the same grid, for arguments that have been checked."""
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(
             f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
@@ -273,7 +275,7 @@ StepKind = Literal["loads", "approaches"]
 
 
 def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | None) -> tuple[StepKind, Floats]:
-    """Check loads or approaches. Return which of them is given, and the values."""
+    """Check loads or approaches, and return which of them is given, and the values."""
     name: StepKind = "loads" if approaches is None else "approaches"
     given = loads if approaches is None else approaches
     if given is None or (loads is not None and approaches is not None):
@@ -318,13 +320,13 @@ def lever_arms(problem: Problem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Linear responses of constant contact points to a mean load of 1 GPa, and to slopes of the upper surface."""
+    """Linear responses, with constant contact points, to a mean load of 1 GPa and to slopes of the upper surface."""
 
-    pressure: Floats  # GPa, under the load
+    pressure: Floats  # pressure under the load, GPa
     approach: float  # µm
-    moments: Floats  # moments due to the load (n,), GPa µm
-    slope_pressures: list[Floats]  # pressure per unit slope at constant load, GPa
-    turning: Floats  # moments by slope and axis (n, n), which are negative definite except for single points
+    moments: Floats  # (n,) moments under the load, GPa µm
+    slope_pressures: list[Floats]  # pressure per unit slope at constant load, GPa, for each axis
+    turning: Floats  # (n, n) moments by slope and axis, which are negative definite except for single points
 
     @classmethod
     def solve(cls, problem: Problem, free: NDArray[np.bool_]) -> TiltResponse:
@@ -350,7 +352,7 @@ class TiltResponse:
         return cls(level, approach, moments, slope_pressures, (turning + turning.T) / 2)
 
     def to_load(self) -> tuple[Floats, float]:
-        """Return pressures with a sum of 1 for a load through the centre, and the approach."""
+        """Return the pressures with a sum of 1 for a load through the centre, and the approach."""
         slopes = -np.linalg.lstsq(self.turning, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * turned_gradient for slope, turned_gradient in zip(slopes, self.slope_pressures, strict=True)
@@ -364,7 +366,7 @@ def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
 
 
 class Solver:
-    """Solver of a problem at loads (mN) or approaches (µm) up to a largest one. Missing points cannot touch."""
+    """Solver of a problem for loads (mN) or approaches (µm) up to a maximum. Missing points cannot touch."""
 
     def __init__(
         self, problem: Problem, name: StepKind, limit: float, *, tolerance: float,
@@ -374,8 +376,8 @@ class Solver:
         bound = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Missing points get a gap that never closes. These points increase the standard deviation of the gap, to
-            # which the tolerance refers, so the tolerance is scaled.
+            # Missing points are assigned a gap that never closes. They increase the standard deviation of the gap, to
+            # which the solver's tolerance refers, so the tolerance is rescaled.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)
@@ -385,7 +387,7 @@ class Solver:
         )
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
-        """Solve the contact at a load or an approach. Raises RuntimeError if the error exceeds the tolerance."""
+        """Solve the contact at a load or an approach. Raises a `RuntimeError` if the error exceeds the tolerance."""
         problem, loads = self.problem, self.name == "loads"
         value = step / (problem.cell * problem.gap.size) if loads else step
         solve = self._core.at if loads else self._core.at_approach
@@ -405,7 +407,7 @@ class Solver:
 class State:
     """Contact whose pressures are in equilibrium with the load and the adhesive attraction.
 
-    Means over the grid are in GPa; other fields are as in `HalfSpaceSolution`.
+    Means over the grid are in GPa; the other fields have the meaning of `HalfSpaceSolution`.
     """
 
     pressure: Floats
@@ -418,7 +420,7 @@ class State:
 
     @property
     def held(self) -> float:
-        """Mean attraction in the points of the grid, GPa."""
+        """Mean attraction over the points of the grid, GPa."""
         return self.contact - self.load
 
 
@@ -426,7 +428,7 @@ def to_contact_solution(
     problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a solution to the contact at a load (mN). The default is the load of its pressure."""
+    """Convert a solution to the contact at a load (mN), by default the load of its pressures."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     patches: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)

@@ -1,8 +1,8 @@
-"""Real contact area per load, interpolated between the hardnesses of solved contacts.
+"""Real contact area per load as a function of hardness, interpolated between the hardnesses of solved contacts.
 
-With p the elastic mean pressure, (A/F)^m = H^-m + p^-m contains both limits, F/H and the elastic area. For self-affine
-surfaces (Hurst exponents 0.5 and 0.8, p from 0.17 to 2.9 GPa, H from 0.23 to 1.7 GPa), m was 3.2 (H/p)^0.28 within a
-few per cent. The remaining deviation is therefore nearly linear in ln H between nodes.
+With the elastic mean pressure p, (A/F)^m = H^-m + p^-m contains both limits: the plastic area F/H and the elastic area.
+For self-affine surfaces (Hurst exponents 0.5 and 0.8, p from 0.17 to 2.9 GPa, H from 0.23 to 1.7 GPa), m was 3.2
+(H/p)^0.28 within a few per cent. The remaining deviation is therefore nearly linear in ln H between nodes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats, float_array
 
 MIXING_EXPONENT, MIXING_POWER = 3.2, 0.28
-"""Exponent m if the hardness equals the elastic pressure, and the power of the ratio of hardness and pressure in m."""
+"""Exponent m if the hardness equals the elastic pressure, and the power of the ratio of hardness to pressure in m."""
 
 
 def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, elastic: ArrayLike) -> Floats:
@@ -50,7 +50,7 @@ def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, el
 def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
     """Estimate ln A/F from the logarithms of a hardness (GPa) and of the elastic A/F (1/GPa).
 
-    Logarithms take a fraction of the time of powers.
+    Using logarithms is several times faster than using powers.
     """
     ratio = log_hardness + log_elastic
     exponent = MIXING_EXPONENT * np.exp(MIXING_POWER * ratio)
@@ -61,7 +61,7 @@ def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
 def _piecewise_linear(x: Floats, nodes: Floats, values: Floats) -> Floats:
     """Interpolate values (..., n) over increasing nodes (n,) at x (h,), constant beyond the nodes.
 
-    The sum over changes of the slope takes less time than a search for the panel of each x.
+    A sum over the changes of the slope is faster than a search for the panel of each x.
     """
     inside = np.clip(x, nodes[0], nodes[-1])
     slopes = np.diff(values, axis=-1) / np.diff(nodes)

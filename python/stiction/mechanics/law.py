@@ -1,8 +1,8 @@
-"""Contact laws, which give force and area of a single asperity contact.
+"""Contact laws, which define the force and the area of a single asperity contact.
 
-A law is a frozen dataclass whose fields are its parameters with their units. Its name and its table in a study file
-follow from the class. The core has a law of the same name and parameters. The effective modulus is common to all laws
-and is passed separately.
+A law is a frozen dataclass whose fields are its parameters with their units. The class determines the name of the law
+and its table in a study file. The core has a law with the same name and parameters. The effective modulus is common to
+all laws and is passed separately.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from stiction._checks import check_choice, number
 
 
 def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
-    """Return the field of a parameter of a law, with its unit ("µm", "GPa" or none) and its inclusive limits.
+    """Return a dataclass field for a parameter of a law, with its unit ("µm", "GPa" or none) and inclusive limits.
 
     Parameters without limits must be above 0.
     """
@@ -25,16 +25,16 @@ def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, 
 
 @dataclass(frozen=True)
 class Law:
-    """Force and area of one contact. Each law is a subclass, and is listed in `LAWS`."""
+    """Force and area of one contact. Each law is a subclass that is listed in `LAWS`."""
 
     name: ClassVar[str]
 
     def __init_subclass__(cls) -> None:
-        """Derive the name of a law from its class: JacksonGreen is "jackson-green"."""
+        """Derive the name of the law from its class: JacksonGreen becomes "jackson-green"."""
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__).lower()
 
     def parameters(self, effective_modulus: float) -> dict[str, float]:
-        """Return the parameters of the law in the core, with E* in GPa."""
+        """Return the parameters of the law in the core, including E* in GPa."""
         parameters = {item.name: number(item.name, getattr(self, item.name)) for item in fields(self)}
         return {"effective_modulus": number("effective_modulus", effective_modulus, unit="GPa", above=0), **parameters}
 
@@ -62,7 +62,7 @@ class HertzCylinder(Law):
     Parameters
     ----------
     width : float, µm
-        Width w along the cylinders; the profiles of the model are 1 µm thick.
+        Width w along the cylinders; the profiles of the model have a width of 1 µm.
 
     Notes
     -----
@@ -112,14 +112,15 @@ class JacksonGreen(Law):
 
 
 LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all laws
-LawName = Literal["hertz-sphere", "hertz-cylinder"]  # laws without required parameters, which can be given by name
+# laws without required parameters, which can be given by their names
+LawName = Literal["hertz-sphere", "hertz-cylinder"]
 LAWS_BY_NAME: dict[str, Law] = {
     law.name: law() for law in LAWS if all(item.default is not MISSING for item in fields(law))
 }
 
 
 def as_law(law: Law | LawName) -> Law:
-    """Return a law unchanged, or the law with a given name. Raises ValueError for anything else."""
+    """Return a law unchanged, or return the law with a given name. Raises a `ValueError` for anything else."""
     if isinstance(law, str):
         check_choice("law", law, LawName)
         return LAWS_BY_NAME[law]

@@ -1,4 +1,4 @@
-"""Load curves, which are sums over the asperity contacts at each approach. Loads and friction follow from them.
+"""Load curves: sums over asperity contacts at each approach, from which loads and friction are computed.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7.
 """
@@ -40,11 +40,11 @@ class CurveInputs:
     model: ContactModel
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling. It lacks candidates, which are objects of the core."""
+        """Return the state for pickling, without candidates, which are objects of the core."""
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
-        """Return all contacts at an approach. They do not depend on the direction."""
+        """Return all contacts at an approach, which do not depend on the direction."""
         if not self.bodies:
             raise ValueError("a curve of candidates from another process has no onset: press the candidates again")
         all_contacts: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
@@ -68,7 +68,8 @@ class LoadCurve(FrictionCurve, Sums):
     contact_area : (k,) ndarray, µm²
         Real contact area.
     normal_elastic, tangential_elastic : (k,) ndarray, mN
-        Σ F n_z over all contacts; -Σ F s·n over sliding contacts: opposing ones, or all with ``sliding="all"``.
+        Σ F n_z over all contacts; -Σ F s·n over sliding contacts, which are the opposing contacts, or all contacts with
+        ``sliding="all"``.
     normal_frictional, tangential_frictional : (k,) ndarray, mN per unit mu0
         Σ F t_z, -Σ F s·t over sliding contacts.
     normal_adhesive, tangential_adhesive : (k,) ndarray, mN per GPa of tau0
@@ -81,7 +82,7 @@ class LoadCurve(FrictionCurve, Sums):
     effective_modulus : float, GPa
         E* of the pair.
     sliding : {"opposing", "all"}
-        Contacts in the friction sums.
+        Contacts that are included in the friction sums.
 
     Examples
     --------
@@ -103,7 +104,7 @@ class LoadCurve(FrictionCurve, Sums):
         steps: int | Sequence[float] = 20, displacements: ArrayLike | None = None,
         poisson: float | Sequence[float] = 0.3, compliance_share: float = 0.5,
     ) -> Onset:  # fmt: skip
-        """Compute the onset of sliding at `approach[index]` with Mindlin's solution for each contact, see `Onset`.
+        """Compute the onset of sliding at `approach[index]` by Mindlin's solution for each contact; see `Onset`.
 
         Parameters
         ----------
@@ -159,7 +160,7 @@ class SurfaceLoadCurve(LoadCurve):
     load_at_edge : (k,) ndarray, mN
         Σ F n_z of contacts whose ellipse the edge of the map cuts.
     grid_minimum_count, unanswered_count : (k,) ndarray of int
-        Grid points without a lower neighbour, and those of them next to which the spline has no minimum.
+        Grid points without a lower neighbour, and how many of them have no minimum of the spline nearby.
 
     Examples
     --------
@@ -186,9 +187,9 @@ class SurfaceLoadCurve(LoadCurve):
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the force (mN), positive to the left of the motion, that keeps the upper surface on its path.
+        """Return the force (mN) that keeps the upper surface on its path, positive to the left of the motion.
 
-        Shape and arguments are as for `normal_load`; negative values point to the right.
+        Shape and arguments are the same as for `normal_load`. Negative values point to the right.
         """
         return compute_load("lateral", self, *self._parameters(mu0, tau0))
 

@@ -1,4 +1,4 @@
-"""Load-controlled contact, in which the approach of two surfaces follows from a given normal load."""
+"""Load-controlled contact: the approach of two surfaces at given normal loads."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, 
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Smallest sampled approach as a fraction of the range of the gap. At smaller approaches, only one contact bears load.
+# Smallest sampled approach as a fraction of the range of the gap. At smaller approaches, a single contact bears the
+# load.
 _MIN_APPROACH_RATIO = 1e-6
 # Ratio of successive sampled approaches. A load that is crossed twice within one step may be missed.
 _APPROACH_RATIO = 1.1
 # Number of approaches in a chunk. After each chunk, sampling ends if all loads are reached, because larger approaches
 # cost more.
 _CHUNK_STEPS = 16
-# Depth of the candidate search as a multiple of the requested depth.
+# Ratio of the depth of the candidate search to the requested depth.
 _DEPTH_MARGIN = 5.0
 
 
@@ -58,8 +59,8 @@ def approach_at_load(
     -------
     approach : ndarray of float, µm
         Approach at which F_N first reaches the load from below, with the shape of the loads. NaN if the load is not
-        reached before all points touch, because friction locks the contacts or there are none, and if more than the
-        load is supported at an approach of 0. `Result.at` distinguishes these cases.
+        reached before all points touch, because friction locks the contacts or there are no contacts. NaN also if the
+        surfaces support more than the load at an approach of 0. `Result.at` distinguishes these cases.
 
     Raises
     ------
@@ -99,7 +100,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces for repeated evaluation. Its gap minima are cached."""
+    """Pair of surfaces that is evaluated repeatedly, with cached gap minima."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -107,7 +108,7 @@ class SurfacePair:
         self._found: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> Sums:
-        """Return the sums of `press`. The result does not depend on the cache."""
+        """Return the same sums as `press`, with or without cached minima."""
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()
@@ -116,21 +117,21 @@ class SurfacePair:
     def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
-        """Find approaches at given loads. At `left` F_N is below the loads, and at `right` it is not."""
+        """Find approaches at given loads, where F_N is below the loads at `left` and not below them at `right`."""
         arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
         return np.asarray(self._call_core(stiction._core.approaches_at, float(right.max()), model, arguments))
 
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a core function with both surfaces, or with their gap minima up to an approach."""
+        """Call a core function with both surfaces or, if possible, with their gap minima up to an approach."""
         model = model_for_pair(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":
             return function(self.upper.heights, self.lower.heights, spacing=self.upper.spacing, **arguments)
         cached = self._found
         if cached is None or cached.deepest < deepest or cached.curvature != model.curvature:
-            # The search goes deeper than requested, because the next request often is.
+            # The search goes deeper than requested, because the next request is often deeper.
             cached = candidates(self.upper, self.lower, deepest=_DEPTH_MARGIN * deepest, curvature=model.curvature)
             self._found = cached
         return function(cached.core, **arguments)
@@ -139,7 +140,7 @@ class SurfacePair:
 def find_crossings(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the approaches (l,) that first support loads (l,), and their status. It is "ok" or the reason for NaN."""
+    """Return the approaches (l,) that first support loads (l,), and a status: "ok" or the reason for NaN."""
 
     def normal_load(sums: Sums) -> Floats:
         return friction.compute_load("normal", sums, mu0, tau0)
@@ -151,7 +152,7 @@ def find_crossings(
     todo = ~exceeded
     left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     touched = bool(curve.contact_count.any())
-    # Approaches increase in equal ratios until all points touch. Between parallel surfaces there are no steps.
+    # Approaches increase in equal ratios until all points touch. Parallel surfaces have no such steps.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)

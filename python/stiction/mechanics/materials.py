@@ -1,4 +1,4 @@
-"""Elastic moduli, Poisson's ratios and hardnesses of materials, each given as a range with its source."""
+"""Elastic moduli, Poisson's ratios and hardnesses of materials, each as a range with its source."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", 
 
 
 class MaterialValue(float):
-    """Property of a material, given as a representative number with its range and its source.
+    """Property of a material: a representative number, with its range and its source.
 
     Attributes
     ----------
     low, high : float
-        Range in the source; equal if the source has a single value. The number is their geometric mean, or half of the
-        upper end if the lower end is 0.
+        Ends of the range in the source, which are equal if the source has a single value. The number is the geometric
+        mean of the ends, or half of the upper end if the lower end is 0.
     source : str
         Author, title and year of the source.
 
@@ -37,7 +37,7 @@ class MaterialValue(float):
     source: str
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
-        """Create a value from the two ends of its range, neither of which is negative."""
+        """Create a value from the two ends of its range, which must not be negative."""
         middle = low if low == high else math.sqrt(low * high) if low > 0 else high / 2
         value = super().__new__(cls, middle)
         value.low, value.high, value.source = low, high, source
@@ -101,7 +101,7 @@ def material(name: str) -> Material:
     Parameters
     ----------
     name : str
-        Name of one of `materials`, or an alias. Case, spaces and hyphens are ignored.
+        Name or alias of one of the `materials`. Case, spaces and hyphens are ignored.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def material(name: str) -> Material:
         names = [name for match in matches for name in _names(by_name[match]) if _normalise_name(name) == match]
         names = names or [item.name for item in materials()]
         hint = "the nearest are" if matches else "there are"
-        raise ValueError(f"name must be that of a known material, got {name[:80]!r}; {hint} {', '.join(names)}")
+        raise ValueError(f"name must be the name of a known material, got {name[:80]!r}; {hint} {', '.join(names)}")
     return result
 
 
@@ -251,13 +251,13 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
 
 
 def softer_material(*bodies: Material) -> Material | None:
-    """Return the material that yields first. Return None without bodies, or if one of them is an elastomer."""
+    """Return the material that yields first; None without bodies, or if one of the bodies is an elastomer."""
     hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 
 
 def is_name_of(text: str, name: str) -> bool:
-    """Return whether a text is the name of a material in any spelling. Aliases of the material do not count."""
+    """Return True if a text is the name of a material in any spelling. Aliases do not count."""
     return _normalise_name(text) == _normalise_name(name)
 
 
@@ -277,5 +277,5 @@ def _materials_by_name() -> dict[str, Material]:
 
 
 def _names(solid: Material) -> tuple[str, ...]:
-    """Return the name of a material and its aliases."""
+    """Return the name and the aliases of a material."""
     return solid.name, *solid.aliases

@@ -1,10 +1,10 @@
 """Onset of sliding: partial slip of parallel asperity contacts and of a half-space.
 
 A traction that decreases from the centre of an ellipse outwards is a sum of flat-punch tractions on smaller ellipses
-with the same aspect ratio, t from 0 to 1. Each gives a uniform displacement. A contact therefore behaves as springs
-along t that stick below their own strength Q(t). This is exactly the solution of Cattaneo and Mindlin, for any bound
-mu0 p + tau0 (for circles Jäger 1998; Popov & Heß, Method of Dimensionality Reduction, 2015, chapter 5). On a
-half-space, the bound of the traction differs from point to point.
+with the same aspect ratio and relative size t from 0 to 1. Each of these tractions causes a uniform displacement. A
+contact therefore behaves like springs along t that stick below their individual strengths Q(t). This is the exact
+solution of Cattaneo and Mindlin for any bound mu0 p + tau0 of the traction (for circles Jäger 1998; Popov & Heß, Method
+of Dimensionality Reduction, 2015, chapter 5). On a half-space, the bound of the traction differs from point to point.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
-NUM_NODES = 24  # number of nodes of the Gauss-Legendre quadrature, for a smooth function of an angle
+NUM_NODES = 24  # number of nodes of the Gauss-Legendre quadrature, which suffice for a smooth function of an angle
 
 
 def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
-    """Return E*/E*_t, the ratio of the compliances of two bodies for tractions along the motion and for pressures.
+    """Return E*/E*_t, the ratio of the tangential compliance of two bodies to their normal compliance.
 
-    The mean of (1 - ν sin²)/(1 - ν) over the angle between the motion and the line to a force (Cerruti; Johnson,
-    Contact Mechanics, 1985, eq. 3.75). `across` is the mean of sin²: 1/2 on circles (Mindlin), 1 for line loads across
-    the motion.
+    The ratio is the mean of (1 - ν sin²)/(1 - ν) over the angle between the motion and the line to a force (Cerruti;
+    Johnson, Contact Mechanics, 1985, eq. 3.75). `across` is the mean of sin²: 1/2 for circles (Mindlin), 1 for line
+    loads across the motion.
     """
     upper, lower = poisson_ratios(poisson)
     ratios = [(1 - value * np.asarray(across)) / (1 - value) for value in (upper, lower)]
@@ -43,7 +43,7 @@ def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, 
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Return the stiffness π E* a/K(1 - b²/a²), mN/µm, of elliptic punches with (c, 2) semi-axes.
+    """Return the stiffness π E* a/K(1 - b²/a²), mN/µm, of elliptic punches with semi-axes (c, 2).
 
     The formula is in Johnson (1985), section 3.8.
     """
@@ -60,7 +60,7 @@ def load_across(axes: Floats, angle: Floats) -> Floats:
     from scipy.special import ellipkm1, elliprd
 
     square = (axes[:, 1] / axes[:, 0]) ** 2
-    # The mean of cos² about the larger axis is (K - E)/(m K) with m = 1 - b²/a².
+    # The mean of cos² about the larger axis is (K - E)/(m K), where m = 1 - b²/a².
     along = elliprd(0, square, 1) / 3 / ellipkm1(square)
     return np.asarray(along * np.sin(angle) ** 2 + (1 - along) * np.cos(angle) ** 2)
 
@@ -97,14 +97,14 @@ class SlidingAsperities:
         self.normal_load = float(load.sum())
         self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
         self.stiffness = float(self.spring.sum())
-        # At this displacement each contact slides completely.
+        # displacement at which each contact slides completely
         self.farthest = 2 * self._strength(np.ones((load.size, 1)))[:, 0] / self.spring
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the state at which all contacts together support a tangential load."""
         from scipy.optimize import brentq
 
-        del near  # not used, because this solution does not iterate from a state
+        del near  # unused, because this solution is not iterative
         end = float(self.farthest.max())
         displacement = end
         if load < self.sliding_load:
@@ -126,10 +126,10 @@ class SlidingAsperities:
         )  # fmt: skip
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the dissipated energy, which is Σ Q (δ - 2 Q/k) over the slipping springs."""
+        """Return the dissipated energy: Σ Q (δ - 2 Q/k) over the slipping springs."""
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_NODES)
-        # The integration variable is t = cos φ, from the edge, φ = 0, to the end of the slip zone.
+        # The integral runs over φ with t = cos φ, from the edge (φ = 0) to the end of the slip zone.
         end = np.arcsin(depth)[:, np.newaxis]
         sine = np.sin(0.5 * end * (nodes + 1))
         strength = self._strength(sine)
@@ -143,7 +143,7 @@ class SlidingAsperities:
         )
 
     def _slip_depth(self, displacement: float) -> Floats:
-        """Return the relative depth of slip of each contact. It is 0 without slip and 1 for complete sliding."""
+        """Return the relative depth of slip of each contact: 0 without slip, and 1 for complete sliding."""
         square, linear = 1.5 * self.frictional / self.spring, 4 / np.pi * self.adhesive / self.spring
         depth = 2 * displacement / (linear + np.sqrt(linear**2 + 4 * square * displacement))
         return np.asarray(np.where(displacement >= self.farthest, 1.0, np.minimum(depth, 1.0)))
@@ -166,7 +166,7 @@ class SlidingHalfSpace:
         problem = pressed.problem
         self.grids, self.cell, self.moves = problem.grids, problem.cell, problem.has_approach
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # A profile stands for line loads across the motion.
+        # on a profile, tractions are line loads across the motion
         across = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, across))
         self.points: NDArray[Any] = pressed.points
@@ -185,7 +185,7 @@ class SlidingHalfSpace:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver for the tractions. Each copy of the problem creates its own solver."""
+        """Solver for the tractions. Every copy of the problem creates a new solver."""
         return _core.HalfSpaceSolver(
             np.zeros(self.shape), self.grids, bound=self.everywhere, tolerance=self.tolerance, threads=threads()
         )
@@ -194,7 +194,7 @@ class SlidingHalfSpace:
         return {name: value for name, value in vars(self).items() if name != "_solver"}
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the tractions of least energy that support a tangential load."""
+        """Return the tractions that support a tangential load with the least energy."""
         if load >= self.sliding_load:
             return self._slip(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
         load_fraction = load / self.sliding_load
@@ -208,7 +208,7 @@ class SlidingHalfSpace:
         return self._slip(load, solution.pressure[self.points], solution.approach * self.ratio)
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the dissipated energy, which is the sum of bound times slip. It does not depend on far points."""
+        """Return the dissipated energy: the sum of bound times slip, which does not depend on points far away."""
         displacements = self._displacements(slip.traction)
         slips = slip.traction >= self.bound
         sticks = (slip.traction > 0) & ~slips

@@ -1,4 +1,4 @@
-"""Contact model with the parameters of a contact calculation, as they pass from the study file to the core."""
+"""Contact model: parameters of a contact calculation, as passed from the study file to the core."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ Curvature = Literal["convex", "signed"]
 Shear = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 Sliding = Literal["opposing", "all"]
-DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus in the paper, GPa
-THICKNESS = 1.0  # default thickness of a profile, µm
+DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus of the paper, GPa
+THICKNESS = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-FLIPPED_STEP = "turned over"  # step that `flipped` adds to a history
-_SAME_HEIGHT_TOLERANCE = 1e-9  # largest difference of equal heights as a fraction of their range
+FLIPPED_STEP = "turned over"  # history step that `flipped` adds
+# largest difference, relative to the range of the heights, at which heights count as equal
+_SAME_HEIGHT_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
 class ContactModel:
-    """Parameters of a contact calculation, as passed to `contacts`, `press` and `approach_at_load` in `model`.
+    """Parameters of a contact calculation, passed to `contacts`, `press` and `approach_at_load` as `model`.
 
     Keyword arguments of these functions take precedence over the model.
 
@@ -47,17 +48,17 @@ class ContactModel:
     detection : {"cell", "gap-minimum"}, optional
         "cell" (Eq. 5): a grid point has a contact if the contact's centre lies in its cell. "gap-minimum": contacts are
         at the local minima of the splined gap, which do not depend on the grid if it resolves the surfaces. The default
-        is "cell" for profiles, as in the paper, and "gap-minimum" for surfaces, the only choice there.
+        is "cell" for profiles, as in the paper, and "gap-minimum" for surfaces, for which it is the only choice.
     curvature : {"convex", "signed"}, optional
-        Whether both surfaces must be convex at a contact, or only their relative curvature. The default is "convex" for
-        profiles, as in the paper, and "signed" for surfaces, where summits rarely meet summits.
+        With "convex", both surfaces must be convex at a contact; with "signed", only their gap. The default is "convex"
+        for profiles, as in the paper, and "signed" for surfaces, where summits rarely meet summits.
     shear : {"+x", "-x"}
         Direction in which the upper surface is about to move.
     direction : {"+x", "-x"}, float or a sequence of these, optional
-        The same for surfaces: along x, or at an angle in degrees from +x towards +y. `press` computes all directions of
-        a sequence. The default is that of `shear`; both must not be given.
+        Direction for surfaces: along x, or an angle in degrees from +x towards +y. `press` computes all directions of a
+        sequence. By default the direction is taken from `shear`; only one of the two may be given.
     sliding : {"opposing", "all"}
-        Contacts with friction: those whose normal force opposes the motion, as in the paper, or all.
+        Contacts with friction: only contacts whose normal force opposes the motion, as in the paper, or all contacts.
 
     Examples
     --------
@@ -134,7 +135,7 @@ class ContactModel:
         return replace(self, detection=detection, curvature=curvature)
 
     def core(self) -> stiction._core.ContactModel:
-        """Return the model as an object of the core, with the first direction."""
+        """Return the model as an object of the core, which has only the first direction."""
         return self._core
 
     @cached_property
@@ -160,7 +161,7 @@ def _parse_angle(direction: Any) -> float:
 
 
 def _unit_vector(angle: float) -> tuple[float, float]:
-    """Return the unit vector at an angle. It is exact along the axes."""
+    """Return the unit vector at an angle, which is exact along the axes."""
     quarter, rest = divmod(angle, 90.0)
     x, y = math.cos(math.radians(rest)), math.sin(math.radians(rest))
     return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter) % 4]
@@ -172,7 +173,7 @@ _SURFACE_DEFAULT = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactKeywords(TypedDict, total=False):
-    """Contact model as keyword arguments: the model, and the parameters that replace those of the model."""
+    """Contact model as keyword arguments: a model, and parameters that replace those of the model."""
 
     model: ContactModel
     effective_modulus: float
@@ -185,7 +186,7 @@ class ContactKeywords(TypedDict, total=False):
 
 
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
-    """Create the contact model from keyword arguments. Missing parameters are taken from the default model."""
+    """Create the contact model from keyword arguments; missing parameters are taken from the default model."""
     changes: dict[str, Any] = dict(keywords)
     model: ContactModel = changes.pop("model", default or _DEFAULT_MODEL)
     check_instance("model", model, ContactModel, "a ContactModel")
@@ -193,7 +194,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
         return model
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
         raise TypeError(f"unexpected keyword argument {min(unknown)!r}")
-    # `shear` and `direction` exclude each other, so the given argument also resets the other one in the model.
+    # `shear` and `direction` exclude each other, so an argument also resets the other parameter of the model.
     if "shear" in changes and changes.get("direction") is None:
         changes["direction"] = None
     elif changes.get("direction") is not None and "shear" not in changes:
@@ -213,7 +214,7 @@ def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> Co
 def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
     """Return the given modulus (GPa).
 
-    For generated surfaces the default is that of the paper; measured surfaces need one.
+    For generated surfaces, the default is the modulus of the paper. For measured surfaces, a modulus is required.
     """
     if effective_modulus is None:
         check_modulus({}, *bodies)
@@ -222,13 +223,13 @@ def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
 
 
 def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
-    """Raise ValueError if a surface was measured and neither a modulus nor a model is given."""
+    """Raise a `ValueError` if a surface was measured and neither a modulus nor a model is given."""
     if "effective_modulus" not in keywords and "model" not in keywords:
         reject_missing_modulus(*map(measured_source, bodies))
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise ValueError if a surface was read from a file, because the modulus must then be given."""
+    """Raise a `ValueError` for a surface that was read from a file, for which the modulus must be given."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}: the default "
@@ -237,7 +238,7 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def measured_source(body: Profile | Surface) -> str:
-    """Return the history step that names the file of a surface. Return an empty string for generated surfaces."""
+    """Return the history step that names the file of a surface; empty for generated surfaces."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
@@ -300,12 +301,12 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _find_source(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the origin of a surface, without the steps that only change its orientation."""
+    """Return the history of a surface without steps that only change its orientation."""
     return tuple(step for step in body.history if step != FLIPPED_STEP)
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return whether two arrays differ only by a constant. The first row is compared first."""
+    """Return True if two arrays differ only by a constant. The first row is compared first, to save time."""
     allowed = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first)) <= allowed and float(np.ptp(a - b)) <= allowed

@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# Relative difference of loads that share one solution, as a fraction of the sliding load.
+# Relative difference, in terms of the sliding load, between loads that share one solution.
 LOAD_TOLERANCE = 1e-9
-# Tolerance of a requested displacement, as a fraction of the displacement at sliding.
+# Tolerance of a requested displacement, relative to the displacement at sliding.
 DISPLACEMENT_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
 class SlipState:
-    """Slip at one tangential load in first loading. Units are mN, µm and, at the points in contact, GPa."""
+    """Slip at one tangential load in first loading. Units are mN, µm and, for arrays over points in contact, GPa."""
 
     load: float
     displacement: float
@@ -43,7 +43,7 @@ class SlipState:
 
 
 class TangentialProblem(Protocol):
-    """Surfaces under a normal load before tangential loading. `bound` (GPa) is the largest traction at each point."""
+    """Surfaces under a normal load before tangential loading. `bound` is the largest traction at each point, GPa."""
 
     normal_load: float
     sliding_load: float
@@ -56,14 +56,15 @@ class TangentialProblem(Protocol):
         """Return the state at a load above 0 and up to the sliding load. `near` is an initial guess."""
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the energy dissipated by friction in first loading, mN µm. It is the sum of bound times slip."""
+        """Return the energy dissipated by friction in first loading, mN µm: the sum of bound times slip."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Onset(PlotRepr):
-    """Onset of sliding of two surfaces under a normal load, as a tangential load grows from 0. Arrays are read-only.
+    """Onset of sliding of two surfaces under a normal load while a tangential load grows from 0. Arrays are read-only.
 
-    Returned by ``curve.onset(index, mu0=..., tau0=...)`` of a `HalfSpaceCurve`, a `LoadCurve` or a `SurfaceLoadCurve`.
+    An onset is returned by ``curve.onset(index, mu0=..., tau0=...)`` of a `HalfSpaceCurve`, `LoadCurve` or
+    `SurfaceLoadCurve`.
 
     Parameters
     ----------
@@ -84,14 +85,14 @@ class Onset(PlotRepr):
     tangential_load : (k,) ndarray, mN
         Ascending, by default up to `sliding_load`.
     displacement : (k,) ndarray, µm
-        Displacement of the upper surface since the tangential load was 0: of its far points, or of its mean plane if
-        periodic. NaN on a free half-plane, whose far points have no finite displacement.
+        Displacement of the upper surface since the tangential load was 0, measured at points far away, or at the mean
+        plane if periodic. NaN on a free half-plane, where points far away have no finite displacement.
     slipped_area : (k,) ndarray
         Fraction of the real contact area that slips.
     slipped_load : (k,) ndarray
         Fraction of the normal load on slipping points.
     normal_load, sliding_load : float, mN
-        F, and the largest tangential load of all contacts, mu0 F + tau0 A.
+        F, and the largest tangential load that all contacts together support, mu0 F + tau0 A.
     displacement_at_sliding : float, µm
         Pre-sliding displacement.
     stiffness : float, mN/µm
@@ -113,8 +114,8 @@ class Onset(PlotRepr):
     across the motion, the effect of tractions on the pressure of dissimilar bodies, and slopes.
 
     After a reversal, the same curve applies from the point of reversal, scaled by two in both axes (Masing). The
-    energies follow without integration: the dissipation in first loading is the sum of bound times slip, and that of a
-    cycle is four times as large.
+    energies follow without integration: the dissipation in first loading is the sum of bound times slip, and the
+    dissipation in a cycle is four times as large.
 
     Examples
     --------
@@ -145,9 +146,9 @@ class Onset(PlotRepr):
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
-        """Return the traction (GPa) at `tangential_load[index]`, (points,) row by row. It is 0 out of contact.
+        """Return the traction (GPa) at `tangential_load[index]`, (points,) row by row; 0 out of contact.
 
-        For asperities, return the mean over each contact, (contacts,), in the order of `contacts`.
+        For asperities, the mean over each contact is returned, (contacts,), in the order of `contacts`.
 
         Raises
         ------
@@ -157,9 +158,9 @@ class Onset(PlotRepr):
         return read_only(self._spread(self._slips[self._place(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the first `tangential_load` (mN) at which each point slips, (points,). It is NaN where no slip occurs.
+        """Return the first `tangential_load` (mN) at which each point slips, (points,); NaN at points without slip.
 
-        For asperities, return the load at which the whole contact slides, (contacts,).
+        For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
         first = np.full(self._held.bound.size, np.nan)
         for slip in reversed(self._slips):
@@ -188,8 +189,8 @@ class Onset(PlotRepr):
     def loop(self, amplitude: float) -> tuple[Floats, Floats]:
         """Return a cycle between plus and minus a tangential load as displacements (µm) and loads (mN).
 
-        The cycle starts at the maximum. It has the points of the curve below the amplitude, by Masing's rule; more
-        steps give a smoother cycle.
+        The cycle starts at the maximum. By Masing's rule, it consists of the points of the curve below the amplitude;
+        more steps give a smoother cycle.
 
         Raises
         ------
@@ -206,7 +207,7 @@ class Onset(PlotRepr):
     def frame(self) -> pandas.DataFrame:
         """Return the curve of first loading as a table, with one load per row and units in the column names.
 
-        `energy_lost` is the loss of a cycle with this amplitude. The table is the backbone of a Masing model.
+        `energy_lost` is the energy loss in a cycle with this amplitude. The table is the backbone of a Masing model.
         """
         import pandas
 
@@ -218,7 +219,7 @@ class Onset(PlotRepr):
         return pandas.DataFrame({name: np.concatenate([[0.0], column]) for name, column in columns.items()})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the tangential load as a function of the displacement or, if there is none, of the slipped area.
+        """Draw the tangential load as a function of the displacement or, without displacements, of the slipped area.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -269,7 +270,7 @@ class Onset(PlotRepr):
         return np.minimum(loads, self.sliding_load)
 
     def _solve_at_load(self, load: float) -> SlipState:
-        """Return the state at a load. The solution starts from the nearest known state."""
+        """Return the state at a load. The solution starts from the nearest state that is already solved."""
         near = min(self._slips, key=lambda slip: abs(slip.load - load))
         return near if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load else self._held.at(load, near)
 
@@ -306,11 +307,11 @@ def compute_onset(
 
 
 MIN_STRENGTH = 1e-9
-"""Smallest mu0, or tau0 over the modulus, for an onset. Smaller strengths are lost in round-off."""
+"""Smallest mu0, or ratio of tau0 to the modulus, for an onset; smaller strengths are lost in round-off."""
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Convert an index that counts from the front or from the back to an index that counts from the front."""
+    """Convert an index, which may count from the back, to an index that counts from the front."""
     try:
         checked_index = whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
@@ -323,7 +324,7 @@ def check_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tu
     values = check_strengths(mu0, tau0, effective_modulus)
     if max(values[0], values[1] / effective_modulus) < MIN_STRENGTH:
         raise ValueError(
-            f"mu0 and tau0 must not both be 0, or below {MIN_STRENGTH:g} and that fraction of the modulus: "
+            f"mu0 and tau0 must not both be 0 or negligible (below {MIN_STRENGTH:g}, tau0 relative to the modulus): "
             "nothing would resist sliding"
         )
     return values
@@ -340,7 +341,7 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
 
 
 def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
-    """Return Poisson's ratios of the upper and the lower body, from one ratio or two."""
+    """Return the Poisson's ratios of the upper and the lower body, from a single ratio or from two."""
     values = float_array("poisson", poisson)
     if values.shape not in ((), (1,), (2,)) or not ((values > -1) & (values <= 0.5)).all():
         raise ValueError(
@@ -352,7 +353,7 @@ def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
 
 
 def load_fractions(steps: int | Sequence[float]) -> Floats:
-    """Return fractions of the sliding load: a number of equal steps up to 1, or the given fractions."""
+    """Return fractions of the sliding load, from a number of equal steps up to 1 or from given fractions."""
     if np.ndim(steps) == 0:
         count = whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count
@@ -382,7 +383,7 @@ def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target: float, at_sliding: SlipState, near: SlipState | None
 ) -> SlipState:
-    """Return the state at a displacement (µm). The displacement increases with the load."""
+    """Return the state at a displacement (µm), which increases with the load."""
     from scipy.optimize import brentq
 
     far = at_sliding.displacement

@@ -1,4 +1,4 @@
-"""Friction sums from pressures on a grid, with connected patches, real areas, slopes, and sums over patches."""
+"""Friction sums from pressures on a grid: connected patches, real areas, slopes, and sums over patches."""
 
 from __future__ import annotations
 
@@ -14,12 +14,15 @@ from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 
 MAX_LEVEL_SLOPE = 1e-6
-"""Mean slope of a patch over the root-mean-square slope in contact, below which the patch is level and does not oppose
-the motion. For a sphere on a flat, solver errors give 1e-9 at a tolerance of 1e-6."""
+"""Ratio of the mean slope of a patch to the rms slope in contact below which the patch counts as level.
+
+Level patches do not oppose the motion. For a sphere on a flat, solver errors give a ratio of 1e-9 at a tolerance of
+1e-6.
+"""
 
 
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
-    """Compute the slopes along each axis, spectrally for periodic heights and otherwise with natural cubic splines."""
+    """Compute the slopes along each axis, spectrally for periodic heights, and with natural cubic splines otherwise."""
     if periodic:
         return [_spectral_slope(heights, axis, step) for axis, step in enumerate(spacing)]
     rows = np.atleast_2d(heights)
@@ -31,7 +34,7 @@ def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
     n = heights.shape[axis]
     factor = 2j * np.pi * scipy.fft.rfftfreq(n, step)
     if n % 2 == 0:
-        factor[-1] = 0.0  # the Nyquist component has no slope at the grid points
+        factor[-1] = 0.0  # the Nyquist component has no slope at grid points
     shape = [1] * heights.ndim
     shape[axis] = factor.size
     waves = scipy.fft.rfft(heights, axis=axis) * factor.reshape(shape)
@@ -48,11 +51,11 @@ class PatchSums:
     force: Floats  # mN, Σ F n_z
     area: Floats  # area along the deformed interface, µm²
     leaning: Floats  # mN, -Σ F s·n
-    upward: Floats  # Σ F t_z of the friction, mN
-    forward: Floats  # -Σ F s·t of the friction, mN
-    upward_area: Floats  # Σ A t_z of the adhesion, µm²
-    forward_area: Floats  # -Σ A s·t of the adhesion, µm²
-    steepness: float  # root-mean-square slope in contact, weighted by the force
+    upward: Floats  # Σ F t_z of the friction due to mu0, mN
+    forward: Floats  # -Σ F s·t of the friction due to mu0, mN
+    upward_area: Floats  # Σ A t_z of the friction due to tau0, µm²
+    forward_area: Floats  # -Σ A s·t of the friction due to tau0, µm²
+    steepness: float  # rms slope in contact, weighted by the force
 
     @property
     def opposing(self) -> NDArray[np.bool_]:
@@ -79,6 +82,6 @@ class PatchSums:
 def patch_sums(
     force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
 ) -> PatchSums:
-    """Compute the sums over each patch from forces (mN), areas (µm²), slopes and (m, 2) unit vectors of directions."""
+    """Compute the sums over each patch from forces (mN), areas (µm²), slopes, and unit vectors (m, 2) of directions."""
     along_y = slope[0] if len(slope) == 2 else None
     return PatchSums(**_core.patch_sums(force, area, along_y, slope[-1], patch, list(directions)))

@@ -1,4 +1,4 @@
-"""Presliding models that are fitted to an onset curve: the four-parameter Iwan model and the LuGre model."""
+"""Presliding models fitted to an onset curve: the four-parameter Iwan model and the LuGre model."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stiction._checks import Floats, float_array, read_only
 from stiction._repr import TextRepr
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
-# A first displacement below this fraction of the last displacement is round-off.
+# Ratio of the first to the last displacement below which the first displacement is round-off.
 ROUND_OFF_RATIO = 1e-12
 
 
@@ -23,16 +23,17 @@ class FourParameterIwan(TextRepr):
     Attributes
     ----------
     sliding_load : float, mN
-        Sliding load F_S of the curve, not fitted.
+        Sliding load F_S, taken from the curve.
     stiffness : float, mN/µm
-        Initial tangential stiffness K_T of the curve, not fitted.
+        Initial tangential stiffness K_T, taken from the curve.
     chi : float
         Exponent χ, above -1 and at most 0: at small amplitudes, the energy loss per cycle is proportional to
         amplitude^(χ + 3).
     beta : float
-        Ratio β, at least 0: the stiffness lost at the end of presliding over the stiffness lost before.
+        Ratio β, at least 0, of the stiffness that is lost at the end of presliding to the stiffness that is lost
+        before.
     residual : (k,) ndarray, mN
-        Load of the model minus that of the curve, at the displacements of the curve.
+        Load of the model minus load of the curve, at the displacements of the curve.
 
     Notes
     -----
@@ -73,23 +74,23 @@ class FourParameterIwan(TextRepr):
         distance, limit = _check_displacement(displacement), self.displacement_at_sliding
         ratio = np.minimum(distance / limit, 1.0)
         softer = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
-        # By Masing's rule, the loss is 8 times the area under the loading curve minus 4 times load times displacement.
+        # By Masing's rule, the loss is 8 times the area under the loading curve, minus 4 times load times displacement.
         rising = 4 * self.stiffness * softer * (self.chi + 1) / (self.chi + 3) * np.minimum(distance, limit) ** 2
         return np.asarray(rising + 4 * self.sliding_load * np.maximum(distance - limit, 0.0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LuGre(TextRepr):
-    """LuGre model in presliding: bristles that deflect, and that yield at the sliding load.
+    """LuGre model of presliding: bristles that deflect, and that yield at the sliding load.
 
     Attributes
     ----------
     sliding_load : float, mN
-        Sliding load of the curve, not fitted.
+        Sliding load, taken from the curve.
     stiffness : float, mN/µm
         Stiffness σ0 of the bristles.
     residual : (k,) ndarray, mN
-        Load of the model minus that of the curve, at the displacements of the curve.
+        Load of the model minus load of the curve, at the displacements of the curve.
 
     Notes
     -----
@@ -117,7 +118,7 @@ class LuGre(TextRepr):
 
 
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
-    """Fit the Iwan model to a curve by least squares of the load."""
+    """Fit the Iwan model to a curve by least squares of the loads."""
     from scipy.optimize import least_squares
 
     _check_curve(displacement, load, MIN_FIT_POINTS)
@@ -137,7 +138,7 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
 
 
 def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuGre:
-    """Fit the LuGre model to a curve by least squares of the load."""
+    """Fit the LuGre model to a curve by least squares of the loads."""
     from scipy.optimize import least_squares
 
     _check_curve(displacement, load, 1)

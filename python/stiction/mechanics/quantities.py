@@ -1,7 +1,7 @@
-"""Table of quantities: unit, names, dimensions and use of every number that a result contains.
+"""Table of quantities: unit, names, dimensions and use of every number in a result.
 
-All lists of quantities are selections from `QUANTITIES`. The order of the table is the order of rows in text, reports
-and CSV files.
+All lists of quantities are selections from `QUANTITIES`. Texts, reports and CSV files list quantities in the order of
+the table.
 """
 
 from __future__ import annotations
@@ -14,60 +14,65 @@ from typing import Any, Literal
 import stiction._core
 
 Kind = Literal["sum", "statistic", "ratio", "validity", "uncertainty", "coordinate"]
-"""Sum over contacts, number of a member, quotient, figure of validity, uncertainty of a mean, or coordinate."""
+"""Sum over contacts, statistic of a member, ratio, validity indicator, uncertainty of a mean, or coordinate."""
 
 Axis = Literal["sliding", "direction", "axis", "step", "mu0", "tau0", "fraction_below", "fraction", "input", "wait"]
-"""Dimension of a quantity behind cells and members; `step` is the approach or the load."""
+"""Dimensions of a quantity in addition to cells and members; `step` is the approach or the load."""
 
 Source = Literal["asperities", "areal", "half-space", "adhesion", "onset", "measured"]
-"""Studies whose results store a quantity: asperities, asperities of surfaces, the half-space, bodies that adhere,
-generated bodies with an onset of sliding, and measured bodies."""
+"""Studies whose results store a quantity.
+
+These are studies of asperities, of asperities of surfaces, of the half-space, of adhesive bodies, of generated bodies
+with an onset of sliding, and of measured bodies.
+"""
 
 Interval = Literal["sampling", "combined", "prediction", "conditional"]
-"""Interval of the mean over members, of all uncertain inputs, of one more test, or of the inputs if one were known."""
+"""Interval of the mean over members, of all uncertain inputs, of one more test, or if one input were exact."""
 
 View = Literal["table", "verbose", "report", "csv", "hatch"]
-"""Table of a result, its verbose table, selection list of the report, CSV file, and hatching of maps."""
+"""Table of a result, verbose table, selection list of the report, CSV file, and hatching of maps."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResultQuantity:
-    """Properties of a quantity of results, of a coordinate or of a dimension."""
+    """Properties of a quantity in a result, of a coordinate, or of a dimension."""
 
     unit: str
-    words: str  # phrase for axes and datasets
-    brief: str = ""  # a few words for tables, if `words` are too long
+    words: str  # phrase for labels of axes and for the `long_name` of a variable
+    brief: str = ""  # shorter phrase for tables, if `words` is too long
     symbol: str = ""  # in TeX
     kind: Kind
     along: tuple[Axis, ...] = ()
     dtype: type = float
-    numerator: str = ""  # quantity that a ratio is a fraction of; of an unloaded sum the sum under load
-    denominator: tuple[str, ...] = ()  # quantities whose sum a ratio is divided by
-    bounds: tuple[float, float] = (-math.inf, math.inf)  # limits of the ends of an interval
-    interval: Interval = "sampling"  # 95 % interval of a mean
-    percent: bool = False  # in tables and reports
-    column_unit: str = ""  # unit in spreadsheets, if it is not `unit`
+    # quantity in the numerator of a ratio; for a sum without a load, the corresponding sum under load
+    numerator: str = ""
+    denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a ratio
+    bounds: tuple[float, float] = (-math.inf, math.inf)  # limits to which the ends of an interval are clipped
+    interval: Interval = "sampling"  # kind of the 95 % interval
+    percent: bool = False  # True if tables and reports show the quantity in percent
+    column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
     column_factor: float = 1.0
-    proportional: bool = False  # roughly, to the load: interpolated over its logarithm
-    weighted: bool = False  # by load, in the mean over an ensemble
-    bound_fraction: str = ""  # quantity that is the fraction of members which contribute only a lower bound
+    # True if roughly proportional to the load; its ratio to the load is interpolated over the logarithm of the load
+    proportional: bool = False
+    weighted: bool = False  # True if the mean over an ensemble is weighted by the load
+    bound_fraction: str = ""  # name of the fraction of members that contribute only a lower bound
     stored: frozenset[Source] = frozenset()
     shown: frozenset[View] = frozenset()
 
     @property
     def short(self) -> str:
-        """Words for tables."""
+        """Words for tables: `brief` or, if it is empty, `words`."""
         return self.brief or self.words
 
     @property
     def directed(self) -> bool:
-        """True if the quantity depends on the sliding rule and the direction."""
+        """True if the quantity depends on the sliding rule and on the direction."""
         return "sliding" in self.along
 
 
 CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.quantities()}
 AREAL_CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.areal_quantities()}
-"""Units and words of sums as the core declares them, in its order."""
+"""Units and words of the additional sums on surfaces, as declared by the core, in its order."""
 
 _STEP: tuple[Axis, ...] = ("step",)
 _MOTION: tuple[Axis, ...] = ("sliding", "direction")
@@ -82,7 +87,7 @@ _MEASURED: frozenset[Source] = frozenset({"measured"})
 
 
 def _sum(name: str, *more: Source, **properties: Any) -> ResultQuantity:
-    """Return the entry of a sum of the core, which declares its unit and words."""
+    """Return the entry of a sum, with the unit and words that the core declares."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: Source = "asperities" if name in CORE_SUMS else "areal"
     of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP, "stored": frozenset({source, *more})}
@@ -101,7 +106,7 @@ def _directed_sums() -> dict[str, ResultQuantity]:
 
 def _unloaded(part: str, unit: str) -> ResultQuantity:
     return ResultQuantity(
-        unit=unit, words=f"{part} part of the tangential load at no normal load", kind="sum", along=_MOTION,
+        unit=unit, words=f"{part} part of the tangential load without a normal load", kind="sum", along=_MOTION,
         numerator=f"tangential_{part}", stored=frozenset({"adhesion"}),
     )  # fmt: skip
 
@@ -134,36 +139,37 @@ QUANTITIES: dict[str, ResultQuantity] = {
         numerator="tangential_load", denominator=("normal_load",),
     ),
     "friction_all_round": ResultQuantity(
-        unit="1", words="friction coefficient, mean of directions", kind="ratio", along=_MEAN_FRICTION,
+        unit="1", words="friction coefficient, mean over the directions", kind="ratio", along=_MEAN_FRICTION,
     ),
     "friction_by_axis": ResultQuantity(
-        unit="1", words="friction coefficient, both senses", kind="ratio", along=(*_MEAN_FRICTION, "axis"),
+        unit="1", words="friction coefficient, mean over both directions of an axis", kind="ratio",
+        along=(*_MEAN_FRICTION, "axis"),
     ),
     "gentle_friction": ResultQuantity(
-        unit="1", words="friction coefficient by the slope of the gap alone", brief="by the slopes alone",
+        unit="1", words="friction coefficient, small-slope estimate", brief="small-slope estimate",
         kind="statistic", along=(*_MOTION, "mu0", "tau0"),
     ),
     "normal_load": ResultQuantity(
-        unit="mN", words="normal load while sliding starts, friction on slopes included", kind="sum", along=_FRICTION,
-        shown=_CSV,
+        unit="mN", words="normal load at the onset of sliding, including friction on slopes", kind="sum",
+        along=_FRICTION, shown=_CSV,
     ),
     "tangential_load": ResultQuantity(
-        unit="mN", words="tangential load that starts the sliding", kind="sum", along=_FRICTION, shown=_CSV,
+        unit="mN", words="tangential load at the onset of sliding", kind="sum", along=_FRICTION, shown=_CSV,
     ),
     "lateral_load": ResultQuantity(
-        unit="mN", words="lateral load that keeps the upper body on its way", kind="sum", along=_FRICTION,
+        unit="mN", words="lateral load that keeps the upper body on its path", kind="sum", along=_FRICTION,
     ),
     "status": ResultQuantity(
-        unit="", words="whether the value exists, or why not", kind="statistic", along=_STEP, dtype=int,
+        unit="", words="ok, or the reason why there is no value", kind="statistic", along=_STEP, dtype=int,
         stored=_MEASURED,
     ),
-    "friction_known": _uncertainty("coefficient of static friction, 95 % of everything known", "combined"),
+    "friction_known": _uncertainty("coefficient of static friction, combined 95 % interval", "combined"),
     "friction_next_test": _uncertainty(
-        "coefficient of static friction of one test, one way, at one position", "prediction",
+        "coefficient of static friction of a single test in one direction at one position", "prediction",
     ),
-    "friction_if_known": _uncertainty("interval if an input were known", "conditional", "input"),
-    "width_if_known": _uncertainty("width if an input were known", "conditional", "input"),
-    "friction_waited": _uncertainty("coefficient of static friction after waiting under load", "combined", "wait"),
+    "friction_if_known": _uncertainty("interval if one input were exact", "conditional", "input"),
+    "width_if_known": _uncertainty("width of the interval if one input were exact", "conditional", "input"),
+    "friction_waited": _uncertainty("coefficient of static friction after a dwell time under load", "combined", "wait"),
     "fraction_seizing": ResultQuantity(
         unit="1", words="fraction of the samples of the inputs whose interfaces seize", kind="statistic",
         along=_MEAN_FRICTION,
@@ -178,7 +184,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "members": ResultQuantity(unit="1", words="members", kind="statistic", dtype=int),
     # ---- Contact at a load -----------------------------------------------------------------------------------------
     "contact_area_fraction": ResultQuantity(
-        unit="1", words="true over nominal contact area", brief="true area A/A0", kind="ratio", along=_STEP,
+        unit="1", words="ratio of true to nominal contact area", brief="true area A/A0", kind="ratio", along=_STEP,
         numerator="contact_area", denominator=("nominal_area",), percent=True, shown=_EVERYWHERE,
     ),
     "contact_status": ResultQuantity(
@@ -196,14 +202,15 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "normal_stiffness": _statistic("mN/um", "normal stiffness", stored=_MEASURED, shown=_EVERYWHERE),
     "closure": _statistic(
-        "um", "closure, the mean gap lost since first touch", "closure", stored=_MEASURED, shown=_EVERYWHERE,
-    ),
-    "closure_stiffness": _statistic(
-        "MPa/mm", "nominal pressure over closure, incremental", "stiffness of closure", stored=_MEASURED,
+        "um", "closure, the decrease of the mean gap since first contact", "closure", stored=_MEASURED,
         shown=_EVERYWHERE,
     ),
+    "closure_stiffness": _statistic(
+        "MPa/mm", "derivative of the nominal pressure with respect to the closure", "stiffness of closure",
+        stored=_MEASURED, shown=_EVERYWHERE,
+    ),
     "contact_load": ResultQuantity(
-        unit="mN", words="load of the contacts, of the normal load and the attraction", brief="contact load",
+        unit="mN", words="load on the contacts: normal load plus attraction", brief="contact load",
         kind="sum", along=_STEP, proportional=True, stored=frozenset({"adhesion"}), shown=_EVERYWHERE,
     ),
     "pull_off": ResultQuantity(
@@ -211,29 +218,29 @@ QUANTITIES: dict[str, ResultQuantity] = {
         stored=frozenset({"adhesion"}), shown=frozenset({"table", "csv"}),
     ),
     "pull_off_pressure": ResultQuantity(
-        unit="GPa", words="pull-off force over the nominal area", brief="pull-off pressure", kind="ratio",
+        unit="GPa", words="pull-off force divided by the nominal area", brief="pull-off pressure", kind="ratio",
         numerator="pull_off", denominator=("nominal_area",), bound_fraction="share_of_pull_off_bounds",
         shown=frozenset({"table", "csv"}),
     ),
     "friction_at_no_load": ResultQuantity(
-        unit="mN", words="tangential load that starts the sliding at no load", brief="friction at no load",
+        unit="mN", words="tangential load at the onset of sliding without a normal load", brief="friction at no load",
         kind="sum", along=("sliding", "mu0", "tau0"), shown=frozenset({"table", "csv"}),
     ),
     "tangential_stiffness": _statistic(
-        "mN/um", "tangential stiffness at rest", proportional=True, stored=frozenset({"onset"}),
+        "mN/um", "initial tangential stiffness", proportional=True, stored=frozenset({"onset"}),
         shown=frozenset({"table", "csv"}),
     ),
     "displacement_at_sliding": _statistic(
-        "um", "displacement of the upper body before it slides", "creep before sliding", weighted=True,
+        "um", "displacement of the upper body before it slides", "pre-sliding displacement", weighted=True,
         stored=frozenset({"onset"}), shown=frozenset({"table", "csv"}),
     ),
     "fraction_slipped": _statistic(
-        **_FRACTION, words="fraction of the normal load on what slips at half of the sliding load",
+        **_FRACTION, words="fraction of the normal load that slips at half of the sliding load",
         brief="load that slips at half of sliding", weighted=True, stored=frozenset({"onset"}),
         shown=frozenset({"table", "csv"}),
     ),
     "approach": _coordinate(
-        "um", "approach since first touch", along=_STEP, stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
+        "um", "approach since first contact", along=_STEP, stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
     ),
     "stiffness_per_area": ResultQuantity(
         unit="GPa/mm", words="normal stiffness per area while loading", kind="ratio", along=_STEP,
@@ -248,8 +255,8 @@ QUANTITIES: dict[str, ResultQuantity] = {
         kind="ratio", along=("direction", "step"), shown=_VERBOSE_TABLE,
     ),
     "share_on_largest": _statistic(
-        **_FRACTION, words="fraction of the load on the contact that carries most", brief="load on the largest contact",
-        stored=_MEASURED, shown=_VERBOSE_VIEWS,
+        **_FRACTION, words="fraction of the load on the contact with the largest load",
+        brief="load on the largest contact", stored=_MEASURED, shown=_VERBOSE_VIEWS,
     ),
     "share_at_edge": _validity(
         "load_at_edge", "normal_elastic", words="fraction of the load on contacts that reach the edge of the overlap",
@@ -267,11 +274,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
         for side in ("upper", "lower")
     },
     "load_share_at_hardness": _statistic(
-        **_FRACTION, words="fraction of the load where the pressure is the hardness", stored=frozenset({"half-space"}),
+        **_FRACTION, words="fraction of the load at points at the hardness", stored=frozenset({"half-space"}),
         shown=_VERBOSE_VIEWS,
     ),
     "area_share_at_hardness": _statistic(
-        **_FRACTION, words="fraction of the points under pressure where that is the hardness",
+        **_FRACTION, words="fraction of the points under pressure that are at the hardness",
         stored=frozenset({"half-space"}), shown=_VERBOSE_TABLE,
     ),
     "relative_overlap": _validity(
@@ -288,25 +295,25 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "share_crossed": _validity(
         "crossed_count", "crossed_count", "contact_count",
-        words="fraction of would-be contacts refused because their sphere centres had crossed",
+        words="fraction of possible contacts rejected because their sphere centres had crossed",
     ),
     "share_overlapping": _validity(
         "load_overlapping", "normal_elastic", shown=_VERBOSE_VIEWS,
-        words="fraction of the load on contacts whose ellipse overlaps another one",
+        words="fraction of the load on contacts whose ellipse overlaps another ellipse",
     ),
     "share_unanswered": _validity(
         "unanswered_count", "grid_minimum_count",
-        words="fraction of the grid's minima beside which the spline has none", shown=frozenset(),
+        words="fraction of the grid minima that have no minimum of the spline nearby", shown=frozenset(),
     ),
     "error": _statistic(
-        "1", "error of the half-space, in deviations of the gap", "error of the solution", stored=_MEASURED,
-        shown=_VERBOSE_TABLE,
+        "1", "error of the half-space solution, in standard deviations of the gap", "error of the solution",
+        stored=_MEASURED, shown=_VERBOSE_TABLE,
     ),
     "unloading_stiffness": _statistic(
-        "mN/um", "normal stiffness, unloading or by ultrasound", stored=_MEASURED, shown=_CSV,
+        "mN/um", "normal stiffness during unloading, as measured by ultrasound", stored=_MEASURED, shown=_CSV,
     ),
     "nominal_pressure": ResultQuantity(
-        unit="GPa", words="normal load over nominal area", brief="pressure on the nominal area", kind="ratio",
+        unit="GPa", words="normal load divided by the nominal area", brief="pressure on the nominal area", kind="ratio",
         along=_STEP, numerator="normal_elastic", denominator=("nominal_area",), shown=_CSV,
     ),
     "share_of_pull_off_bounds": ResultQuantity(
@@ -314,11 +321,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
         shown=_CSV,
     ),
     "pull_off_is_bound": ResultQuantity(
-        unit="1", words="1 where the pull-off force is at least the value, 0 where it is the value", kind="statistic",
+        unit="1", words="1 if the pull-off force is only a lower bound, otherwise 0", kind="statistic",
         stored=frozenset({"adhesion"}),
     ),
     "patch_area": ResultQuantity(
-        unit="um^2", words="areas of contacts on the ground plan", brief="area of a contact", kind="statistic",
+        unit="um^2", words="projected areas of contacts", brief="area of a contact", kind="statistic",
         along=("step", "fraction_below"), stored=_MEASURED,
     ),
     "pressure": ResultQuantity(
@@ -341,7 +348,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
         kind="statistic", along=("direction",), stored=_MEASURED,
     ),
     "reading_difference": ResultQuantity(
-        unit="1", words="largest relative difference of friction between readings of the load", kind="uncertainty",
+        unit="1", words="largest relative difference of friction between definitions of the load", kind="uncertainty",
         along=_STEP,
     ),
     # ---- Sums over contacts ----------------------------------------------------------------------------------------
@@ -360,19 +367,19 @@ QUANTITIES: dict[str, ResultQuantity] = {
         for part, unit in (("elastic", "mN"), ("frictional", "mN"), ("adhesive", "mN/GPa"))
     },
     # ---- Onset of sliding ------------------------------------------------------------------------------------------
-    "sliding_load": _statistic("mN", "tangential load at which all slips", along=()),
+    "sliding_load": _statistic("mN", "tangential load at which all contacts slip", along=()),
     "displacement": _statistic(
         "um", "displacement of the upper body since the tangential load was 0", along=("fraction",),
     ),
-    "stiffness": _statistic("mN/um", "tangential stiffness at rest", along=()),
+    "stiffness": _statistic("mN/um", "initial tangential stiffness", along=()),
     "slipped_area": _statistic(
         "1", "fraction of the true contact area that slips", along=("fraction",), bounds=(0.0, 1.0), percent=True,
     ),
     "slipped_load": _statistic(
-        "1", "fraction of the normal load on what slips", along=("fraction",), bounds=(0.0, 1.0), percent=True,
+        "1", "fraction of the normal load on slipping points", along=("fraction",), bounds=(0.0, 1.0), percent=True,
     ),
     "energy_lost": _statistic(
-        "mN um", "energy that a cycle between plus and minus this load takes", along=("fraction",),
+        "mN um", "energy loss in a cycle between plus and minus this load", along=("fraction",),
     ),
     # ---- Laws of tables --------------------------------------------------------------------------------------------
     "area_factor": _statistic("1/GPa", "a of A/A0 = a p", along=()),
@@ -385,18 +392,18 @@ QUANTITIES: dict[str, ResultQuantity] = {
         "1", "largest relative difference from k/A0 = b p^c", "largest deviation of k/A0", along=(),
     ),
     # ---- Coordinates -----------------------------------------------------------------------------------------------
-    "cut_off": _coordinate("um", "wavelength below which waves are taken off; 0 is the scan itself", "cut-off"),
-    "height_scale": _coordinate("1", "factor of the heights"),
-    "fraction_below": _coordinate("1", "fraction that is smaller"),
-    "axis": _coordinate("degree", "axis of the motion, both senses together, from +x towards +y"),
-    "x": _coordinate("um", "how far the upper body is moved along +x"),
-    "y": _coordinate("um", "how far the upper body is moved along +y"),
+    "cut_off": _coordinate("um", "cutoff wavelength of the low-pass filter; 0 for the unfiltered scan", "cutoff"),
+    "height_scale": _coordinate("1", "factor by which the heights are multiplied"),
+    "fraction_below": _coordinate("1", "fraction of values that are smaller"),
+    "axis": _coordinate("degree", "axis of the motion in either direction, from +x towards +y"),
+    "x": _coordinate("um", "shift of the upper body along +x"),
+    "y": _coordinate("um", "shift of the upper body along +y"),
     "line": _coordinate("1", "pair of lines", dtype=int),
-    "surrogate": _coordinate("", "whether the member is a pair of surrogates", dtype=bool),
+    "surrogate": _coordinate("", "True if the member is a pair of surrogates", dtype=bool),
     "nominal_area": _coordinate("um^2", "nominal area of a member"),
-    "direction": _coordinate("degree", "where the upper body is about to move, from +x towards +y"),
+    "direction": _coordinate("degree", "direction in which the upper body is about to move, from +x towards +y"),
     "sliding": _coordinate(
-        "", "which contacts rub and push: those that oppose the motion, or all", "rubbing contacts", dtype=str,
+        "", "contacts with friction: only those that oppose the motion, or all", "contacts with friction", dtype=str,
     ),
     "fractal_dimension": _coordinate("1", "fractal dimension", symbol="D"),
     "amplitude": _coordinate("um", "amplitude"),
@@ -408,11 +415,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "rms": _coordinate("um", "Sq of each surface", "Sq"),
     "effective_modulus": _coordinate("GPa", "effective modulus"),
 }  # fmt: skip
-"""Properties of every quantity and coordinate, in the order in which views show them."""
+"""Properties of all quantities and coordinates, in the order in which views show them."""
 
 
 def select(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
-    """Return the names of the quantities that meet a condition, in the order of the table."""
+    """Return the names of the quantities that satisfy a condition, in the order of the table."""
     return tuple(name for name, each in QUANTITIES.items() if condition(each))
 
 
@@ -424,10 +431,10 @@ def shown_in(view: View) -> tuple[str, ...]:
 # ---- Selections ------------------------------------------------------------------------------------------------------
 
 SUMS = tuple(CORE_SUMS)
-"""Sums of a `LoadCurve` at each approach: the members of `Sums`, in the order of the core."""
+"""Sums of a `LoadCurve` at each approach: the fields of `Sums`, in the order of the core."""
 
 AREAL_SUMS = tuple(AREAL_CORE_SUMS)
-"""Sums that a `SurfaceLoadCurve` has in addition, in the order of the core."""
+"""Additional sums of a `SurfaceLoadCurve`, in the order of the core."""
 
 DIRECTED = frozenset(select(lambda each: each.kind == "sum" and each.along == (*_MOTION, "step")))
 """Sums that depend on the direction and on the sliding rule."""
@@ -436,43 +443,43 @@ HALF_SPACE_SUMS = (
     *(name for name in SUMS if "half-space" in QUANTITIES[name].stored),
     *select(lambda each: "half-space" in each.stored and "asperities" not in each.stored),
 )
-"""Numbers that a result of the half-space stores of each pair at each load."""
+"""Numbers that a half-space result stores for each pair at each load."""
 
 UNLOADED = select(lambda each: "adhesion" in each.stored and each.along == _MOTION)
-"""Parts of the tangential load that starts the sliding at no load, which are added for mu0 and tau0."""
+"""Contributions to the tangential load that starts sliding without a load, for the evaluation at any mu0 and tau0."""
 
 PULL_OFF = select(lambda each: "adhesion" in each.stored and not each.along)
-"""Pull-off force of a member, and 1 if the bodies hold at least that, else 0."""
+"""Pull-off force of a member, and a number that is 1 if the force is only a lower bound, and otherwise 0."""
 
 ADHESION = (*select(lambda each: "adhesion" in each.stored and "step" in each.along), *PULL_OFF, *UNLOADED)
-"""Numbers that a result of bodies that adhere stores in addition; all but the first do not depend on the load."""
+"""Additional numbers that results of adhesive bodies store; all but the first do not depend on the load."""
 
-HELD = select(lambda each: "table" in each.shown and "step" not in each.along)
-"""Quantities of bodies that adhere which do not depend on the load."""
+LOAD_INDEPENDENT = select(lambda each: "table" in each.shown and "step" not in each.along)
+"""Quantities of adhesive bodies that do not depend on the load."""
 
 ONSET = select(lambda each: "onset" in each.stored)
 """Quantities of the onset of sliding that a result of generated bodies stores, if its study requests them."""
 
 DISTRIBUTIONS = select(lambda each: "fraction_below" in each.along)
-"""Quantities of which a result of measured bodies stores quantiles, of each member at each load."""
+"""Quantities whose quantiles a result of measured bodies stores for each member at each load."""
 
 GAP = select(lambda each: "measured" in each.stored and "step" not in each.along)
 """Quantities of the gap of each member, which do not depend on the load."""
 
 STATISTICS = select(lambda each: "measured" in each.stored and each.along == _STEP)
-"""Statistics, and the status, that a result of measured bodies stores of each member at each load."""
+"""Statistics, with the status, that a result of measured bodies stores for each member at each load."""
 
 VALIDITY = select(lambda each: each.kind == "validity" and {each.numerator, *each.denominator} <= {*SUMS})
-"""The members of `Validity`."""
+"""Fields of `Validity`."""
 
 AREAL_VALIDITY = select(lambda each: each.kind == "validity" and bool({each.numerator, *each.denominator} - {*SUMS}))
-"""The members that `SurfaceValidity` has in addition to those of `Validity`."""
+"""Fields of `SurfaceValidity` in addition to those of `Validity`."""
 
 AT_HARDNESS = select(lambda each: "half-space" in each.stored and each.kind == "statistic")
-"""Fractions of load and area at which the pressure is the hardness."""
+"""Fractions of the load and of the area at points at which the pressure equals the hardness."""
 
 PER_AREA = select(lambda each: each.kind == "ratio" and each.unit == "GPa/mm")
-"""Stiffnesses over the nominal area."""
+"""Stiffnesses divided by the nominal area."""
 
 UNCERTAINTY = select(lambda each: each.kind == "uncertainty" and each.directed)
 """Uncertainties of the mean over all directions."""
@@ -483,24 +490,24 @@ RATIO_PARTS = frozenset(
     if each.kind == "validity" and each.shown
     for part in (each.numerator, *each.denominator)
 )
-"""Sums that the figures of validity that are shown consist of."""
+"""Sums from which the displayed validity indicators are computed."""
 
-READ_AT_LOAD = tuple(
+INTERPOLATED_QUANTITIES = tuple(
     name
     for name, each in QUANTITIES.items()
     if each.stored and each.along == _STEP and (each.shown or name in RATIO_PARTS)
 )
-"""Stored quantities that `at_load` interpolates to a load, besides friction and quantiles."""
+"""Stored quantities, besides friction and quantiles, that `at_load` interpolates to a load."""
 
 
 def attributes_of(name: str) -> dict[str, str]:
-    """Return the attributes of a variable of that name in a dataset."""
+    """Return the attributes of a dataset variable by the name of the quantity."""
     quantity = QUANTITIES[name]
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
 
 
 def column_of(name: str) -> tuple[str, float]:
-    """Return the title of a spreadsheet column, with its unit, and the factor of conversion to that unit."""
+    """Return the title of a spreadsheet column, with its unit, and the factor that converts to this unit."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit
     return quantity.short + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor

@@ -1,4 +1,4 @@
-"""Dependence of area and friction on the shortest resolved wavelength, and the limit that a hardness sets."""
+"""Dependence of area and friction on the shortest resolved wavelength, and the limit that a hardness imposes."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
 TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
-"""Default hardnesses (GPa), from polymers and soft metals to ceramics, for which the plastic wavelength is given."""
+"""Default hardnesses (GPa) for which the plastic wavelength is computed, from polymers and soft metals to ceramics."""
 
-_MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength as a fraction of the shortest side
-# friction at all contacts comes first, as in most measurements of mu0
+_MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, relative to the shortest side
+# the first rule is that of most measurements of mu0
 _SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_TEXT = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA = 2.2  # value of A E* h'/F at small loads, which is 2.1 to 2.4 on Gaussian surfaces
-# fields with one value for each load, without direction
+KAPPA = 2.2  # value of A E* h'/F at small loads; it is 2.1 to 2.4 on Gaussian surfaces
+# fields with one value per load, for all directions
 _CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _RENAMED_VARIABLES = {
     "load_share_at_hardness": "load_fraction_at_hardness"
-}  # variables of the result whose names differ from the fields of the curve
+}  # names of variables of the result, where they differ from the fields of the curve
 
 
 def resolution(
@@ -59,7 +59,7 @@ def resolution(
     tolerance: float = 1e-6,
     progress: Callable[[int, int], object] | None = None,
 ) -> xr.Dataset:
-    r"""Compute area, pressure and friction of a pair as functions of a cutoff wavelength, and the limit of finer scans.
+    r"""Compute area, pressure and friction of a pair as functions of a cutoff wavelength, and limits for finer scans.
 
     Parameters
     ----------
@@ -249,12 +249,12 @@ class _SolvedPair:
 
     @property
     def nominal_area(self) -> float:
-        """Nominal area of the pair, µm². A profile is 1 µm thick."""
+        """Nominal area of the pair, µm². A profile has a width of 1 µm."""
         return math.prod(self.upper.spacings) * self.upper.heights.size
 
     @property
     def shortest(self) -> float:
-        """Shortest possible cutoff wavelength, which is two points of the coarser spacing, µm."""
+        """Shortest possible cutoff wavelength, µm: two points of the coarser spacing."""
         return 2 * max(self.upper.spacings)
 
     def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
@@ -284,9 +284,9 @@ class _SolvedPair:
 
 
 def _solve(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], **options: Any) -> dict[str, Floats]:
-    """Solve all loads.
+    """Solve the contact at all loads.
 
-    Return numbers (load,) and sums (rule, load), averaged over directions, and NaN without a solution.
+    Returns numbers (load,) and sums (rule, load), averaged over directions, which are NaN without a solution.
     """
     results = {name: np.full(loads.size, np.nan) for name in _CURVE_FIELDS}
     results |= {name: np.full((len(_SLIDING_RULES), loads.size), np.nan) for name in SIX_SUMS}
@@ -311,7 +311,7 @@ def _cutoff_dataset(
     pair: _SolvedPair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return areas, pressures and sums as functions of the cutoff, with NaN without a solution."""
+    """Return areas, pressures and sums as functions of the cutoff; NaN without a solution."""
     import xarray as xr
 
     gaps = [pair.gap(*pair.cut_off_at(length)) for length in lengths]
@@ -362,7 +362,7 @@ def _with_limits(
     result: xr.Dataset, pair: _SolvedPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Add the plastic limit, its wavelength, and the elastic extrapolation to that wavelength."""
+    """Add the plastic limit, its wavelength, and the elastic extrapolation towards this wavelength."""
     gap = pair.gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = brackets.gap_exponent(gap, pair.periodic)
@@ -381,17 +381,18 @@ def _with_limits(
     gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest, gradient)
     area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_stretch(np.array(gradient)))
     projected = brackets.elastic_area(gradients, area_of_slope, spread)
-    middle = gradients[:, :1, np.newaxis]  # the interval of the gradient has almost no effect on the slope correction
+    middle = gradients[:, :1, np.newaxis]  # the interval of the gradient hardly affects the slope correction
     grid = ("finer_wavelength", "normal_load", "statistic")
     tables: dict[str, tuple[Any, Floats, str, str]] = {
         "elastic_kappa": (grid[1], kappa, "1", "A E* h'/F of the elastic solution of the scan"),
         "elastic_area_fraction": (
-            grid[1], area / pair.nominal_area, "1", "real over nominal area of the elastic solution"
+            grid[1], area / pair.nominal_area, "1", "ratio of real to nominal area of the elastic solution"
         ),
         "plastic_wavelength": (("hardness", *grid[1:]), reached, "µm", _PLASTIC_WAVELENGTH_TEXT),
         "continued_rms_gradient": (grid[::2], gradients, "1", "gradient of the gap, extrapolated"),
         "continued_elastic_area_fraction": (
-            grid, projected * brackets.interface_stretch(middle), "1", "elastic real over nominal area, extrapolated"
+            grid, projected * brackets.interface_stretch(middle), "1", "elastic ratio of real to nominal area, "
+            "extrapolated"
         ),
     }  # fmt: skip
     if parameters is not None:
@@ -438,12 +439,12 @@ def spectral_resolution(
     Parameters
     ----------
     upper, lower : ScaleDependentRoughness
-        Roughness of surfaces, from `scale_dependent_roughness` or the `roughness` of a `JoinedSpectrum`. None is a flat
-        lower surface.
+        Roughness of both surfaces, from `scale_dependent_roughness` or from the method `roughness` of a
+        `JoinedSpectrum`. None stands for a flat lower surface.
     pressure : float, GPa
         Load over nominal area, above 0.
     hardness : float, GPa, or None
-        Hardness of the softer body, above the pressure; None is elastic.
+        Hardness of the softer body, above the pressure; None stands for elastic bodies.
     mu0 : float
         Molecular friction coefficient, at least 0.
     tau0 : float, GPa
@@ -459,13 +460,13 @@ def spectral_resolution(
     -------
     result : xarray.Dataset
         Over `wavelength` (µm, descending): `rms_gradient` of the gap, `contact_area_fraction`, `mean_pressure`, and
-        also over `sliding` ("all", "opposing") `friction_coefficient`. `plastic_wavelength` (µm) is where the elastic
-        pressure reaches the hardness; NaN if it does not.
+        also over `sliding` ("all", "opposing") `friction_coefficient`. `plastic_wavelength` (µm) is the wavelength at
+        which the elastic pressure reaches the hardness; NaN if there is none.
 
     Raises
     ------
     ValueError
-        If an argument is outside its range, or the roughness is not that of a surface.
+        If an argument is outside its range, or the roughness does not belong to a surface.
 
     See Also
     --------

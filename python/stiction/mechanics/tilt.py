@@ -1,8 +1,8 @@
-"""Contact with a free tilt, in which the upper surface rotates until the resultant force acts at the centre.
+"""Contact with a free tilt: the upper surface rotates until the resultant force acts at the centre.
 
 The solution minimises the energy at the given load. The slopes of the rotation are Lagrange multipliers of the moments,
-so the moments decrease as the slopes increase: a concave problem with two unknowns, solved by Newton steps with the
-linear response of the contact points.
+which decrease as the slopes increase. This is a concave problem with two unknowns. It is solved by Newton steps with
+the linear response of the contact points.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from stiction.mechanics.half_space_problem import (
     to_contact_solution,
 )
 
-MAX_OFF_CENTRE = 1e-4  # largest distance of the resultant from the centre along each axis, as a fraction of the length
-MAX_TILT_SOLUTIONS = 60  # solutions per load
+MAX_OFF_CENTRE = 1e-4  # largest distance of the resultant force from the centre along each axis, relative to the length
+MAX_TILT_SOLUTIONS = 60  # largest number of solutions per load
 MAX_EDGE_STEP = 0.5  # largest displacement of an edge in one step, in standard deviations of the gap
-# Smallest response of a moment, in units of loads times length² over the deviation of the gap.
+# Smallest response of a moment to a slope, in units of load times length² over the standard deviation of the gap.
 MIN_RESPONSE = 1e-6
 
 
 def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
-    """Return the problem after a rotation of the upper surface about its centre by slopes along y and x, or along x."""
+    """Return the problem after rotating the upper surface about its centre by slopes along y and x, or along x."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(problem, upper=problem.upper + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes)
 

@@ -22,7 +22,7 @@ from stiction.studies.contact_tables import HalfSpaceContactTable
 from stiction.studies.evaluation import member_values
 from stiction.studies.maps import cells_of
 from stiction.studies.measured_surfaces import MeasuredSurfaces
-from stiction.studies.member_solution import OneLoad
+from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import load_bodies, pair_of
 from stiction.studies.result import Result
 from stiction.studies.store import StoredResult, read_companion
@@ -96,7 +96,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
         return None
     index = int(members["repetition"].values[find_typical_index(area)])
     member = load_bodies(study).member(index, cut_off)
-    solution = OneLoad.of(study, member.pair, load)
+    solution = PressedPair.of(study, member.pair, load)
     if solution is None:
         return None
     table = solution.table()
@@ -150,7 +150,7 @@ def find_typical_index(area: Floats) -> int:
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
-def _build_line_picture(solution: OneLoad) -> xarray.Dataset:
+def _build_line_picture(solution: PressedPair) -> xarray.Dataset:
     import xarray
 
     upper, lower = solution.upper, solution.lower
@@ -166,7 +166,7 @@ def _build_line_picture(solution: OneLoad) -> xarray.Dataset:
     )
 
 
-def _build_map_picture(solution: OneLoad, table: ContactList) -> xarray.Dataset:
+def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Dataset:
     import xarray
 
     upper, lower, pressure = solution.upper, solution.lower, None
@@ -235,7 +235,7 @@ def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int]
         cell_areas = areas.isel(dict(zip(cells, cell_index, strict=True)))
         cell = {name: float(cell_areas[name]) for name in cells}
         for load, index in _select_members(cell_areas, unique_loads, indices):
-            solution = OneLoad.of(study, _load_pair(study, index, cell), load)
+            solution = PressedPair.of(study, _load_pair(study, index, cell), load)
             if solution is not None:
                 columns: dict[str, Any] = {f"{name}{_COLUMN_SUFFIXES[name]}": value for name, value in cell.items()}
                 table = solution.table()

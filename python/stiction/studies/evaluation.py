@@ -32,11 +32,11 @@ from stiction.mechanics.friction import (
 from stiction.mechanics.quantities import (
     DISTRIBUTIONS,
     GAP,
+    INTERPOLATED_QUANTITIES,
     ONSET,
     PER_AREA,
     QUANTITIES,
     RATIO_PARTS,
-    READ_AT_LOAD,
     UNLOADED,
     VALIDITY,
     attributes_of,
@@ -316,31 +316,30 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     # the most frequent status, if no member has a coefficient
     frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
     common = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), frequent)
-    words = attributes_of("friction_coefficient")
     rest = [dim for dim in dims if dim != "direction"]
     coordinates: dict[str, Any] = {
         str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
     }
     round_mean = coefficient.mean(axis=at)
     variables["friction_all_round"] = (
-        (*rest, "statistic"), order.mean(round_mean), words | {"long_name": "friction coefficient, mean of directions"},
+        (*rest, "statistic"), order.mean(round_mean), attributes_of("friction_all_round"),
     )  # fmt: skip
     axes, places = axes_of(members["direction"].values)
     if several and axes.size and _is_requested("friction_by_axis", names):
         by_axis = np.stack([np.take(coefficient, pair, axis=at).mean(axis=at) for pair in places], axis=at)
         named = ("axis" if dim == "direction" else dim for dim in dims)
         variables["friction_by_axis"] = (
-            (*named, "statistic"), order.mean(by_axis), words | {"long_name": "friction coefficient, both senses"},
+            (*named, "statistic"), order.mean(by_axis), attributes_of("friction_by_axis"),
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, attributes_of("axis"))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # NaN if no member has a coefficient
         low, high = np.nanquantile(coefficient, SPREAD_QUANTILES, axis=(0, at))
     variables |= {
-        "spread_low": (rest, low, words | {"long_name": "10 % quantile of the members"}),
-        "spread_high": (rest, high, words | {"long_name": "90 % quantile of the members"}),
+        "spread_low": (rest, low, attributes_of("spread_low")),
+        "spread_high": (rest, high, attributes_of("spread_high")),
         "status": (dims, common, attributes_of("status")),
-        "ok": (dims, ok.sum(axis=0), {"units": "1", "long_name": "members with a coefficient"}),
+        "ok": (dims, ok.sum(axis=0), attributes_of("ok")),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }  # fmt: skip
     return xarray.Dataset(variables, coordinates | {"statistic": INTERVAL_STATISTICS}, members.attrs)
@@ -681,7 +680,7 @@ def evaluate_piece(
             opposing = both[0] / both[1]
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
     wanted = None if names is None else {*_FRICTION, *names}
-    for name in READ_AT_LOAD:
+    for name in INTERPOLATED_QUANTITIES:
         if name != "normal_elastic" and not _is_requested(name, wanted):
             continue
         if name in there and step in there[name].dims:

@@ -230,7 +230,7 @@ def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactM
 
 
 @dataclass(frozen=True, eq=False)
-class OneLoad:
+class PressedPair:
     """Pair of bodies that are pressed together by one elastic load."""
 
     upper: Any
@@ -239,7 +239,7 @@ class OneLoad:
     model: ContactModel | None = None  # contact model of the asperities
 
     @classmethod
-    def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> OneLoad | None:
+    def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
         """Press a pair to a load (mN) with the contact model of its study; return None if there is no solution."""
         upper, lower = pair
         contact = study.contact

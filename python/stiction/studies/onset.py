@@ -17,7 +17,7 @@ from stiction.mechanics.quantities import QUANTITIES, attributes_of
 from stiction.studies.contact_picture import MAX_PICTURE_SIZE
 from stiction.studies.evaluation import OverMembers
 from stiction.studies.executors import use_idle_threads
-from stiction.studies.member_solution import OneLoad
+from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import count_points, load_bodies
 from stiction.studies.store import read_companion
 from stiction.studies.study import Study
@@ -93,7 +93,7 @@ def compute_member_onset(
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
-        pressed = OneLoad.of(study, member.pair, load)
+        pressed = PressedPair.of(study, member.pair, load)
         if pressed is None:
             return None
         options: dict[str, Any] = {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed.curve, HalfSpaceCurve) else {}
@@ -220,7 +220,7 @@ Variables = dict[str, tuple[Any, ...]]
 _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
-def build_slip_map(pressed: OneLoad, onset: Onset) -> Variables:
+def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
     """Return the fraction of the sliding load at which each point of a map, or each asperity contact, slips.
 
     The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented

@@ -139,8 +139,7 @@ class Pair:
                     continue
                 if options.given(name) not in (None, "error", "keep"):
                     raise ArgumentError(
-                        f"{{{name}}} applies only to files: if one body is in memory, read the other file first, got "
-                        f"{{{name}}}"
+                        f"{{{name}}} is for files: if one body is in memory, read the other file first, got {{{name}}}"
                     )
             body = self._from_array(side, index, body) if is_array else body
             return MeasuredFile.from_body(body, side).model_copy(update=properties)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stiction._repr import TextRepr, format_number_and_unit, table_html
 
-NOT_LEVELLED = "no: as they are"  # description of heights that were not levelled
+NOT_LEVELLED = "no"  # description of heights that were not levelled
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ class ParameterSet(TextRepr):
     values : dict
         Values by parameter name, in the order of the table; NaN where a parameter does not exist.
     levelled : str
-        Form that was subtracted from the heights, or "no: as they are".
+        Form that was subtracted from the heights, or "no".
     """
 
     values: Mapping[str, float]

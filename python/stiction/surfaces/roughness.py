@@ -1,4 +1,4 @@
-"""Roughness parameters of primary profiles and of surfaces, which describe height, slope, texture and features."""
+"""Roughness parameters of primary profiles and of surfaces: height, slope, texture and feature parameters."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def describe_levelling(history: tuple[str, ...]) -> str:
 class RoughnessParameters(ParameterSet):
     """Parameters of a primary profile about its mean, named as in ISO 21920-2.
 
-    The reference of roughness parameters lists their names, formulas and units.
+    The reference page on roughness parameters lists the names, formulas and units.
 
     Examples
     --------
@@ -51,7 +51,7 @@ class RoughnessParameters(ParameterSet):
       Psk       0
       Pku       2
       Pdq       0.005185
-      levelled  no: as they are
+      levelled  no
     """
 
 
@@ -67,7 +67,7 @@ def roughness_parameters(
     derivative : {"seven-point", "neighbours"}
         Slope formula for Pdq. "seven-point" is the formula of ISO 4287 and of instruments. It is evaluated at points
         with three neighbours on each side, and attenuates wavelengths near twice the spacing. "neighbours" is the
-        difference of two neighbours over the spacing, the usual formula of contact models.
+        difference of two adjacent heights divided by the spacing, which is the usual formula of contact models.
     spacing : float (µm) or str
         Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
     unit : str
@@ -113,9 +113,9 @@ def roughness_parameters(
 
 
 def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    """Compute the height and slope parameters about the mean line. The names lack the first letter."""
+    """Compute height and slope parameters about the mean line; their names omit the first letter."""
     scale = float(np.abs(z).max()) or 1.0
-    unit = z / scale  # the scaling prevents overflow and underflow of the fourth power
+    unit = z / scale  # scaling prevents overflow and underflow of the fourth power
     rms = float(np.sqrt(np.mean(unit**2)))
     differences = np.correlate(unit, SEVEN_POINTS, mode="valid") / 60 if derivative == "seven-point" else np.diff(unit)
     return {
@@ -129,7 +129,7 @@ def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[s
 class SurfaceParameters(ParameterSet):
     """Parameters of a surface about its mean plane, named as in ISO 25178-2.
 
-    The reference of roughness parameters lists their names, formulas and units.
+    The reference page on roughness parameters lists the names, formulas and units.
 
     Examples
     --------
@@ -176,7 +176,7 @@ def surface_parameters(
 
     Notes
     -----
-    Sdr is the mean over both divisions of a grid cell into two triangles.
+    Sdr is the mean over both ways to divide a grid cell into two triangles.
 
     The autocorrelation follows ISO 25178-2: the mean product over the overlap of the surface and its shifted copy,
     divided by the mean square. Along each of 720 directions, Sal and Str use the first shift at which it decreases to
@@ -188,13 +188,13 @@ def surface_parameters(
     window.
 
     The core is the 40 % of the points over which a secant of the material ratio curve is least steep. A straight line
-    is fitted to the core by least squares; Sk is its drop from 0 to 100 %. Spk and Svk are heights of triangles
-    with the areas of the peaks above and the valleys below the core, on the bases Smr1 and 1 - Smr2. For the volumes,
-    peaks, core and valleys are separated at material ratios of 10 % and 80 %.
+    is fitted to the core by least squares; Sk is its drop from 0 to 100 %. Spk and Svk are heights of triangles with
+    the areas of the peaks above and the valleys below the core, on the bases Smr1 and 1 - Smr2. For the volumes, peaks,
+    core and valleys are separated at material ratios of 10 % and 80 %.
 
     Peaks and pits belong to hills and dales with eight neighbours, merged by Wolf pruning below 5 % of Sz. Spd, S5p and
-    S5v include features that the border cuts. Spc is the mean curvature, from second differences, of the peaks that are
-    not on the border.
+    S5v include features that are cut by the border. Spc is the mean curvature of the peaks that are not on the border,
+    from second differences.
 
     ISO 25178-2:2021.
 
@@ -213,7 +213,7 @@ def surface_parameters(
     z = surface.heights
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
-    deviation /= scale  # the scaling prevents overflow and underflow of the fourth power
+    deviation /= scale  # scaling prevents overflow and underflow of the fourth power
     values = {
         **_height_parameters(deviation, scale),
         **_material_ratio(deviation, scale),
@@ -230,7 +230,7 @@ def surface_parameters(
 
 
 def check_roughness(surface: Surface) -> None:
-    """Raise ValueError for a surface that is flat or too small for roughness parameters."""
+    """Raise a `ValueError` for a surface that is flat or too small for roughness parameters."""
     reject_flat(surface)
     least, shape = SEVEN_POINTS.size, surface.heights.shape
     if min(shape) < least:
@@ -314,28 +314,29 @@ def _slopes_along(heights: Floats, axis: int, derivative: Derivative) -> Floats:
 
 
 def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> float:
-    """Return the area of the triangles between points divided by the projected area, minus 1."""
+    """Return the ratio of the area of the triangles between points to the projected area, minus 1."""
     total = 0.0
     corners = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
     # Each triangle has one side along x and one side along y, which determine its slopes.
     for along_x in (corners[1] - corners[0], corners[3] - corners[2]):
         for along_y in (corners[2] - corners[0], corners[3] - corners[1]):
             squares = np.square(along_x / spacing[1]) + np.square(along_y / spacing[0])
-            total += float(np.mean(squares / (1 + np.sqrt(1 + squares)))) / 4  # without cancellation
+            total += float(np.mean(squares / (1 + np.sqrt(1 + squares)))) / 4  # this form avoids cancellation
     return total
 
 
 def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
     """Return the shortest and the longest distance at which the autocorrelation falls to 0.2.
 
-    NaN where it does not fall to 0.2.
+    Both are NaN if the autocorrelation does not fall to 0.2.
     """
     correlation = autocorrelation(deviation)
     half = [points // 2 for points in deviation.shape]
-    # the autocorrelation is the same in the other half of the directions
+    # the other half of the directions has the same autocorrelation
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
-    # Steps are half of the finer spacing. They end where a direction leaves the half of the surface.
-    towards = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))  # points per µm
+    # Steps are half of the finer spacing. They end where a direction leaves the central half of the surface.
+    # grid points per µm along the direction
+    towards = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):
         max_distance = np.min(np.array(half)[:, np.newaxis] / towards, axis=0)
     step = min(spacing) / 2
@@ -363,7 +364,7 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
 def autocorrelation(deviation: Floats) -> Floats:
     """Compute the autocorrelation of heights at shifts of up to half the points.
 
-    Element (j, l) is a shift of j rows and l - columns//2 columns.
+    Element (j, l) belongs to a shift of j rows and l - columns//2 columns.
     """
     from scipy.fft import irfft2, next_fast_len, rfft2
 

@@ -1,4 +1,4 @@
-"""Slope and curvature of a body as functions of the shortest wavelength, and the wavelength limit of the instrument."""
+"""Slope and curvature of a body as functions of the shortest wavelength, and the wavelength limit of an instrument."""
 
 from __future__ import annotations
 
@@ -20,39 +20,43 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
-# Constant c of `instrument_limit`: a tip of radius R resolves an rms curvature below c/R.
+# Constant c of `instrument_limit`: a tip of radius R resolves surfaces with an rms curvature below c/R.
 TIP_FACTOR = 0.1
 _PER_DECADE = 48  # number of wave number bins per decade for slope and curvature
 _PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
 _WINDOW_OCTAVES = (1.0, 2.0)  # widths, in octaves, of the windows in which a spectral exponent is fitted
-# Minimum difference of a measured exponent from that of H = 0, the roughest self-affine surface, in standard
+# Minimum difference of a measured exponent from the exponent for H = 0, the roughest self-affine surface, in standard
 # deviations.
 _DEVIATIONS = 3.0
-# Largest wavelength, in points, of a hump that the instrument causes. A hump at a longer wavelength is texture.
+# Largest wavelength, in points, of a hump that is attributed to the instrument. A hump at a longer wavelength is
+# texture.
 _MAX_HUMP_POINTS = 24.0
-# Smallest density of trusted wavelengths as a multiple of the lowest density of the spectrum.
+# Ratio of the density to the lowest density of the spectrum above which wavelengths are trusted.
 _MIN_TRUSTED_RATIO = 4.0
-# Smallest rise of the density above the lowest density at longer wavelengths. No surface has such a rise.
+# Smallest ratio of a density to the lowest density at longer wavelengths that counts as a rise. No surface has such a
+# rise.
 _MIN_RISE_RATIO = 3.0
-# Largest fraction of the mean square slope that unattributed wavelengths may contribute to a quotable result.
+# Largest fraction of the mean square slope from unattributed wavelengths with which a result may be quoted.
 MAX_UNKNOWN_FRACTION = 0.1
-# Cutoff as a multiple of the wavelength to remove. A Gaussian filter then transmits 8 % of the amplitude.
+# Ratio of the cutoff to the wavelength to be removed, of which a Gaussian filter then transmits 8 % of the amplitude.
 CUTOFF_MARGIN = 1.9
 _MIN_SLOPE_FRACTION = 1e-4  # fraction of the mean square slope below which a contribution may be round-off
-# Smallest exponent of a rough surface in its last octave, even with aliasing.
+# Smallest exponent of a rough surface in its last octave, including the effect of aliasing.
 _MAX_ALIASED_EXPONENT = 0.6
-# Smallest fraction of the mean square second difference that is due to rounding in quantised heights.
+# Smallest fraction of the mean square second difference that rounding must explain for heights to count as quantised.
 _MIN_ROUNDED_FRACTION = 0.3
 _MAX_FLAT_EXPONENT = 0.35  # largest exponent of a flat spectrum, and largest rms deviation of its log density
-# Largest exponent of a noise floor that includes a part of the spectrum of the surface.
+# Largest exponent of a noise floor if the range of its fit includes a part of the spectrum of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
-# Wavelength below which the spectrum consists only of noise, as a fraction of the limit.
+# Ratio of a wavelength to the limit below which the spectrum consists only of noise.
 _NOISE_WAVELENGTH_RATIO = 0.7
-INSTRUMENT_REASONS = ("noise floor", "quantisation")  # reasons that always indicate the instrument and not the surface
-_MAX_NOISE_RATIO = 2.0  # largest ratio of the noise densities along both axes of the same noise
-_MIN_HIDDEN_RATIO = 0.8  # smallest density over that of hidden noise; 1 but for chance
-_MIN_NOISE_LINES = 8.0  # smallest number of independent lines of noise that differs between lines
-# shortest wavelength of the extrapolation as a fraction of the shortest wavelength of the scan
+# reasons that are always due to the instrument, never to the surface
+INSTRUMENT_REASONS = ("noise floor", "quantisation")
+_MAX_NOISE_RATIO = 2.0  # largest ratio of the noise densities along the two axes for the noise to count as the same
+# smallest ratio of a density to the density of noise that may be hidden in it; below 1 to allow for scatter
+_MIN_HIDDEN_RATIO = 0.8
+_MIN_NOISE_LINES = 8.0  # smallest number of independent lines for noise that differs from line to line
+# Shortest wavelength of an extrapolation as a fraction of the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _HALVINGS = 60
 
@@ -72,10 +76,10 @@ class ScaleDependentRoughness(TextRepr):
     wavelength : (n,) ndarray of float, µm
         Descending, from the longest to the shortest wavelength of the grid.
     gradient : (n,) ndarray of float
-        h'_rms of the wavelengths at or above each value: the gradient of a surface over all directions, or the slope
-        of a profile.
+        h'_rms of all wavelengths at or above each value: the gradient over all directions for a surface, the slope for
+        a profile.
     curvature : (n,) ndarray of float, 1/µm
-        h''_rms of the same wavelengths; for a surface the mean curvature, half of the Laplacian.
+        h''_rms of the same wavelengths; for a surface, of the mean curvature, which is half of the Laplacian.
     dimensions : int
         1 for a profile, 2 for a surface.
 
@@ -104,17 +108,17 @@ class ScaleDependentRoughness(TextRepr):
         return _interpolate_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h''_rms (1/µm) of all wavelengths at or above the given wavelengths (µm), as in `gradient_at`."""
+        """Return h''_rms (1/µm) of all wavelengths at or above the given wavelengths (µm), like `gradient_at`."""
         return _interpolate_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """Return the fraction of the mean square slope that is due to wavelengths below a wavelength (µm)."""
+        """Return the fraction of the mean square slope that is due to wavelengths below the given wavelength (µm)."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
         r"""Return h'_rms down to unresolved wavelengths (µm).
 
-        It is extrapolated with the power law of a Hurst exponent.
+        The power law of a Hurst exponent extrapolates the spectrum.
 
         Notes
         -----
@@ -136,8 +140,8 @@ class ScaleDependentRoughness(TextRepr):
 
         The power law of `estimate`, if given, extrapolates the spectrum.
 
-        Returns the longest wavelength if it already has the gradient. Returns NaN if the gradient is not reached, with
-        a power law down to a millionth of the scan's shortest wavelength.
+        Returns the longest wavelength if this wavelength alone has the gradient. Returns NaN if the gradient is not
+        reached; with a power law, the search extends to a millionth of the scan's shortest wavelength.
         """
         target = number("gradient", gradient, above=0)
         finest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
@@ -156,9 +160,9 @@ class ScaleDependentRoughness(TextRepr):
 
 
 def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law and two power laws with the lower and upper exponent.
+    """Return the fitted power law, and two power laws with the lower and the upper exponent.
 
-    All agree at the centre of the band.
+    All three power laws agree at the centre of the band.
     """
     middle = 2 * math.pi / math.sqrt(estimate.shortest_wavelength * estimate.longest_wavelength)
     lower, upper = (
@@ -173,7 +177,7 @@ def extrapolated_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
-    # The expression equals (end^x - start^x) / x, also at x = 0.
+    # This expression equals (end^x - start^x) / x, and is also valid for x = 0.
     grown = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * grown)
 
@@ -245,7 +249,7 @@ def scale_dependent_roughness(
 def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
     """Return the wave numbers (1/µm) of a body and their mean square heights (µm²).
 
-    Bodies that are not periodic are levelled.
+    Bodies that are not periodic are levelled first.
     """
     if isinstance(body, Profile):
         line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
@@ -258,7 +262,7 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
 
 
 def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
-    """Interpolate on logarithmic axes at other wavelengths. The result is zero above the longest wavelength."""
+    """Interpolate linearly in logarithms at other wavelengths; zero above the longest wavelength."""
     lengths = float_array("wavelength", targets)
     if not (lengths > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {targets!r}")
@@ -276,32 +280,33 @@ class InstrumentLimit(TableRepr):
     wavelength : float, µm
         The largest of `pixels`, `noise` and `tip`. Shorter wavelengths are unreliable, at least along `axis`.
     reason : str
-        Cause of the limit: "pixels", "tip", or the appearance of the noise: "noise floor", "quantisation", "line",
-        "roll-up" (a rise at the shortest wavelengths) or "hump".
+        Cause of the limit: "pixels" or "tip", or how the noise appears in the spectrum: "noise floor", "quantisation",
+        "line", "roll-up" (a rise at the shortest wavelengths) or "hump".
     pixels : float, µm
-        Two points of the coarser spacing.
+        Twice the coarser spacing.
     noise : float, µm
-        Wavelength below which the spectrum is not that of a surface; NaN if there is none. For a surface the shorter of
-        `noise_x` and `noise_y` if the same noise is found along both axes, otherwise the longer.
+        Wavelength below which the spectrum is not attributed to the surface; NaN if there is none. For a surface, the
+        shorter of `noise_x` and `noise_y` if the noise is the same along both axes, otherwise the longer.
     tip : float, µm
-        Wavelength below which the curvature exceeds that of the tip; NaN without a tip radius or such a wavelength.
+        Wavelength below which the curvature exceeds what the tip resolves; NaN if there is no such wavelength or no tip
+        radius.
     noise_x, noise_y : float, µm
-        `noise` of the lines of a surface along x and along y.
+        Values of `noise` for the lines of a surface along x and along y.
     slope_fraction : float
         Fraction of the mean square slope below `wavelength`; 0 if the reason is "pixels". For noise, the fraction that
-        the noise contributes: the slopes along each axis at wavelengths along this axis below its own limit.
+        the noise contributes: slopes along each axis, at wavelengths below the limit of this axis.
     curvature_fraction : float
         Fraction of the mean square curvature below `wavelength`; 0 if the reason is "pixels".
     cut_off : float, µm
         Cutoff for `cut_off` that removes `slope_fraction` of the mean square slope; two points if the reason is
-        "pixels". The filter also attenuates trusted wavelengths, so this cutoff is usually below `wavelength`.
+        "pixels". The filter also attenuates trusted wavelengths, so the cutoff is usually shorter than `wavelength`.
     origin : {"instrument", "unknown"}
         Origin of the wavelengths below `wavelength`: "unknown" for a line, a roll-up or a hump, and for a noise floor
         below the harmonics of a texture.
     period : float, µm
-        Period of a texture with harmonics in the spectrum, for a surface along x or y; NaN without one.
+        Period of a texture with harmonics in the spectrum, along x or y for a surface; NaN without a texture.
     axis : {"", "x", "y"}
-        Axis of a surface along which there is noise below `wavelength`; empty if it is along both.
+        Axis of a surface along which there is noise below `wavelength`; empty if there is noise along both axes.
 
     Examples
     --------
@@ -340,14 +345,14 @@ def instrument_limit(
     Parameters
     ----------
     body : Profile or Surface
-        Scan, not filtered.
+        Unfiltered scan.
     tip_radius : float, µm, optional
         Radius of the stylus or probe tip.
     periodic : bool
         As for `power_spectrum`.
     texture : bool
-        Whether lines and humps in the spectrum are known to belong to the surface, for example a turned or milled one.
-        A flat end of the spectrum is attributed to the instrument in any case.
+        True if lines and humps in the spectrum are known to belong to the surface, for example of a turned or milled
+        part. A flat end of the spectrum is always attributed to the instrument.
 
     Returns
     -------
@@ -369,10 +374,11 @@ def instrument_limit(
     -----
     The spectrum of a self-affine surface is proportional to q^-(1+2H), with an exponent from -1 to -3, and decreases
     faster where the surface is smooth. Other parts of a spectrum are noise, a spectral line, ringing, quantisation or
-    the texture of a machined surface. They are found where a decreasing spectrum becomes flatter than -1 over one or
-    two octaves, by three standard deviations, or where it rises to three times its minimum. A flat end is instrument
-    noise. The limit is the wavelength at which the density is four times its minimum; the h' of longer wavelengths then
-    has an error below 5 %. Lines, humps and spectra that rise at their end are of unknown origin, except for these
+    the texture of a machined surface. They are detected where the exponent of a decreasing spectrum rises above -1 over
+    one or two octaves, by three standard deviations, or where the spectrum rises to three times its minimum. A flat end
+    is instrument
+    noise. The limit is the wavelength at which the density is four times its minimum; h' of longer wavelengths then has
+    an error below 5 %. Lines, humps and spectra that rise at their end are of unknown origin, except for these
     textures:
 
     - All harmonics, or the odd harmonics, of one period, such as feed marks. The spectrum is then assessed between the
@@ -413,7 +419,7 @@ def instrument_limit(
     first, is_common, noise, slope = 0, True, waves[0], slopes[0]
     if len(spectra) == 2 and any(wave > 0 for wave in waves):
         is_common, hidden = _compare_axes(spectra, waves)
-        # Different noise along the axes: report that of the axis where it contributes more.
+        # If the noise differs between the axes, the axis with the larger contribution is reported.
         first = int(np.nanargmax(waves if is_common else slopes))
         is_floor = [item.kind in INSTRUMENT_REASONS for item in disturbances]
         noise = float(np.nanmin(waves)) if is_common else waves[first]
@@ -463,7 +469,7 @@ def _equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, uppe
         middle = (low + high) / 2
         selected = float(slope @ np.square(transmission(q, math.exp(middle)))) / float(slope.sum())
         low, high = (middle, high) if selected > 1 - fraction else (low, middle)
-    # the cutoff has two digits, so that repeated scans give the same cutoff
+    # The cutoff is rounded to two digits, so that repeated scans give the same cutoff.
     return max(lower, float(f"{math.exp(high):.1e}"))
 
 
@@ -488,9 +494,9 @@ def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
 def _independent_lines(transform: NDArray[np.complex128]) -> Floats:
     """Estimate the number of independent lines of a surface at each wave number along the lines.
 
-    The spectrum averaged over lines has the relative variance sum(P²)/sum(P)² of the powers P across the lines. Lines
-    along straight grooves are copies of each other and count as one. P is exponentially distributed, hence the factor
-    2.
+    The mean spectrum over the lines has the relative variance sum(P²)/sum(P)², where P are the powers of the wave
+    vectors across the lines. Lines along straight grooves are copies of each other and count as one line. The factor 2
+    arises because P is exponentially distributed.
     """
     power = np.square(np.abs(np.fft.fft(transform, axis=0)))
     squares = np.square(power).sum(axis=0)
@@ -499,9 +505,9 @@ def _independent_lines(transform: NDArray[np.complex128]) -> Floats:
 
 
 def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, float]:
-    """Compare the noise of the lines of a surface along x and along y, which is found along one axis or both.
+    """Compare the noise of the lines of a surface along x and along y, if noise was found along one axis or both.
 
-    White noise has the same variance along both axes, so that its densities are as the spacings.
+    White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
     Returns
     -------
@@ -535,9 +541,9 @@ def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, fl
 class _Disturbance(NamedTuple):
     """Part of the spectrum of lines that is not attributed to the surface."""
 
-    wave: float  # upper limit of the wavelengths of this part, µm; NaN if there is no such part
+    wave: float  # upper limit of the wavelengths in this part, µm; NaN if there is no such part
     kind: str
-    slope: float  # mean square slope of the lines in these wavelengths, without harmonics of a texture
+    slope: float  # mean square slope of the lines at these wavelengths, without harmonics of a texture
     period: float  # period of a texture, µm; NaN if there is no texture
 
 
@@ -558,7 +564,7 @@ def _find_disturbance(
         return _Disturbance(math.nan, kind, 0.0, period)
     below = q * wave > 2 * math.pi
     slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
-    if kind in INSTRUMENT_REASONS:  # a floor has the density of its end at all wave numbers
+    if kind in INSTRUMENT_REASONS:  # a noise floor has the density at the end of the spectrum at all wave numbers
         level = float(density[q * math.sqrt(2) > q[-1]].mean())
         slope = min(slope, level * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
     return _Disturbance(wave, kind, slope, period)
@@ -608,7 +614,7 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
 
 
 def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to values with given variances. Return its slope and the standard deviation of the slope."""
+    """Fit a straight line to values with given variances, and return its slope with the standard deviation."""
     weight = 1 / (variance + 0.01)
     deviation = x - np.average(x, weights=weight)
     square = float(weight @ deviation**2)
@@ -616,7 +622,7 @@ def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
 
 
 def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
-    """Return whether the spectrum is nearly flat below a limiting wavelength (µm), and flat at its end."""
+    """Return True if the spectrum is nearly flat below a limiting wavelength (µm), and flat at its end."""
     for max_wave, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wave[-1]), _MAX_FLAT_EXPONENT),
@@ -637,7 +643,10 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
-    """Yield first bin, exclusive end, exponent and standard deviation of each window that is `octaves` octaves wide."""
+    """Yield the bins, the exponent and its standard deviation for each window of `octaves` octaves.
+
+    Bins are given as the first bin and the bin after the last.
+    """
     width = octaves * math.log(2)
     for first in range(x.size):
         end = int(np.searchsorted(x, x[first] + width + 1e-6))
@@ -648,9 +657,9 @@ def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator
 def _find_flattening(
     law: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
 ) -> int | None:
-    """Return the lowest bin where a decreasing spectrum becomes flatter than that of any surface.
+    """Return the lowest bin at which a decreasing spectrum becomes flatter than the spectrum of any surface.
 
-    Return None if there is none.
+    Returns None if there is no such bin.
     """
     has_fallen = False
     for first, end, exponent, deviation in law:
@@ -664,7 +673,7 @@ def _find_flattening(
 
 
 def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
-    """Return the lowest bin before a strong rise at short wavelengths. Return None if there is no such rise."""
+    """Return the lowest bin before a strong rise at short wavelengths; None if there is no such rise."""
     lowest, lowest_bin = math.inf, 0
     for bin_ in np.flatnonzero(chance < 1 / 4):
         if (
@@ -680,7 +689,7 @@ def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return whether the heights have so few levels that rounding explains the noise."""
+    """Return True if the heights have so few levels that rounding explains the noise."""
     steps = np.diff(np.unique(body.heights))
     bends = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s has the variance s²/12. Second differences of white noise have six times the variance of the

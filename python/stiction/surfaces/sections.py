@@ -21,11 +21,11 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat
 
 DEFAULT_SECTIONS = 5  # default number of section lengths in an evaluation length
-_HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios of Rdc
+_HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios whose difference in height is Rdc
 
 
 class SettingClass(NamedTuple):
-    """Setting class with its default settings and its limits of Ra and RSm. Lengths are in µm."""
+    """Setting class: default settings, and limits of Ra and RSm. Lengths are in µm."""
 
     name: str
     section_length: float
@@ -43,19 +43,18 @@ SETTING_CLASSES = (
     SettingClass("Sc4", 2500.0, 8.0, 5.0, 1.5, 10.0, 1300.0),
     SettingClass("Sc5", 8000.0, 25.0, 10.0, 5.0, math.inf, math.inf),
 )
-"""Setting classes of ISO 21920-3. They are selected by the limits of Ra and, for periodic profiles, of RSm in ISO
-4288."""
+"""Setting classes of ISO 21920-3, selected by limits of Ra and, for periodic profiles, of RSm as in ISO 4288."""
 
-_FIRST_CLASS = 2  # index of the class with which the search starts
+_FIRST_CLASS = 2  # index of the class at which the search starts
 
 
 class SectionError(ValueError):
-    """Error if a profile is too short or too coarse for the section length."""
+    """Error for a profile that is too short or too coarse for the section length."""
 
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filters and section lengths for roughness and waviness parameters, and the reason why they were chosen.
+    """Filters and section lengths for roughness and waviness parameters, and the reason for choosing them.
 
     Attributes
     ----------
@@ -66,7 +65,7 @@ class SectionFilters:
     sections : int
         Number of section lengths in the evaluation length.
     robust : bool
-        Whether the L-filter is the robust Gaussian regression.
+        True if the L-filter is the robust Gaussian regression.
     start, stop : int
         First point and exclusive end of the evaluation length.
     reason : str
@@ -100,12 +99,12 @@ class SectionFilters:
 class SectionParameters(ParameterSet):
     """Parameters of the roughness profile (R) and the waviness profile (W) of ISO 21920-2.
 
-    The reference of roughness parameters lists their names, formulas and units.
+    The reference page on roughness parameters lists the names, formulas and units.
 
     Attributes
     ----------
     filters : SectionFilters
-        Cutoffs and evaluation length of these values.
+        Cutoffs and evaluation length for which the parameters were computed.
 
     Examples
     --------
@@ -130,7 +129,7 @@ def section_parameters(
     sections: int = DEFAULT_SECTIONS, robust: bool = False, derivative: Derivative = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
-    r"""Compute the R- and W-parameters of a profile, as they are specified on drawings.
+    r"""Compute the R- and W-parameters of a profile, as specified on drawings.
 
     Parameters
     ----------
@@ -141,15 +140,15 @@ def section_parameters(
         Cutoff wavelength λc of the L-filter, which is also the section length. The default is that of the setting class
         (0.08, 0.25, 0.8, 2.5 or 8 mm), the larger of the lengths for Ra (up to 0.02, 0.1, 2, 10 µm and above) and for
         RSm (up to 0.04, 0.13, 0.4, 1.3 mm and above). The search starts at 0.8 mm, or at the longest section length
-        that fits the profile, and continues until the parameters belong to the class they were computed with. If two
-        neighbouring classes qualify, the shorter is used.
+        that fits into the profile, and continues until the parameters belong to the class with which they were
+        computed. If two neighbouring classes qualify, the shorter is used.
     ls : float (µm) or str, optional
         Cutoff wavelength λs of the S-filter; 0 for none. The default is that of the setting class, 2.5, 8 or 25 µm.
         There is no S-filter by default if λs is below two points or the section length belongs to no class.
     sections : int
-        Largest number of sections to evaluate, in the middle of the profile.
+        Largest number of sections that are evaluated, in the middle of the profile.
     robust : bool
-        Use the robust Gaussian regression filter for λc.
+        True to use the robust Gaussian regression filter for λc.
     derivative : {"seven-point", "neighbours"}
         As for `roughness_parameters`.
     spacing : float (µm) or str
@@ -212,7 +211,7 @@ def section_parameters(
 def _compute_by_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: Derivative
 ) -> SectionParameters:
-    """Compute the parameters with the setting class that matches the resulting Ra and RSm."""
+    """Compute the parameters with the setting class to which the resulting Ra and RSm belong."""
     lengths = [setting.section_length for setting in SETTING_CLASSES]
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionError(_too_short(profile, lengths[0]))
@@ -227,7 +226,7 @@ def _compute_by_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_class(index: int) -> int:
-        """Return the setting class that matches the Ra and RSm that are computed with a given class."""
+        """Return the setting class that fits the Ra and RSm computed with the given class."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -247,7 +246,7 @@ def _compute_by_class(
                 f"{_format_length(lengths[targets])}; {remedy}"
             )
         index = following
-    if targets != index:  # each of the two classes leads to the other
+    if targets != index:  # neither class is consistent, because each leads to the other
         index = max(index, max(visited & {index - 1, index, index + 1}))
     elif index - 1 in fitting and find_matching_class(index - 1) == index - 1:
         index -= 1
@@ -257,7 +256,7 @@ def _compute_by_class(
 
 
 def _format_reasons(parameters: SectionParameters) -> str:
-    """Format Ra and RSm as the reasons for a setting class."""
+    """Format Ra and RSm as the reasons for choosing a setting class."""
     elements = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
     return f"Ra {format_with_unit(parameters.Ra, 'µm')}{elements}"
 

@@ -51,8 +51,8 @@ def self_affine(
         Cutoff wavelength, at least twice the spacing, which is the default. The harmonic at the Nyquist wave number is
         excluded.
     periodic : bool
-        Whether the profile is periodic. If not, it is cut from a periodic profile of at least twice its extent and four
-        times the longest wavelength, as a measured profile is cut from a surface.
+        True if the profile is periodic. Otherwise it is cut from a periodic profile whose extent is at least twice as
+        long, and at least four times the longest wavelength, just as a measured profile is cut from a surface.
     amplitudes : {"rayleigh", "fixed"}
         "rayleigh" also draws random amplitudes, as for Gaussian heights: the spectrum of a single profile then scatters
         about C1D by its own magnitude. "fixed" uses random phases only; a periodic profile then has exactly the
@@ -137,7 +137,7 @@ def _exponent_and_height(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
 
 
 def _check_shortest_wavelength(wavelength: Any, finest: float, of: str) -> float:
-    """Return the shortest wavelength (µm).
+    """Return the shortest wavelength (µm) after checking that the grid resolves it.
 
     The default is the shortest wavelength of the grid, which is twice the spacing.
     """
@@ -242,11 +242,11 @@ def self_affine_surface(
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
     power = 0.0
     for i in range(along[0] + 1):
-        # The wave number is in units of the wave number of the longest wavelength.
+        # wave number relative to the wave number of the longest wavelength
         q = longest * np.hypot(i / extent_x, j / extent_y)
         selected = q * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
-            selected &= j > 0  # the other half of the coefficients are complex conjugates
+            selected &= j > 0  # the other half of the coefficients consists of complex conjugates
         count = int(np.flatnonzero(selected)[-1]) + 1 if selected.any() else 0
         if count == 0:
             continue

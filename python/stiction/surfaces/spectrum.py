@@ -1,7 +1,7 @@
 """Power spectra of profiles and surfaces, and the moments of these spectra.
 
 The spectrum of a `periodic` body is computed without a window. Any other body has a jump between its ends, which would
-add a spectrum that decreases as 1/q². A Hann window, along both axes for a surface, suppresses it.
+add a spectrum proportional to 1/q². A Hann window, applied along both axes of a surface, suppresses this spectrum.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ROUND_OFF_FACTOR = 1 + 1e-9  # tolerance for round-off in ratios of lengths
+ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off in ratios of lengths
 _PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
-_PEAK_WINDOW_BINS = 6  # number of bins on each side from which the median level at a bin is computed
+_PEAK_WINDOW_BINS = 6  # number of bins on each side that contribute to the median level at a bin
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -34,9 +34,9 @@ class PowerSpectrum(PlotRepr):
     Attributes
     ----------
     wave_number : (n,) ndarray of float, 1/µm
-        q = 2π / wavelength, ascending; for bins the geometric mean.
+        q = 2π / wavelength in ascending order; for bins, the geometric mean.
     density : (n,) ndarray of float, µm³
-        C1D(q); its integral over q from 0, times 1/π, is the mean square height. For bins the mean.
+        C1D(q), whose integral over q from 0, times 1/π, is the mean square height; for bins, the mean.
     count : (n,) ndarray of float
         Number of harmonics per value: 1, or the number in the bin. The harmonic at the Nyquist wave number counts half,
         because it has no counterpart at the negative wave number.
@@ -58,7 +58,7 @@ class PowerSpectrum(PlotRepr):
     resolution: float = field(metadata={"unit": "1/µm"})
 
     def moment(self, order: int) -> float:
-        """Return 1/π times the integral of q^order C1D, µm^(2 - order).
+        """Return 1/π times the integral of q^order C1D, in µm^(2 - order).
 
         For a binned spectrum the result is exact only for order 0.
         """
@@ -66,7 +66,7 @@ class PowerSpectrum(PlotRepr):
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
     def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
-        """Return the spectrum averaged over bins of equal width in log q. Bins without a harmonic are omitted.
+        """Return the spectrum averaged over bins of equal width in log q; bins without a harmonic are omitted.
 
         Examples
         --------
@@ -88,8 +88,8 @@ class PowerSpectrum(PlotRepr):
 
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the geometric mean wave number, the mean density and the number of harmonics for bins of log q."""
-    # Harmonics are multiples of the first harmonic. Round-off must not move the harmonics at decades to another bin.
+    """Return the geometric mean wave number, the mean density and the number of harmonics of each bin of log q."""
+    # Harmonics are multiples of the first harmonic. Round-off must not move harmonics at exact decades to another bin.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     number = np.bincount(index, count).astype(np.float64)
     middle = np.exp(np.bincount(index, count * np.log(q)) / number)
@@ -106,9 +106,9 @@ def power_spectrum(
     profile : Profile or array_like
         Heights.
     periodic : bool
-        True: no window; the sum of the spectrum equals the mean square height to round-off. False: a Hann window,
-        normalised to a mean square of 1. On average a levelled profile then keeps its mean square; the first two
-        harmonics are unreliable.
+        True: no window. The sum of the spectrum equals the mean square height except for round-off. False: a Hann
+        window, normalised to a mean square of 1. The mean square of a levelled profile is then preserved on average,
+        but the first two harmonics are unreliable.
     spacing : float (µm) or str
         Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
     unit : str
@@ -196,7 +196,7 @@ class ProfileMoments(TableRepr):
 
     @property
     def nayak_parameter(self) -> float:
-        """Nayak's α = m0 m4 / m2² of the profile. It is 1 for a single sinusoid, and larger for a wider spectrum."""
+        """Nayak's α = m0 m4 / m2² of the profile: 1 for a single sinusoid, and larger for a wider spectrum."""
         return self.height * self.curvature / self.slope**2
 
 
@@ -262,9 +262,9 @@ def spectral_moments(
 
 
 def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
-    """Return a mask of the wave numbers whose wavelengths lie in a band.
+    """Return a mask of the wave numbers whose wavelengths lie within a band.
 
-    The ends of the band are included despite round-off.
+    Wavelengths at the ends of the band are included in spite of round-off.
     """
     return (wave_number * shortest <= 2 * math.pi * ROUND_OFF_FACTOR) & (
         wave_number * longest * ROUND_OFF_FACTOR >= 2 * math.pi
@@ -278,11 +278,11 @@ class RadialSpectrum(TextRepr):
     Attributes
     ----------
     wave_number : (n,) ndarray of float, 1/µm
-        Magnitudes of the wave vectors, 2π / wavelength, ascending; the geometric mean in every bin.
+        Magnitudes of the wave vectors, 2π / wavelength, in ascending order: the geometric mean of each bin.
     density : (n,) ndarray of float, µm⁴
-        C2D, the mean over the bin.
+        C2D: the mean over each bin.
     count : (n,) ndarray of float
-        Number of waves in every bin; a wave vector and its opposite are one wave.
+        Number of waves in each bin; a wave vector and the opposite wave vector are one wave.
 
     Examples
     --------
@@ -312,7 +312,7 @@ class SurfaceSpectrum(TextRepr):
     wave_number_x : (columns,) ndarray of float, 1/µm
         Wave numbers along x, in the same order.
     density : (rows, columns) ndarray of float, µm⁴
-        C2D(q); its integral over both wave numbers, times 1/4π², is the mean square height. Zero at q = 0.
+        C2D(q), whose integral over both wave numbers, times 1/4π², is the mean square height; zero at q = 0.
 
     Examples
     --------
@@ -330,7 +330,7 @@ class SurfaceSpectrum(TextRepr):
     density: Floats = field(metadata={"unit": "µm⁴"})
 
     def moments(self, direction: float = 0.0) -> ProfileMoments:
-        r"""Return the variances of height, slope and curvature along a line.
+        r"""Return the variances of height, slope and curvature along a line in a given direction.
 
         `direction` is in degrees from +x towards +y.
 
@@ -354,8 +354,8 @@ class SurfaceSpectrum(TextRepr):
     def steepest_direction(self) -> float:
         r"""Return the direction with the largest mean square slope, in degrees from +x towards +y, in [0, 180).
 
-        A lay is perpendicular to this direction. In simulations, maps of 128 by 160 points were stretched in one
-        direction by 1.5, 2 and 3; nine tenths of the results were within 5.3, 3.1 and 2.2 degrees. Std of ISO 25178-2,
+        A lay is perpendicular to this direction. In simulations of maps of 128 by 160 points that were stretched in one
+        direction by 1.5, 2 and 3, nine tenths of the results were within 5.3, 3.1 and 2.2 degrees. Std of ISO 25178-2,
         the sector with the most power, depends on a few long wavelengths and scatters by tens of degrees.
 
         Notes
@@ -371,12 +371,13 @@ class SurfaceSpectrum(TextRepr):
     def waves(self) -> tuple[Floats, Floats, Floats]:
         """Return wave number, direction (degrees from +x towards +y, in [0, 180)) and density of every wave vector.
 
-        Waves are limited to the smaller Nyquist wave number, up to which all directions are available; ascending.
+        Wave numbers are limited to the smaller Nyquist wave number, up to which all directions exist, and are in
+        ascending order.
         """
         y, x = self.wave_number_y[:, np.newaxis], self.wave_number_x
         q = np.hypot(y, x)
         limit = min(float(-value[0]) if value.size % 2 == 0 else float(value[-1]) for value in (y[:, 0], x))
-        # A wave vector and its opposite describe the same wave, so only one of them is used.
+        # A wave vector and the opposite wave vector describe the same wave, so only one of them is used.
         selected = ((y > 0) | ((y == 0) & (x > 0))) & (q < limit * (1 - 1e-9))
         order = np.argsort(q[selected], kind="stable")
         angle = np.degrees(np.arctan2(np.broadcast_to(y, q.shape)[selected], np.broadcast_to(x, q.shape)[selected]))[
@@ -415,8 +416,8 @@ def surface_spectrum(
     surface : Surface or array_like
         Heights. Level the surface first unless it is periodic: a tilt is a jump between opposite sides.
     periodic : bool
-        True: no window; the sum of the spectrum equals the mean square height to round-off. False: a Hann window along
-        both axes, normalised to a mean square of 1.
+        True: no window. The sum of the spectrum equals the mean square height except for round-off. False: a Hann
+        window along both axes, normalised to a mean square of 1.
     spacing : float (µm) or str, or a pair (y, x) of either
         Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
     unit : str
@@ -483,7 +484,7 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
 def find_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
     """Find the highest significant narrow peak.
 
-    Return its wavelength (µm) and the fraction of m4 in all peaks, or None.
+    Returns the wavelength (µm) of the peak and the fraction of m4 in all peaks; None if there is no peak.
     """
     bins = spectrum.in_bins(_PEAK_BINS_PER_DECADE)
     density = np.maximum(bins.density, np.finfo(float).tiny)

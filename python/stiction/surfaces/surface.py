@@ -17,9 +17,9 @@ AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # a Profile, a Surface, or an array of heights
 
-# These are the names of the amplitude measures in the core. The measures do not depend on the order of the points.
+# Names of the amplitude measures in the core, which do not depend on the order of the points.
 _CORE_MEASURES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-_MIN_HEIGHT = 1e-50  # smallest height, µm; the fourth power of heights must neither overflow nor underflow
+_MIN_HEIGHT = 1e-50  # smallest height, µm, for which the fourth power of heights neither overflows nor underflows
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,7 +88,7 @@ class Surface(Body):
 
     def _line(self, index: Any, axis: int, step: str) -> Profile:
         mask = index_mask(self.missing, index)
-        # a line without any measured point keeps its interpolated heights
+        # a line without measured points keeps its interpolated heights
         mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
@@ -111,7 +111,7 @@ class Surface(Body):
 
 
 def parse_lengths(name: str, value: Any) -> tuple[float, float]:
-    """Parse a length above 0 for y and for x, given as a pair or as one number for both axes."""
+    """Parse a length above 0 for each of y and x, given as a pair or as one number for both axes."""
     pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")
@@ -161,7 +161,7 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
 
 
 def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
-    """Convert two bodies with `as_body`. Spacing and unit apply to arrays only."""
+    """Convert two bodies with `as_body`; spacing and unit apply to arrays only."""
     if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
         raise ValueError("spacing must be omitted, because upper and lower have their own spacings")
     upper, lower = (
@@ -182,7 +182,7 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
 
 
 def reject_flat(body: Profile | Surface) -> None:
-    """Raise ValueError for a flat body, or for a body with heights whose powers overflow or underflow."""
+    """Raise a `ValueError` for a flat body, or for a body with heights whose powers overflow or underflow."""
     name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:
         raise ValueError(f"a flat {name} has no roughness")

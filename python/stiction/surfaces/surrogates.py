@@ -1,4 +1,4 @@
-"""Surrogates, which are random profiles and surfaces with the spectrum of a measured one."""
+"""Surrogates: random profiles and surfaces with the spectrum of a measured profile or surface."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_s
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat
 
 _RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings are merged with their neighbours
-# Weight of the smoothness penalty, in harmonics. The penalty dominates in rings of one or two harmonics.
+# Weight of the smoothness penalty, in harmonics. The penalty dominates in rings with only one or two harmonics.
 _SMOOTHNESS_PENALTY = 2.0
-_ROUND_OFF_FRACTION = 1e-14  # fraction of the largest density below which a spectrum consists of round-off
+_ROUND_OFF_FRACTION = 1e-14  # ratio to the largest density below which a density is round-off
 _MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are typical
-# Largest change of the logarithm of a density in an iteration at which the fit has converged.
+# Largest change of the logarithm of a density in one iteration for which the fit has converged.
 _CONVERGENCE_TOLERANCE = 1e-6
-# Default limit of the numbers of rows and columns. A half-space solution then takes some tenths of a second.
+# Default limit of the number of rows and columns, for which a half-space solution takes some tenths of a second.
 _MAX_DEFAULT_POINTS = 512
 
 
@@ -33,13 +33,14 @@ def surrogate(
     Parameters
     ----------
     body : Profile or Surface
-        Body to imitate. Level it first unless it is periodic: otherwise its tilt becomes a wave as long as the body.
+        Body to imitate. Level the body first unless it is periodic, because a tilt would become a wave as long as the
+        body.
     seed, repetition : int
         Numbers, at least 0, that select the random phases.
     side : {"lower", "upper"}
         Body of the pair. The phases are those of `random_phases` with `seed`, `repetition` and `side`.
     periodic : bool
-        Whether the given body is periodic; its spectrum is then preserved to round-off.
+        True if the given body is periodic. Its spectrum is then preserved except for round-off.
 
     Returns
     -------
@@ -64,12 +65,12 @@ def surrogate(
     1.5 or above.
 
     A mirror image of a surface would mix the directions of its waves, so a Hann window is applied along both axes. The
-    spectrum is then that of the central part, smoothed over neighbouring wave vectors. The proportion of wavelengths as
-    long as the map is not preserved.
+    spectrum is then that of the central part, smoothed over neighbouring wave vectors. The contribution of wavelengths
+    as long as the map is not preserved.
 
     Random phases preserve the spectrum only. The heights become normally distributed: the surrogate of a worn or
-    plateau-honed profile has no skewness, and grooves and other features are spread over the whole length.
-    Theiler et al., Physica D 58 (1992) 77.
+    plateau-honed profile has no skewness, and grooves and other features are spread over the whole length. Theiler et
+    al., Physica D 58 (1992) 77.
 
     Examples
     --------
@@ -91,8 +92,8 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # The mirror image extends the profile without a jump, and its harmonics are twice as close. Every second
-        # harmonic is a harmonic of the original. Half of each other harmonic is added to both neighbours.
+        # The mirror image extends the profile without a jump and halves the distance between harmonics. Every second
+        # harmonic belongs to the original profile. Half of each other harmonic is added to both of its neighbours.
         image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         image = np.append(image, image[-2])
         actual = 2 * np.arange(points // 2 + 1)
@@ -113,7 +114,7 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
     amplitude = np.sqrt(ifftshift(surface_spectrum(surface, periodic=periodic).density))
     rows, columns = amplitude.shape
     phases = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=columns)
-    # Opposite wave vectors have opposite phases; self-conjugate coefficients are real.
+    # Opposite wave vectors have opposite phases, and self-conjugate coefficients are real.
     opposite = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
     heights = ifft2(amplitude * np.exp(1j * (phases - opposite))).real
     actual = np.zeros((rows, columns), dtype=bool)
@@ -183,7 +184,7 @@ def isotropic_surface(
     side: Side = "lower",
     periodic: bool = False,
 ) -> Surface:
-    """Generate an isotropic Gaussian surface, called areal surrogate, with the spectrum of a profile.
+    """Generate an isotropic Gaussian surface with the spectrum of a profile, an areal surrogate.
 
     An ensemble of areal surrogates represents the surface from which the profile was measured, *if* this surface is
     isotropic. A profile across the grooves of a ground surface yields hills instead of grooves, with an rms gradient
@@ -201,7 +202,7 @@ def isotropic_surface(
     side : {"lower", "upper"}
         Body of the pair. The random numbers are those of `random_phases` with `seed`, `repetition` and `side`.
     periodic : bool
-        Whether the given profile is periodic; the generated surface always is.
+        True if the given profile is periodic. The generated surface is always periodic.
 
     Returns
     -------
@@ -230,7 +231,7 @@ def isotropic_surface(
     edges, density, _ = _fit_rings(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    ring = np.searchsorted(edges, q, side="right")  # index 0 belongs to wavelengths longer than the profile
+    ring = np.searchsorted(edges, q, side="right")  # index 0 stands for wavelengths longer than the profile
     power = np.concatenate([[0.0], density, density[-1:]])[ring] * (rows * columns / profile.spacing**2)
     step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
     heights, spacings = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
@@ -238,7 +239,7 @@ def isotropic_surface(
 
 
 def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
-    """Generate periodic Gaussian heights. `power` (rows, columns) is the expected power of every wave vector."""
+    """Generate periodic Gaussian heights, where `power` (rows, columns) is the expected power of every wave vector."""
     from scipy.fft import ifft2
 
     rows, columns = power.shape
@@ -250,12 +251,12 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 
 
 def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Return the edges of the rings, the fitted density C2D and the number of harmonics of every ring."""
+    """Return the edges of the rings, the fitted densities C2D, and the number of harmonics in each ring."""
     check_bool("periodic", periodic)
     reject_flat(profile)
     reject_missing(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
-    # Each harmonic covers half a step on both sides.
+    # Each harmonic represents half a step on both sides.
     k, step, limit = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
     bins = np.floor(_RINGS_PER_DECADE * np.log10(k / k[0]) + 1e-9)
     first = np.flatnonzero(np.diff(bins, prepend=-1))
@@ -265,9 +266,9 @@ def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats
     count = np.bincount(index, spectrum.count).astype(np.float64)
     measured = np.bincount(index, spectrum.count * spectrum.density) / count
     measured = np.maximum(measured, _ROUND_OFF_FRACTION * measured.max())
-    # The corners of the grid belong to rings beyond the Nyquist wave number of a single axis.
+    # The corners of the grid belong to rings beyond the Nyquist wave number of either axis.
     edges = np.append(edges, math.sqrt(2) * limit * (1 + 1e-9))
-    # This is the spectrum of a section through a ring with unit density, averaged over the harmonics of every bin.
+    # Spectrum of a section through a ring of unit density, averaged over the harmonics of every bin.
     reach = np.minimum(np.sqrt(np.maximum(edges**2 - k[:, np.newaxis] ** 2, 0)), limit)
     of_harmonic = np.diff(reach, axis=1) / math.pi
     fraction = np.zeros((count.size, edges.size - 1))
@@ -278,14 +279,14 @@ def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats
     density[-1] = density[-2]
     density = _fit_densities(fraction, measured, count, density)
     made = fraction @ density
-    # The densities are scaled to match the mean square slope of the profile exactly.
+    # The densities are scaled so that the mean square slope of the profile is reproduced exactly.
     squares = np.bincount(index, spectrum.count * k**2)
     density *= float(squares @ measured / (squares @ made))
     return edges, density, np.append(count, 0.0)
 
 
 def _fit_densities(response: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit the densities of rings by maximum likelihood of their sections. Fisher scoring starts from initial values."""
+    """Fit the densities of rings to a section spectrum by maximum likelihood, using Fisher scoring."""
 
     def cost(logarithm: Floats) -> float:
         made = response @ np.exp(logarithm)

@@ -12,7 +12,7 @@ from stiction._checks import Floats, number, read_only
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
-_TOUCH_TOLERANCE = 1e-9  # largest distance at which the tip touches, relative to the height of the scan
+_TOUCH_TOLERANCE = 1e-9  # largest distance, relative to the height of the scan, at which the tip counts as touching
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
@@ -98,6 +98,6 @@ def _tip_heights(
 
 
 def _tip_reach(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
-    """Return the reach of the tip from its lowest point for a height range, in µm and in points along each axis."""
+    """Return the reach of the tip from its lowest point over a range of heights, in µm and in points per axis."""
     reach = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return reach, [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]

@@ -22,7 +22,7 @@ from stiction._number_format import (
     format_with_unit,
 )
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import HELD, PER_AREA, QUANTITIES, shown_in
+from stiction.mechanics.quantities import LOAD_INDEPENDENT, PER_AREA, QUANTITIES, shown_in
 from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, apply_checks
 from stiction.studies.budget import LOWER_SCANS_INPUT, POSITIONS_INPUT, UNRESOLVED_INPUT, UPPER_SCANS_INPUT
 from stiction.studies.point import (
@@ -471,12 +471,12 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
             "mean_pressure": in_words,  # is the ratio of load and area, which are both printed
             "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
             **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or study.is_gap)),
-            **dict.fromkeys(HELD, not verbose),
+            **dict.fromkeys(LOAD_INDEPENDENT, not verbose),
             **dict.fromkeys(PER_AREA, not has_area_fraction),
         }.get(name, False)  # fmt: skip
         if name in dataset and not is_hidden and dataset[name].sizes.get("direction", 1) == 1:
             label = quantity_label(name, study) + (
-                " at least" if name in HELD and is_bound_on_pull_off(name, dataset) else ""
+                " at least" if name in LOAD_INDEPENDENT and is_bound_on_pull_off(name, dataset) else ""
             )
             rows += _row(name, label, [point[name] for point in loads])
             if name == "contact_area_fraction" and rows:

@@ -133,7 +133,7 @@ def dimension_panel(dataset: xarray.Dataset) -> str:
     """Return the panel of the onset of sliding of generated pairs, as markup."""
     return _panel(
         "How the pairs begin to slide",
-        "Creep before sliding, what slips at half of the sliding load, and tangential stiffness over fractal "
+        "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
         "dimension.",
         "At three loads and the strengths of the study, whatever the sliders say: means that weigh pairs by the load "
         "they carry, but of the stiffness, with 95 % intervals. Dotted: more than half of the load is beyond Hertz.",
