@@ -97,7 +97,7 @@ def test_pull_off_force_is_in_rows_text_report_and_figure(adhesive_result, tmp_p
     pull_off = next(value["value"] for value in values if value["name"] == "pull_off")
     assert friction_at_no_load > 0.3 * pull_off * 0.5
     page = adhesive_result.save_report(tmp_path / "page.html").read_text()
-    assert "Coming and going" in page
+    assert "Loading and unloading" in page
     assert "friction at no load" in page
     loading_cycle = coming_and_going(adhesive_result.source)
     unloading = loading_cycle.isel(point=loading_cycle["going"].values)

@@ -37,7 +37,7 @@ def option(
 
 _output = partial(option, panel="Output")
 Json = Annotated[bool, _output("--json", "Print JSON on standard output, and messages on standard error.")]
-Verbose = Annotated[bool, _output("--verbose -v", "Show all: inputs, directions, cut-offs, onset, quantities.")]
+Verbose = Annotated[bool, _output("--verbose -v", "Show all: inputs, directions, cutoffs, onset, quantities.")]
 
 
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[Profile | Surface]:

@@ -1,4 +1,4 @@
-"""Results of friction tests for mu0 and tau0: text, JSON and a figure."""
+"""Calibration of mu0 and tau0 from friction tests: text, JSON record and figure."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MAX_SHOWN_SAMPLES = 800  # samples of the joint distribution shown in the figure
+MAX_SHOWN_SAMPLES = 800  # number of samples of the joint distribution that the figure shows
 
 
 def calibration_text(interface: Interface) -> str:
-    """Format the fitted combination of mu0 and tau0, both values if they are determined, and the fit of each rule."""
+    """Format the fitted combination of mu0 and tau0, the single values if they are determined, and each rule's fit."""
     first_fit = interface.fits[0]
     condition = f"at A/F = {interface.area_per_load:.3g} /GPa, {RULE_DESCRIPTIONS[first_fit.sliding]}"
     lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hang="  ")]
@@ -61,7 +61,7 @@ def _not_separated_lines(interface: Interface) -> Iterator[str]:
 
 
 def _growth_line(interface: Interface) -> str:
-    """Return the factor α of junction growth used in the calibration, and its interval if it is a range."""
+    """Return a line about α of junction growth in the calibration, with its interval if it is a range."""
     assert interface.growth is not None, "tests have α"
     text = f"Junction growth: the tests have α = {interface.growth.short_text}"
     if interface.growth.is_exact:
@@ -74,15 +74,16 @@ def _growth_line(interface: Interface) -> str:
 def _fit_lines(interface: Interface, fit: Fit) -> Iterator[str]:
     rule = RULE_DESCRIPTIONS[fit.sliding]
     if not fit.freedom:
-        yield f"{rule}: as many unknowns as tests, so the fit cannot be judged."
+        yield f"{rule}: there are as many unknowns as tests, so the fit cannot be judged."
     elif math.isnan(fit.probability):
-        yield f"{rule}: errors were found from the scatter of {fit.freedom} degrees of freedom."
+        yield f"{rule}: errors were estimated from the scatter with {fit.freedom} degrees of freedom."
     else:
-        text = f"{rule}: χ² = {fit.chi_squared:.3g} of {fit.freedom} degrees of freedom"
+        text = f"{rule}: χ² = {fit.chi_squared:.3g} with {fit.freedom} degrees of freedom"
         if fit.sliding in interface.excluded:
             yield f"{text}: excluded by the tests (probability {fit.probability:.1g})."
         elif fit.scale > 1:
-            yield f"{text}: residuals are larger than the errors allow, which were multiplied by {fit.scale:.2g}."
+            yield f"{text}: residuals are larger than the errors allow, so the errors were multiplied by "
+            f"{fit.scale:.2g}."
         elif fit.probability < UNLIKELY_PROBABILITY:
             yield f"{text}: a poor fit."
         else:
@@ -123,7 +124,7 @@ def calibration_record(interface: Interface) -> str:
 
 
 def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
-    """Format a paragraph for each interface."""
+    """Format one paragraph for each interface."""
     paragraphs = []
     for record in interfaces:
         kind = ", ".join(record[name] for name in ("kind", "motion") if name in record)
@@ -138,7 +139,7 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
 
 _LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
 _KEYS_WITHOUT_NAME = ("conditions", "source")
-"""Keys of an interface of which only the text is printed, without the key."""
+"""Keys of an interface whose text is printed without the key."""
 
 
 def calibration_figure(interface: Interface) -> Figure:

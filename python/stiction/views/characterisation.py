@@ -1,4 +1,4 @@
-"""Characterisation of a profile or surface: its rows are the content of text, JSON, CSV and report."""
+"""Characterisation of a profile or surface, as a table of rows for text, JSON, CSV and the report."""
 
 from __future__ import annotations
 
@@ -51,27 +51,28 @@ from stiction.views.rows import entry, record_json
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import wrap_text
 
-PAPER_MU0 = 0.4  # molecular friction coefficient for the small-slope estimate
+PAPER_MU0 = 0.4  # molecular friction coefficient in the small-slope estimate
 RADIAL_BINS = 20  # number of bins per decade in the spectrum of a surface
-NUM_OCTAVES = 4  # number of wavelengths at which the slope is printed: two grid spacings, then doubled
-NEGLIGIBLE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope below which unreliable wavelengths are negligible
-_MIN_PEAK_RATIO = 3.0  # spectral density relative to longer wavelengths above which a band starts on a peak
-_MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths for the comparison with a peak
+NUM_OCTAVES = 4  # number of wavelengths for which the slope is printed, starting at two grid spacings and doubling
+NEGLIGIBLE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope below which unreliable wavelengths are ignored
+_MIN_PEAK_RATIO = 3.0  # ratio of a density to the density at longer wavelengths above which a band starts on a peak
+_MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths with which a possible peak is compared
 _MIN_PEAK_FRACTION = 0.1  # fraction of m4 above which a peak is reported
 _MAX_DISPERSION = 2.0  # dispersion above which the scatter of a spectrum about its fit is reported
-_HANN_VARIANCE = 2.0  # variance of the logarithm of a bin of a windowed spectrum, times its number of harmonics
+# variance of the log density in a bin of a windowed spectrum, times the number of harmonics in the bin
+_HANN_VARIANCE = 2.0
 
-_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}  # text for the units of JSON
-_JSON_UNITS = {"": "1"}  # JSON units of parameters; other units replace "µm" by "um" and "²" by "2"
+_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}  # texts for units of JSON
+_JSON_UNITS = {"": "1"}  # JSON units of parameters; in all other units "µm" becomes "um" and "²" becomes "2"
 
 
 class Row(NamedTuple):
-    """Row of the table: label, one text or two texts along x and y, and the corresponding values for JSON and CSV."""
+    """Row of the table: a label, one text (or two, along x and y), and the values for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
     values: tuple[dict[str, Any], ...] = ()
-    is_detail: bool = False  # omitted from the first screen of a terminal
+    is_detail: bool = False  # True if the first screen of a terminal omits the row
 
 
 HEADLINE_PARAMETERS = (
@@ -82,12 +83,12 @@ HEADLINE_PARAMETERS = (
 
 @dataclass(frozen=True, eq=False)
 class Characterisation:
-    """Characterisation of a levelled profile or surface. Every property is computed once, on first access.
+    """Characterisation of a levelled profile or surface; each property is computed on first access.
 
     Attributes
     ----------
     body : Profile or Surface
-        Not flat, and of at least 7 points along each axis.
+        Body to characterise. It must not be flat, and must have at least 7 points along each axis.
     band : (float, float), µm, optional
         Shortest and longest wavelength for the fit of Hurst exponents. By default the band is chosen automatically.
     tip_radius : float, µm, optional
@@ -95,16 +96,16 @@ class Characterisation:
     periodic : bool
         As in `power_spectrum`.
     lc, ls : float, µm, optional
-        Cutoff wavelengths of the R- and W-parameters of a profile, as in `section_parameters`, or of the S-parameters
-        of a surface, which has no filters without them.
+        Cutoff wavelengths for the R- and W-parameters of a profile, as in `section_parameters`, or for the S-parameters
+        of a surface. A surface without cutoffs is not filtered.
     robust : bool
-        Whether the L-filter is the robust regression filter.
+        True if the L-filter is the robust regression filter.
 
     Raises
     ------
     ValueError
-        On access to a property: if the body is flat or too small, the band contains too few wavelengths, or a cutoff is
-        not suitable for the profile.
+        When a property is accessed: if the body is flat or too small, if the band contains too few wavelengths, or if a
+        cutoff is not suitable for the profile.
     """
 
     body: Profile | Surface
@@ -112,7 +113,7 @@ class Characterisation:
     tip_radius: float | None = None
     periodic: bool = False
     textured: bool = False
-    """True if the body was machined. Lines and humps in its spectrum are then attributed to the surface."""
+    """True if the body was machined, so that lines and humps in its spectrum are attributed to the surface."""
     lc: float | None = None
     ls: float | None = None
     robust: bool = False
@@ -141,7 +142,7 @@ class Characterisation:
 
     @cached_property
     def slope_of_neighbours(self) -> float:
-        """Root-mean-square slope or gradient of neighbouring points."""
+        """Rms slope or gradient from differences of neighbouring points."""
         body = self.scale_limited
         if isinstance(body, Profile):
             return roughness_parameters(body, derivative="neighbours").Pdq
@@ -149,7 +150,7 @@ class Characterisation:
 
     @cached_property
     def sections(self) -> SectionParameters | SectionError | None:
-        """R- and W-parameters of a profile, or the error that explains why there are none; None for a surface."""
+        """R- and W-parameters of a profile, or the error that explains their absence; None for a surface."""
         if not isinstance(self.body, Profile):
             return None
         try:
@@ -166,7 +167,7 @@ class Characterisation:
 
     @cached_property
     def _area(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
-        """Radial spectrum of a surface, moments along x and y, and the direction of its steepest lines."""
+        """Radial spectrum of a surface, its moments along x and y, and the direction of its steepest lines."""
         assert isinstance(self.body, Surface)
         spectrum = surface_spectrum(self.body)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
@@ -184,7 +185,7 @@ class Characterisation:
 
     @cached_property
     def fit(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, whatever its misfit; None without a band."""
+        """Power law fitted to the spectrum, however poor the fit; None without a band."""
         try:
             return estimate_hurst_exponent(self.body, band=self.band, periodic=self.periodic)
         except ValueError:
@@ -203,7 +204,7 @@ class Characterisation:
 
     @property
     def law(self) -> HurstEstimate | None:
-        """Power law, if the spectrum follows it; otherwise None."""
+        """Power law if the spectrum follows it, otherwise None."""
         return None if self.misfit > MAX_MISFIT else self.fit
 
     @cached_property
@@ -220,8 +221,8 @@ class Characterisation:
 
     @cached_property
     def friction(self) -> tuple[float, ...]:
-        """Small-slope estimate of the coefficient against an equal surface, along x (and y); empty if flat."""
-        # The gap between two such bodies has twice the mean square slope. The value along x comes first.
+        """Small-slope estimate of the coefficient against an equal surface, along x or along x and y; empty if flat."""
+        # The gap between two such bodies has twice their mean square slope. The value along x comes first.
         squares = [2 * float(np.square(along).mean()) for along in compute_slopes(self.body)][::-1]
         return tuple(
             float(gentle_friction(PAPER_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square)))
@@ -233,7 +234,7 @@ class Characterisation:
 
     @cached_property
     def rows(self) -> list[Row]:
-        """Rows of the table for the whole body."""
+        """Rows of the table for the body as a whole."""
         points, steps = np.shape(self.body.heights)[::-1], np.atleast_1d(self.body.spacing)[::-1]
         rows = [
             Row("" if index else "history", (step,), is_detail=True) for index, step in enumerate(self.body.history)
@@ -279,7 +280,8 @@ class Characterisation:
         result = self.sections
         if result is None:
             steps = self.scale_limited.history[len(self.body.history) :]
-            words = ", then ".join(steps) if steps else "none: S-F surface of all wavelengths; --ls and --lc filter"
+            words = ", then ".join(steps) if steps else "none: S-F surface with all wavelengths; --ls and --lc set "
+            "filters"
             return [Row("filters", (words,)), *rows]
         if isinstance(result, SectionError):
             names = [item.name for letter in "RW" for item in PROFILE_PARAMETERS[letter]]
@@ -295,7 +297,7 @@ class Characterisation:
             rows.append(self._parameter_row(PARAMETERS[name], value))
             if name == "Std":
                 steepest = self._area[2]
-                text = f"{steepest:.1f}°, along which lines are steepest on the mean"
+                text = f"{steepest:.1f}°, direction in which lines are steepest on average"
                 rows.append(Row("", (text,), (entry("steepest_direction", steepest, "degrees"),), is_detail=True))
         return rows
 
@@ -307,7 +309,7 @@ class Characterisation:
             text = f"{row.texts[0]} (seven points), {other['value']:.4g} (neighbours)"
             return Row(name, (text,), (*row.values, other))
         if name == "Std":
-            text = f"{value:.0f}° from +x towards +y, of the strongest wavelengths; a lay runs across"
+            text = f"{value:.0f}° from +x towards +y, for the strongest wavelengths; the lay is perpendicular"
             return row._replace(texts=(text,))
         if name in ("Sal", "Str") and math.isnan(value):
             return row._replace(texts=(self._decay_text(name),))
@@ -318,7 +320,7 @@ class Characterisation:
         return row
 
     def _decay_text(self, name: str) -> str:
-        """Return the text for an autocorrelation length or ratio for which the map is too small."""
+        """Return the text for an autocorrelation length or ratio that the map is too small to determine."""
         shortest = getattr(self.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
@@ -430,10 +432,11 @@ class Characterisation:
         return rows
 
     def _peak_ratio(self, longest: float) -> float:
-        """Return the spectral density where a band starts relative to longer wavelengths; 0 if these are too few."""
+        """Return the spectral density where a band starts, relative to longer wavelengths; 0 if these are too few."""
         spectrum = self.binned if self.spectrum is None else self.spectrum
         q, start = spectrum.wave_number, 2 * math.pi / longest
-        longer = (q > 2.5 * q[0]) & (q < start / 1.5)  # without wavelengths affected by the window and by levelling
+        # excludes wavelengths that are affected by the window and by levelling
+        longer = (q > 2.5 * q[0]) & (q < start / 1.5)
         begins = (q >= start / 1.2) & (q < start * 1.2)
         if longer.sum() < _MIN_LONGER_WAVELENGTHS or not begins.any():
             return 0.0
@@ -441,7 +444,7 @@ class Characterisation:
 
     @cached_property
     def line_rows(self) -> list[Row]:
-        """Rows of the table for the lines of a surface along x and y."""
+        """Rows of the table for the lines of a surface along x and along y."""
         if not self.lines:
             return []
         sides, moments = self.lines, self._area[1]
@@ -474,29 +477,29 @@ class Characterisation:
 
 
 def to_characterisation(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:
-    """Return the characterisation of a body; a `Characterisation` is returned unchanged."""
+    """Return the characterisation of a body; an existing `Characterisation` is returned unchanged."""
     return body if isinstance(body, Characterisation) else Characterisation(body, **options)
 
 
 def characterisation_text(
     body: Profile | Surface | Characterisation, *, headline_only: bool = False, **options: Any
 ) -> str:
-    """Format history, parameters, moments and Hurst exponent of a profile or surface, one line each, with units.
+    """Format history, parameters, moments and Hurst exponent of a profile or surface, with units, one per line.
 
     Parameters
     ----------
     body : Profile, Surface or Characterisation
         Levelled, not flat, with at least 7 points along each axis.
     headline_only : bool
-        Whether to format only the rows for the first screen of a terminal, and a line with the number of the others.
+        True to format only the rows for the first screen of a terminal, and the number of all other rows.
     **options
         `band`, `tip_radius` and `periodic` of a `Characterisation`.
 
     Raises
     ------
     ValueError
-        If the body is flat or too small, or the band contains too few wavelengths. A missing self-affine band is not an
-        error; the text reports it.
+        If the body is flat or too small, or the band contains too few wavelengths. A missing self-affine band is
+        reported in the text.
 
     Examples
     --------
@@ -532,7 +535,7 @@ def _unit(parameter: Parameter) -> str:
 
 
 def _filters_text(result: SectionParameters) -> str:
-    """Return the filters and the evaluation length as text."""
+    """Return a text about the filters and the evaluation length."""
     filters = result.filters
     short = "no λs" if filters.ls is None else f"λs {length_text(filters.ls)}"
     kind = "robust Gaussian regression" if filters.robust else "Gaussian"
@@ -580,7 +583,7 @@ def _line_hurst(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-Files = Sequence[tuple[str, Characterisation]]  # names of files and their characterisations
+Files = Sequence[tuple[str, Characterisation]]  # file names with their characterisations
 
 
 def _all_values(result: Characterisation) -> list[dict[str, Any]]:
@@ -588,7 +591,7 @@ def _all_values(result: Characterisation) -> list[dict[str, Any]]:
 
 
 def characterisation_record(files: Files, readings: Sequence[dict[str, Any]] = ()) -> str:
-    """Return the characterisations of files as JSON, with the reading of each file."""
+    """Return the characterisations of files as a JSON record, with the interpretation of each file."""
     values = [value | {"at": {"file": file}} for file, result in files for value in _all_values(result)]
     return record_json(
         "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)
@@ -606,7 +609,7 @@ def _file_record(file: str, result: Characterisation) -> dict[str, Any]:
 
 
 def characterisation_csv(files: Files) -> str:
-    """Return a CSV table with a row for each file and a column for each value; missing values are empty."""
+    """Return a CSV table with one row per file and one column per value; missing values are empty."""
     import pandas
 
     rows = []

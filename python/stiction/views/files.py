@@ -1,4 +1,4 @@
-"""Output of results to files, in a format chosen by the file name."""
+"""Output of results to files in a format that the file name selects."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ OUTPUT_FILE_MARKS = {
     "report.html": REPORT_MARK.encode(),
     "friction.png": FIGURE_FILE_MARKS[".png"],
 }
-"""Files that `pair` writes into its directory, with the marks by which they are recognised."""
+"""Files that `pair` writes into its directory, each with the mark by which it is recognised."""
 
 
 def check_files(folder: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise `ValueError` if a file that will be replaced exists without its mark."""
+    """Raise a `ValueError` if a file that will be replaced exists without its mark."""
     for name, file_mark in file_marks.items():
         check_replaceable(folder / name, file_mark, ValueError)
 
 
 def replace_text(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file that may replace an older file with the mark; raise `ValueError` for any other file."""
+    """Write a text file, which may replace an older file with the mark; raise a `ValueError` for any other file."""
     with replaced_file(path, file_mark, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
 
 
 def new_text(path: Path, text: str) -> None:
-    """Write a new text file; raise `ValueError` if the file exists or cannot be written."""
+    """Write a new text file. Raise a `ValueError` if the file exists or cannot be written."""
     with new_file(path, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
 
@@ -50,13 +50,13 @@ EXPORT_WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
     ".csv": ("a table", lambda result, path: new_text(path, result_csv(result))),
     ".tex": ("a LaTeX table", lambda result, path: new_text(path, latex_table(result.summary()))),
 }
-"""Description and writer of each output format by file ending."""
+"""Description and writer of each output format, by the ending of the file name."""
 
 
 def write_result(result: Result, path: Path) -> None:
-    """Write a result to a new file in the format of its file ending.
+    """Write a result to a new file in the format that the ending of the file name selects.
 
-    Raises a `ValueError` if the file exists, cannot be written, or its name has no ending of `EXPORT_WRITERS`.
+    Raises a `ValueError` if the file exists, if it cannot be written, or if its ending is not in `EXPORT_WRITERS`.
     """
     if path.suffix.lower() not in EXPORT_WRITERS:
         endings = " or ".join(f"{ending} ({description})" for ending, (description, _) in EXPORT_WRITERS.items())

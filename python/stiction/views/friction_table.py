@@ -1,4 +1,4 @@
-"""Format tables of friction, area and stiffness for another simulation code: terminal text and CSV."""
+"""Terminal text and CSV of a friction table (friction, area and stiffness for another simulation code)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TITLES = {
     "normal_stiffness": ("stiffness over area (GPa/um)", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": ("b of k/A0 = b p^c (GPa/um at 1 GPa)", 1.0),
 }  # fmt: skip
-"""Column names that differ from those of `column_of`, and factors to their units."""
+"""Column names that differ from those of `column_of`, with the factors to their units."""
 
 _LOAD_QUANTITIES = tuple(_TITLES)[:4]
 _LAW_PARAMETERS = ("area_factor", "stiffness_factor", "stiffness_exponent")
@@ -27,12 +27,12 @@ _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
-    """Return a `friction_table` as CSV with a row for each rule, H, Sq, pressure, mu0 and tau0; units in the header."""
+    """Return a `friction_table` as CSV, with one row per rule, H, Sq, pressure, mu0 and tau0; units in the header."""
     return _csv(table[list(_LOAD_QUANTITIES)], _COORDINATES)
 
 
 def laws_csv(table: xarray.Dataset) -> str:
-    """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV with a row for each H and Sq."""
+    """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, with one row per H and Sq."""
     return _csv(table[list(_LAW_QUANTITIES)], _COORDINATES[1:3])
 
 
@@ -54,7 +54,7 @@ def _csv(part: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
 
 
 def friction_table_text(table: xarray.Dataset) -> str:
-    """Format the fitted laws of each roughness, and the range of the coefficients of friction."""
+    """Format the fitted laws for each roughness, and the range of the friction coefficients."""
     ends = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"
     lines = [wrap_text(f"Pressures of {ends}; {laws}"), ""]
@@ -76,7 +76,7 @@ def friction_table_text(table: xarray.Dataset) -> str:
         )
     lines.append(format_table(rows))
     if max(float(table[f"{name}_deviation"].max()) for name in ("area", "stiffness")) > MAX_LAW_DEVIATION:
-        lines += ["", wrap_text("Use the tabulated values instead of a law that deviates by more than 10 %.")]
+        lines += ["", wrap_text("Where a law deviates by more than 10 %, use the tabulated values instead.")]
     return "\n".join(lines) + "\n"
 
 

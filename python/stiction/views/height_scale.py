@@ -1,4 +1,4 @@
-"""Format friction and true contact area for several factors of the heights: terminal text and JSON."""
+"""Terminal text and JSON record of friction and true contact area for several factors of the heights."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def stored_scale_factors(result: Result) -> dict[ScaledSides, list[float]]:
-    """Return the stored factors of the heights by scaled surfaces; empty if there are none."""
+    """Return the stored factors of the heights for each choice of scaled surfaces; empty if there are none."""
     stored, study = result.stored, result.study
     if stored is None or not study.is_measured or not (stored.path / HEIGHT_SCALE_FOLDER).is_dir():
         return {}
@@ -53,7 +53,7 @@ def stored_scale_factors(result: Result) -> dict[ScaledSides, list[float]]:
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Format a result of `evaluate_height_scale`: a table for each load, mu0 and tau0 with a row for each factor."""
+    """Format a result of `evaluate_height_scale`: one table per load, mu0 and tau0, with one row per factor."""
     scaled_surfaces = SCALED_SURFACE_TEXTS[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
@@ -80,7 +80,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def _row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
-    """Return the cells of one factor."""
+    """Return the cells of the row of one factor."""
     cells = [f"{float(point['height_scale']):.4g}", format_significant(value_of(point, "rms_gradient"), 3)]
     if "upper_rms" in point:
         heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]

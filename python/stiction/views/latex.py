@@ -1,4 +1,4 @@
-"""Format results as a LaTeX table: a row for each point of a summary."""
+"""LaTeX table of a result, with one row per point of a summary."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ESCAPES = str.maketrans({character: f"\\{character}" for character in "&%$#_{}"
 
 
 def latex_table(summary: Summary) -> str:
-    r"""Return the headlines of a summary as a LaTeX ``tabular``: conditions, coefficients with intervals, assessment.
+    r"""Return the quoted points of a summary as a LaTeX ``tabular``: conditions, coefficients, assessment.
 
     Conditions common to all points are comments above the table. Intervals are the combined 95 % intervals, with the
     same digits as on the terminal.
@@ -38,7 +38,7 @@ def latex_table(summary: Summary) -> str:
 
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
-    """Return the coefficient of each rule, the area fraction and the assessment of a point."""
+    """Return the coefficients of all rules, the area fraction and the assessment of a point."""
     cells = [format_estimate(rule.value, rule.lower, rule.upper) for rule in point.rules]
     cells += [format_percent(point.quantity("contact_area_fraction")[0])] if has_area else []
     return [cell.translate(_ESCAPES) for cell in (*cells, point.verdict)]

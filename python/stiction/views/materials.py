@@ -1,4 +1,4 @@
-"""Format materials as a table with numbered sources, or as JSON."""
+"""Table of materials with numbered sources, as terminal text or as a JSON record."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _PROPERTIES = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GPa"}
 
 
 def materials_text(materials: Sequence[Material]) -> str:
-    """Format a table of ranges grouped by kind of material, followed by the numbered sources."""
+    """Format a table of ranges, grouped by kind of material, followed by the numbered sources."""
     sources: dict[str, int] = {}
 
     def cell(value: MaterialValue | None) -> str:

@@ -1,4 +1,4 @@
-"""Format the onset of sliding: a sentence, a table and a JSON record."""
+"""Onset of sliding as a sentence, a table and a JSON record."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 HALF_SLIDING_LOAD = 0.5
-CYCLE_AMPLITUDES = (0.5, 0.9)  # tangential load amplitudes of cycles, relative to the sliding load
+CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of the tangential load in cycles, relative to the sliding load
 
 
 def onset_text(onset: xarray.Dataset) -> str:
-    """Return a sentence with the pre-sliding displacement, the contact that slips, and the tangential stiffness."""
+    """Return a sentence with pre-sliding displacement, slipped fraction of the contact, and tangential stiffness."""
     phrases, displacement = [], onset["displacement_at_sliding"]
     if math.isfinite(_interval_ends(displacement)[0]):
         factor, unit = _length_scale(displacement)
@@ -44,22 +44,22 @@ def onset_text(onset: xarray.Dataset) -> str:
 
 
 def _length_scale(table: xarray.DataArray) -> tuple[float, str]:
-    """Return the factor from µm to the unit in which a mean has the fewest zeros, and this unit."""
+    """Return the factor from µm to the unit in which a mean has the fewest zeros, with this unit."""
     value = _interval_ends(table)[0]
     factor, unit = choose_prefix(value if math.isfinite(value) else 0.0, "um")
     return 1 / factor, unit
 
 
 def _stiffness_scale(table: xarray.DataArray) -> tuple[float, str]:
-    """Return the factor from mN/µm to the unit of a mean stiffness, and this unit."""
+    """Return the factor from mN/µm to the unit for a mean stiffness, with this unit."""
     return (1e-3, "N/µm") if _interval_ends(table)[0] >= MIN_STIFFNESS_IN_NEWTON else (1.0, "mN/µm")
 
 
-MIN_STIFFNESS_IN_NEWTON = 1e4  # mN/µm, above which a stiffness is printed in N/µm
+MIN_STIFFNESS_IN_NEWTON = 1e4  # mN/µm; larger stiffnesses are printed in N/µm
 
 
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
-    """Return a table of means and intervals, headings first."""
+    """Return a table of means and intervals, which starts with its headings."""
     attributes = onset.attrs
     load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _strength(float(attributes["tau0_GPa"]))
     header = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
@@ -74,7 +74,7 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
         [f"pre-sliding displacement ({length_unit})", _format_cell(onset["displacement_at_sliding"], length)],
         [f"tangential stiffness ({rigid_unit})", _format_cell(onset["stiffness"], rigid)],
         [
-            f"normal stiffness, unloading or by ultrasound ({normal_unit})",
+            f"normal stiffness during unloading, as measured by ultrasound ({normal_unit})",
             _format_cell(onset["unloading_stiffness"], normal),
         ],
         ["contact that slips at half of the sliding load (%)", _format_cell(half["slipped_area"], 100.0)],
@@ -91,7 +91,7 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
 
 
 def onset_note(onset: xarray.Dataset) -> str:
-    """Return a note on the averaged members and the assumptions."""
+    """Return a note on the members that were averaged, and on the assumptions."""
     attributes = onset.attrs
     members = int(attributes["members"])
     count = "one member" if members == 1 else f"{members} members"
@@ -144,7 +144,7 @@ def _format_cell(table: xarray.DataArray, factor: float = 1.0) -> str:
 
 
 def quantity_label(name: str, study: Study) -> str:
-    """Return the label of a quantity, with the strengths at which the study computed the onset of sliding."""
+    """Return the label of a quantity, with the strengths for which the study computed the onset of sliding."""
     onset, text = study.contact.onset, QUANTITIES[name].short
     if name == "normal_stiffness" and study.contact.hardness is not None:
         return f"{text} while loading"

@@ -1,4 +1,4 @@
-"""`stiction.pair`: static friction of two measured bodies, equivalent to the command `stiction pair`."""
+"""`stiction.pair`: static friction of two measured bodies, as computed by the command `stiction pair`."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-# packaging/pair_options.py writes the parameters, their descriptions, and the call of `PairOptions`.
+# The script packaging/pair_options.py writes the parameters, their descriptions, and the call of `PairOptions`.
 def pair(
     first: Part | None = None,
     second: Part | None = None,
@@ -228,7 +228,7 @@ def pair(
     Returns
     -------
     Result
-        The same that `open_result` returns of the directory.
+        Result, equal to the one that `open_result` returns for the directory.
 
     Raises
     ------
@@ -313,7 +313,7 @@ def pair(
                 tip=tip,
                 onset=onset,
             )
-        if isinstance(interface, Interface):  # stored alongside the result, which refers to it
+        if isinstance(interface, Interface):  # stored next to the result, which refers to it
             folder.mkdir(parents=True, exist_ok=True)
             write_interface(interface, folder / "interface.csv")
             options = options.model_copy(update={"interface": folder / "interface.csv"})

@@ -1,4 +1,4 @@
-"""Text for the conditions of a point: sliding rules, materials, load and directions."""
+"""Texts about the conditions of a point: sliding rules, materials, load and directions."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ RULE_DESCRIPTIONS = {
     "all": "friction at all contacts",
     "opposing": "friction at opposing contacts only (the paper's rule)",
 }
-"""Descriptions of the sliding rules, in the order in which results quote them."""
+"""Descriptions of the sliding rules, in the order in which results are quoted."""
 
 
 def materials_text(study: Study) -> str:
-    """Return the materials, "mild steel on brass"; empty if they have no names."""
+    """Return the materials, as in "mild steel on brass"; empty if they have no names."""
     names = study.contact.materials
     return "" if names is None else " on ".join(names)
 
 
 def adhesion_text(point: xarray.Dataset, study: Study) -> str:
-    """Return the work of adhesion of a study and its range: "adhesion 50 mJ/m² over 0.5 nm"."""
+    """Return the work of adhesion of a study with its range, as in "adhesion 50 mJ/m² over 0.5 nm"."""
     work = 1e6 * float(study.contact.work_of_adhesion or 0.0)
     return f"adhesion {work:.3g} mJ/m² over {format_with_unit(range_of(point, study)[1], 'um')}"
 
 
 def load_text(point: xarray.Dataset, study: Study) -> str:
-    """Return the load of a point with its nominal pressure: "10 mN (100 MPa)"."""
+    """Return the load of a point with its nominal pressure, as in "10 mN (100 MPa)"."""
     load = float(point["load"])
     if is_unloaded(point):
         return "no load"
@@ -44,7 +44,7 @@ def load_text(point: xarray.Dataset, study: Study) -> str:
 
 
 def averaged_directions_text(directions: Any) -> str:
-    """Describe in words the directions (degrees) over which a mean is taken."""
+    """Describe in words the directions (degrees) over which a value is averaged."""
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
         return f"the upper body moves {motion_text(float(degrees[0]))}"
@@ -59,6 +59,6 @@ def averaged_directions_text(directions: Any) -> str:
 
 
 def motion_text(direction: float) -> str:
-    """Return a direction in words: "to +x", "at 30°"."""
+    """Return a direction in words, as in "to +x" or "at 30°"."""
     axes = {0.0: "+x", 90.0: "+y", 180.0: "\N{MINUS SIGN}x", 270.0: "\N{MINUS SIGN}y"}
     return f"to {axes[direction]}" if direction in axes else f"at {direction:g}°"

@@ -1,4 +1,4 @@
-"""Format the pull-off force of adhering bodies as a sentence and as a record."""
+"""Pull-off force of adhering bodies as a sentence and as a JSON record."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, ValueWithInte
 
 
 def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
-    """Return whether bodies stick without a load, with pull-off force, pressure and friction.
+    """Return whether bodies stick without a load, with the pull-off force, the pull-off pressure and the friction.
 
-    `inputs` are mu0 and tau0 of the friction, if the result has several values.
+    `inputs` describes mu0 and tau0 of the friction if the result has several values of them.
     """
     bound_text = "at least " if estimate.is_bound else ""
     limit = f"{format_with_unit(STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
@@ -30,7 +30,7 @@ def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
 
 
 def pull_off_record(estimate: Sticking) -> dict[str, Any]:
-    """Return the pull-off force and pressure as JSON fields, in mN and GPa."""
+    """Return the pull-off force (mN) and pull-off pressure (GPa) as JSON fields."""
     intervals = {
         "pull_off": estimate.pull_off,
         "pull_off_pressure": estimate.pressure,

@@ -1,4 +1,4 @@
-"""Effect of the scan resolution on a pair: cutoff study, plastic limit, and extrapolation to finer wavelengths."""
+"""Effect of the scan resolution on a pair: cutoff study, plastic limit, and extrapolation to shorter wavelengths."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 
 
 def wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return the range of resolved wavelengths and the contribution of the shortest octave to the slope."""
+    """Return the range of resolved wavelengths, and the contribution of the shortest octave to the slope."""
     fraction = format_percent(scan.fraction_below(2 * scan.shortest))
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
@@ -47,11 +47,11 @@ def wavelengths_text(scan: ResolvedRoughness) -> str:
     )
 
 
-# ---- Cut-offs --------------------------------------------------------------------------------------------------------
+# ---- Cutoffs ---------------------------------------------------------------------------------------------------------
 
 
 def cut_off_rows(dataset: xarray.Dataset, study: Study) -> Rows:
-    """Return a table with a row for each cutoff of `evaluate_cutoffs`, headings first, for one load, mu0 and tau0.
+    """Return a table with one row per cutoff of `evaluate_cutoffs`, for one load, mu0 and tau0; headings come first.
 
     The last row is the plastic limit if there is a hardness.
     """
@@ -105,7 +105,7 @@ def cut_off_note(dataset: xarray.Dataset, study: Study) -> str:
     members = value_of(dataset, "members")
     text = f"Both surfaces are low-pass filtered at the cutoff; means over {members:.0f} members."
     if plastic_limit(dataset, study) is not None:
-        text += " No finer scan passes the plastic limit. With friction at opposing contacts there is no such limit."
+        text += " No finer scan exceeds the plastic limit. With friction at opposing contacts there is no such limit."
     return text
 
 
@@ -115,10 +115,10 @@ def cut_off_note(dataset: xarray.Dataset, study: Study) -> str:
 def yield_estimates(
     point: xarray.Dataset, study: Study, scan: ResolvedRoughness
 ) -> list[tuple[float, float, float, float, float]]:
-    """Estimate at which wavelength the pressure reaches typical hardnesses H; also return mu0 + tau0/H.
+    """Estimate the wavelength at which the pressure reaches each of the typical hardnesses H, and mu0 + tau0/H.
 
-    The wavelength (µm) is where the elastic mean pressure E* h'(λ)/κ, with κ of this result, equals the hardness (GPa).
-    It is NaN if the slope never becomes large enough.
+    At this wavelength (µm), the elastic mean pressure E* h'(λ)/κ, with κ of this result, equals the hardness (GPa). The
+    wavelength is NaN if the slope never becomes large enough.
     """
     modulus, pressure = modulus_of(point, study), pressure_of(point)
     if not pressure > 0:
@@ -133,7 +133,7 @@ def yield_estimates(
 
 
 def yield_rows(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> Rows:
-    """Return a table of `yield_estimates`, headings first; empty if there are none."""
+    """Return a table of `yield_estimates`, with headings first; empty if there are no estimates."""
     rows = []
     for hardness, wave, low, high, limit in yield_estimates(point, study, scan):
         if math.isnan(wave):
@@ -148,8 +148,8 @@ def yield_rows(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> 
 
 
 ELASTIC_CAVEAT = (
-    "This result is elastic: a finer scan has steeper slopes and less area, without a limit. A hardness sets the "
-    "limit; give --hardness, or materials by name."
+    "This result is elastic: a finer scan has steeper slopes and less area, without a limit. A hardness sets a limit: "
+    "give --hardness, or materials by name."
 )
 
 
@@ -170,13 +170,13 @@ def yield_records(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) 
     ]
 
 
-# ---- All of it -------------------------------------------------------------------------------------------------------
+# ---- Whole record -------------------------------------------------------------------------------------------------------
 
 
 def resolution_record(
     dataset: xarray.Dataset, study: Study, cutoff_dataset: xarray.Dataset | None
 ) -> dict[str, Any] | None:
-    """Return the JSON record of the resolution: wavelengths, cutoffs and, without a hardness, yield estimates."""
+    """Return a JSON record of the resolution: wavelengths, cutoffs and, without a hardness, yield estimates."""
     scan = find_resolved_roughness(study)
     if scan is None and cutoff_dataset is None:
         return None
@@ -200,12 +200,12 @@ def resolution_record(
 
 
 def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return the limits for the figure of results against cutoff, as arrays.
+    """Return the limits for the figure of results against cutoff, as a dictionary of arrays.
 
     `dataset` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``, the
-    plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files are
-    missing); ``wavelength`` (µm), ``finer_area_fraction`` and ``finer_friction`` (rule "all"), arrays (n, 3) of value,
-    lower and upper end of the elastic result, extrapolated with the Hurst exponent (empty with a hardness);
+    plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if files are
+    missing); ``wavelength`` (µm), ``finer_area_fraction`` and ``finer_friction`` (rule "all"), arrays (n, 3) with
+    value, lower and upper end of the elastic result extrapolated by the Hurst exponent (empty with a hardness);
     ``spectral``, the result of `spectral_resolution` for joined spectra of several scans (None for single scans).
     """
     limit, scan = plastic_limit(dataset, study), find_resolved_roughness(study)
@@ -233,7 +233,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
 
 
 def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Return the closed-form estimate for two spectra, at least one of which joins several scans."""
+    """Return the closed-form estimate for two spectra, if at least one of them joins several scans."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]

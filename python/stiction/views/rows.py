@@ -1,10 +1,10 @@
-"""Format results as tables and records for other programs: one data frame, from which CSV and JSON are made.
+"""Tables and records of results for other programs: one data frame, from which CSV and JSON are created.
 
-JSON has one schema for every command. A record contains ``schema`` (a number that increases with every incompatible
-change), ``stiction`` (the version), ``command``, a description of the inputs, and ``values``. A value has ``name``,
-``value``, ``unit`` ("1" if dimensionless), ``lower`` and ``upper`` (the 95 % interval), ``at`` (its coordinates in µm,
-mN, GPa and degrees) and ``status``. Records of results also contain ``answers``: the values to quote for each point,
-with their caveats. Missing values are null.
+JSON has the same schema for every command. A record contains ``schema`` (a number that increases with every
+incompatible change), ``stiction`` (the version), ``command``, a description of the inputs, and ``values``. A value has
+``name``, ``value``, ``unit`` ("1" if dimensionless), ``lower`` and ``upper`` (the 95 % interval), ``at`` (its
+coordinates in µm, mN, GPa and degrees) and ``status``. Records of results also contain ``answers``: the values to quote
+for each point, with their caveats. Missing values are null.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 SCHEMA_VERSION = 1
-_POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # coordinates that identify a row of the CSV
+_POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # coordinates that identify a row of a CSV file
 
 COORDINATE_ORDER = (
     "height_scale",
@@ -52,7 +52,7 @@ _COEFFICIENT_COLUMNS = {
     "friction_by_axis": "axis",
     "friction_coefficient": "direction",
 }
-"""Coefficients that are rows of the CSV, and the coordinate or label of their motion."""
+"""Coefficients that are rows of a CSV file, with the coordinate or the label of their motion."""
 
 _VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "interval", "status")
 
@@ -63,7 +63,7 @@ _MOTION_LABELS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
 
 def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
-    """Return every value of a result of `at_load` as a row with name, unit, interval, status and coordinates.
+    """Return a row with name, unit, interval, status and coordinates for every value of a result of `at_load`.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Return a row for each value of one quantity. Built from arrays, which is ten times faster than from datasets."""
+    """Return a row for each value of a quantity, built from arrays because datasets are ten times slower."""
     import pandas
 
     table = dataset.variables[name]
@@ -96,7 +96,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
     shape = tuple(dataset.sizes[dim] for dim in dims)
 
     def broadcast_to_rows(variable: xarray.Variable) -> Any:
-        """Return the values of a variable broadcast to all rows."""
+        """Return the values of a variable, broadcast to all rows."""
         values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
         slices = tuple(slice(None) if dim in variable.dims else None for dim in dims)
         return np.broadcast_to(values[slices], shape).ravel()
@@ -121,7 +121,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     directed = name in QUANTITIES and QUANTITIES[name].directed
     for coordinate in COORDINATE_ORDER:
-        # A single sliding rule or direction is a scalar coordinate, but becomes a column as well.
+        # A single sliding rule or direction is a scalar coordinate, but becomes a column too.
         is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
         if coordinate in dims or (is_scalar and (directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
@@ -132,11 +132,11 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def summary_table(summary: Summary) -> pandas.DataFrame:
-    """Return a table with a row for each cell, load, mu0, tau0, sliding rule and motion; units are in the header.
+    """Return a table with one row per cell, load, mu0, tau0, sliding rule and motion; units are in the header.
 
-    Each row has the coefficient of static friction of its motion (all directions, an axis or a direction), the
+    Each row has the coefficient of static friction for its motion (all directions, an axis or a direction), the
     quantities at its load, and the assessment and caveats of its point. The combined interval exists only for the mean
-    over all directions; the sampling interval of the mean over members has separate columns. Rows of the default rule
+    over all directions. The sampling interval of the mean over members has separate columns. Rows of the default rule
     come first.
     """
     import pandas
@@ -147,7 +147,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     frames: list[pandas.DataFrame] = []
     for name, motion in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "friction_all_round" and frames and motion not in dataset[name].dims):
-            continue  # a single direction equals the mean over all directions
+            continue  # the only direction equals the mean over all directions
         selected = rows[rows["name"] == name]
         motion_column = (
             selected[motion].map(_MOTION_LABELS[motion])
@@ -184,14 +184,14 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
 
 def _load_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the quantities in the CSV file, without quantities that depend on several directions."""
+    """Return the quantities of a CSV file, without quantities that depend on several directions."""
     return [name for name in shown_in("csv") if name in dataset and dataset[name].sizes.get("direction", 1) == 1]
 
 
 def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return further coefficients, means over all directions: a column with a value for each rule of each point.
+    """Return a column of means over all directions for each further coefficient, with one value per rule and point.
 
-    The values of rules other than the rule to quote are NaN.
+    Values for rules other than the quoted rule are NaN.
     """
     rows = [(point, rule is point.rules[0]) for point in points for rule in point.rules]
     waited = {
@@ -235,7 +235,7 @@ def _assessment_table(
 
 
 def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> str:
-    """Return a record as JSON text."""
+    """Return a record as a JSON text."""
     record = {"schema": SCHEMA_VERSION, "stiction": __version__, "command": command, **fields, "values": values}
     return json.dumps(record, ensure_ascii=False, allow_nan=False, indent=1)
 
@@ -244,7 +244,7 @@ def entry(
     name: str, value: float, unit: str = "1", *, lower: float = math.nan, upper: float = math.nan,
     interval: str | None = None, coordinates: dict[str, Any] | None = None, status: str = STATUS_OK,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return a value with its name, unit, interval, coordinates and status for JSON."""
+    """Return a value with its name, unit, interval, coordinates and status, for JSON."""
     return {
         "name": name,
         "value": finite_or_none(value),
@@ -258,7 +258,7 @@ def entry(
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
-    """Return the JSON record of a command on a result, with points, caveats, cutoff study and onset of sliding."""
+    """Return the JSON record of a command about a result: points, caveats, cutoff study and onset of sliding."""
     dataset, study = summary.at, summary.study
     fields = {"kind": "pair" if study.is_measured else "study", **fields}
     fields |= {name: str(dataset.attrs[name]) for name in ("upper", "lower", "reading") if name in dataset.attrs}
@@ -273,7 +273,7 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
 
 
 def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
-    """Convert a data frame to the values of a record."""
+    """Convert a data frame to the entry `values` of a record."""
     values = []
     for row in rows.to_dict("records"):
         selected = {name: row.pop(name) for name in _VALUE_COLUMNS}
@@ -286,7 +286,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     """Return the record of a point: values to quote, intervals, assessment and caveats."""
     return {
         "at": point.at,
-        "headline": not point.covered,  # False for filter variants, which the interval of a headline covers
+        "headline": not point.covered,  # false for a variant of the filter that the interval of another point covers
         "status": point.status,
         "rules": [
             {

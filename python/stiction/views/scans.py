@@ -1,4 +1,4 @@
-"""Format the joined spectrum of several scans, and the comparison of two scans of the same place."""
+"""Texts, records and figures of the joined spectrum of several scans, and of two scans of the same place."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 MAX_SLOPE_ROWS = 12  # maximum number of wavelengths in the table of slopes
 
 COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
-"""Materials whose ratio of hardness to E*, in contact with themselves, is a line in the figure."""
+"""Materials whose ratio of hardness to E*, in contact with themselves, is drawn as a line in the figure."""
 
 SCAN_COLOURS = (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
 MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name in a figure
@@ -44,7 +44,7 @@ MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name in a figure
 
 
 def joined_text(joined: JoinedSpectrum) -> str:
-    """Format the wavelengths that each scan contributes, its deviation from the other scans, and the slope spectrum."""
+    """Format the wavelengths that each scan contributes, its deviation from the other scans, and cumulative slopes."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
     for name, (shortest, longest), reason, ratio, chance in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
@@ -98,9 +98,9 @@ def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
 def joined_figure(joined: JoinedSpectrum) -> Figure:
     """Draw spectra, cumulative slope and curvature, and mean contact pressure against wavelength; 170 mm wide.
 
-    The pressure is for contact with a second surface of the same kind. The elastic pressure divided by E* is h'/κ of
-    the gap, as in `spectral_resolution`. A material yields where this ratio reaches its hardness divided by E*; finer
-    wavelengths then have no effect.
+    The pressure is that of contact with a second surface of the same kind. The elastic pressure divided by E* is h'/κ
+    of the gap, as in `spectral_resolution`. A material yields where this ratio reaches its hardness divided by E*;
+    shorter wavelengths then have no effect.
     """
     import matplotlib as mpl
 
@@ -176,7 +176,7 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 
 def repeated_text(comparison: RepeatedScans) -> str:
-    """Format the shift between both scans, the noise by wavelength, and the usable wavelengths of their mean."""
+    """Format the shift between two scans, the noise by wavelength, and the usable wavelengths of the mean scan."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common, noise in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]
@@ -188,14 +188,14 @@ def repeated_text(comparison: RepeatedScans) -> str:
         f"{axis} = {format_with_unit(item, 'um')}" for axis, item in zip("xy", comparison.shift[::-1], strict=False)
     )
     text = (
-        f"The second scan starts at {shift} of the first one. The correlation is {comparison.correlation:.4g}, the "
+        f"The second scan starts at {shift} of the first scan. The correlation is {comparison.correlation:.4g}, the "
         f"noise of a single scan {format_with_unit(comparison.noise_rms, 'um')}."
     )
     return f"{format_table(rows)}\n\n{wrap_text(text)}\n{wrap_text(limit_text(comparison))}\n"
 
 
 def limit_text(comparison: RepeatedScans) -> str:
-    """Return a sentence on the shortest usable wavelength of the mean scan."""
+    """Return a sentence about the shortest usable wavelength of the mean scan."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.limit <= comparison.wavelength[0]:
@@ -218,7 +218,7 @@ def repeated_record(comparison: RepeatedScans) -> dict[str, Any]:
 
 
 def octaves_csv(comparison: RepeatedScans) -> str:
-    """Return the octaves as CSV, with the limit as a comment."""
+    """Return the octaves as CSV, with the wavelength limit in a comment."""
     import pandas
 
     columns = {
@@ -230,7 +230,7 @@ def octaves_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_figure(comparison: RepeatedScans) -> Figure:
-    """Draw noise and common heights against wavelength; 85 mm wide."""
+    """Draw the noise, and the heights that both scans share, against wavelength; 85 mm wide."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

@@ -1,4 +1,4 @@
-"""Format the sentence to quote for a point of a summary."""
+"""Sentence to quote for a point of a summary, and its parts."""
 
 from __future__ import annotations
 
@@ -24,16 +24,17 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-MIN_STATED_READING_DIFFERENCE = 0.01  # relative difference of the loads above which the text defines the load
+# relative difference between definitions of the load above which the text states the definition
+MIN_STATED_READING_DIFFERENCE = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
-"""Relative difference of A E* h'/F from the usual value above which the small-slope estimate does not apply."""
+"""Relative difference of A E* h'/F from its usual value above which the small-slope estimate does not apply."""
 
 SLOPE_ESTIMATE_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
-"""Usual value of A E* h'/F, used by `gentle_friction`."""
+"""Usual value of A E* h'/F, which `gentle_friction` assumes."""
 
 
 def finer_text(point: PointSummary) -> str:
-    """Return the bounds of the coefficient for finer scans at the given hardness; empty without bounds."""
+    """Return the bounds of the coefficient for finer scans at the given hardness; empty if there are none."""
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
@@ -63,7 +64,7 @@ def sentence_text(point: PointSummary) -> str:
 
 
 def covers_text(point: PointSummary) -> str:
-    """Return the contributions to the 95 % interval of the first rule; empty without an interval."""
+    """Return the contributions to the 95 % interval of the quoted rule; empty without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.words for contribution in point.budget) or [
@@ -73,7 +74,7 @@ def covers_text(point: PointSummary) -> str:
 
 
 def assessment_text(point: PointSummary) -> str:
-    """Return the assessment with the caveats, and the version that computed the result if it is stored."""
+    """Return the assessment with the caveats and, for stored results, the version that computed the result."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.verdict}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")
@@ -81,7 +82,7 @@ def assessment_text(point: PointSummary) -> str:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return the contribution of roughness to the coefficient; empty if it is unknown."""
+    """Return the contribution of the roughness to the coefficient; empty if it is unknown."""
     if point.from_roughness is None or not math.isfinite(point.value):
         return ""
     return f"roughness contributes {round(point.from_roughness, 3) + 0.0:.3f} of {point.value:.3f}"
@@ -91,7 +92,7 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def inputs_text(point: PointSummary) -> str:
-    """Return load, materials and resolution of a point."""
+    """Return the load, the materials and the resolution of a point."""
     values, study = point.values, point.study
     items = [load_text(values, study)]
     if "fractal_dimension" in values.coords:
@@ -125,7 +126,7 @@ def inputs_text(point: PointSummary) -> str:
 
 
 def _input_range_text(values: xarray.Dataset, study: Study, name: str) -> str:
-    """Return the specified range of mu0 or tau0 if the point is at its central value."""
+    """Return the range of mu0 or tau0, if the point is at the central value of this range."""
     text = getattr(study.known, name)
     return f" ({text})" if text is not None and _is_central_value(values, study, name) else ""
 
@@ -135,7 +136,7 @@ def _is_central_value(values: xarray.Dataset, study: Study, name: str) -> bool:
 
 
 def _interface_words(study: Study) -> str:
-    """Return name, kind and conditions of the interface that defines mu0 and tau0."""
+    """Return the name, the kind and the conditions of the interface that defines mu0 and tau0."""
     interface, name = find_interface(study), Path(str(study.known.interface)).name
     if interface is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
@@ -146,7 +147,7 @@ def _interface_words(study: Study) -> str:
 
 
 def _hardness_range_text(study: Study) -> str:
-    """Return the range of the hardness; empty for a single number."""
+    """Return the range of the hardness; empty if the hardness is a single number."""
     interface = find_inputs(study).get("hardness")
     if interface is None:
         return ""
@@ -163,7 +164,7 @@ _READING_TEXTS = {
 
 
 def note_text(point: PointSummary) -> str:
-    """Return the averaged directions and members, and the definition of the load."""
+    """Return which directions and members were averaged, and the definition of the load."""
     values, study = point.values, point.study
     items = []
     if study.surfaces.press == "lines" and values["direction"].size == 2:
@@ -181,18 +182,18 @@ def note_text(point: PointSummary) -> str:
 
 
 def _averaging_text(point: PointSummary) -> str:
-    """Return how many members were averaged, and of which kind."""
+    """Return the number and the kind of the members that were averaged."""
     study = point.study
     kind = "pairs" if not study.is_measured else "positions"
     kind = "pairs of random surfaces with these spectra" if study.surfaces.press == "surrogates" else kind
     return f"{point.members:.0f} {kind}"
 
 
-STRIP_TEXT = "a strip 1 µm wide"  # width that profiles represent in the paper
+STRIP_TEXT = "a strip 1 µm wide"  # width that a profile represents in the paper
 
 
 def list_assumptions(study: Study) -> tuple[str, ...]:
-    """Return the assumptions of a study: lay and width of profiles, contact model, adhesion."""
+    """Return the assumptions of a study: lay and width of profiles, contact model, and adhesion."""
     if not study.is_measured:
         return ()
     surfaces, contact, assumptions = study.surfaces, study.contact, []
@@ -210,7 +211,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return all assumptions for the sentence to quote."""
+    """Return all assumptions, which are part of the sentence to quote."""
     values, study = point.values, point.study
     if not study.is_measured:
         return ()
@@ -228,21 +229,21 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scans_text(study: Study) -> str:
-    """Return the number of scans of each part, and the part-to-part variability that is not in the interval."""
+    """Return the number of scans of each part, and the part-to-part variability that the interval does not include."""
     counts = study.surfaces.scan_counts
     if study.is_gap:
-        return "one gap at its one position"
+        return "one gap at its only position"
     if counts == (1, 1):
         return "one scan of each part"
     text = f"{counts[0]} × {counts[1]} scans of both parts"
     single_sides = [side for side, count in zip(SIDES, counts, strict=True) if count == 1]
     return text + "".join(
-        f", but one of the {side}, so the spread between its places is not included" for side in single_sides
+        f", but only one of the {side}, so the spread between its places is not included" for side in single_sides
     )
 
 
 def slopes_text(point: PointSummary) -> str:
-    """Return the small-slope estimate and its limits; empty if the result has none."""
+    """Return the small-slope estimate with its limits; empty if the result has no estimate."""
     values, study = point.values, point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:

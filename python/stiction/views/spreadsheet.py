@@ -8,11 +8,11 @@ if TYPE_CHECKING:
     import pandas
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
-"""Characters at the start of a text that a spreadsheet program interprets as a formula."""
+"""Characters at the start of a text that make a spreadsheet program interpret it as a formula."""
 
 
 def frame_to_csv(frame: pandas.DataFrame, *, float_format: str = "%.9g") -> str:
-    """Return a table as CSV, with an apostrophe before texts that a spreadsheet would evaluate as a formula."""
+    """Return a table as CSV, with an apostrophe before texts that a spreadsheet program would evaluate as formulas."""
     frame = frame.rename(columns=_escape_formula)
     for name in frame.columns[[not _is_numeric(kind) for kind in frame.dtypes]]:
         frame[name] = frame[name].map(_escape_formula)

@@ -1,4 +1,4 @@
-"""Tables of the keys of study files for the documentation and the terminal, generated from the models."""
+"""Tables of the keys of study files for the documentation and the terminal, generated from the data models."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
     (values.Strength, "a pressure, at least 0"),
     (values.Force, "a force above 0"),
     (values.Time, "a time above 0"),
-    (values.WorkOfAdhesion, "an energy of an area, at least 0"),
+    (values.WorkOfAdhesion, "an energy per area, at least 0"),
 )
-"""Allowed values of the quantity types of a study."""
+"""Allowed values of the types of quantities in a study."""
 
 _DEGREES_TEXT = f"degrees from {-values.MAX_DEGREES} to {values.MAX_DEGREES}"
 _ALLOWED_VALUES = {
@@ -46,7 +46,7 @@ _ALLOWED_VALUES = {
     "upper": "a table, see below",
     "lower": "a table, see below",
 }
-"""Allowed values of keys with their own parsers."""
+"""Allowed values of keys with parsers of their own."""
 
 _UNCERTAIN_VALUE_TEXT = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
 _UNCERTAIN_TYPES = {
@@ -56,7 +56,7 @@ _UNCERTAIN_TYPES = {
 """Allowed values in the table `[known]`, by type."""
 
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
-_FRICTION_DESCRIPTION = "Loads and friction of measured surfaces, and those in the figures of generated surfaces."
+_FRICTION_DESCRIPTION = "Loads and friction parameters of measured surfaces, or of the figures of generated surfaces."
 _ALL_CONTACT_CASES = tuple(dict.fromkeys(case for cases in CONTACT_CASES.values() for case in cases.values()))
 _KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.Case], ...]], ...] = (
     ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACE_CASES[:3], ()),
@@ -68,17 +68,17 @@ _KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[va
     ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
     ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), ()),
 )
-"""Tables of a study file: title, description, cases, and classes of keys common to several cases."""
+"""Tables of a study file: title, description, classes, and classes of keys that several of them share."""
 
 
 def key_tables() -> list[tuple[str, str, list[Row]]]:
-    """Return title, description and rows of each table of a study file."""
+    """Return the title, the description and the rows of each table of a study file."""
     tables = []
     for title, phrases, cases, shared in _KEY_TABLES:
         owners: dict[Row, list[type[values.Table]]] = {}
         for case in cases:
             for key, entry in case.model_fields.items():
-                if entry.repr:  # other keys describe bodies in memory and do not occur in files
+                if entry.repr:  # keys without `repr` describe bodies in memory and do not occur in files
                     default = PydanticUndefined if entry.is_required() else entry.default
                     owners.setdefault(_key_row(key, default, entry, cases), []).append(case)
         keys, rows = list(dict.fromkeys(row[0] for row in owners)), []
@@ -102,7 +102,7 @@ def key_tables() -> list[tuple[str, str, list[Row]]]:
 def _case_names(
     owners: Sequence[type[values.Table]], cases: Sequence[type[values.Table]], shared: Sequence[type[values.Case]]
 ) -> list[str]:
-    """Return the names of cases of a table; a class that covers several cases replaces them."""
+    """Return the names of the classes of a table that have a key, or the name of a class that stands for several."""
     members = {item: {case for case in cases if issubclass(case, item)} for item in shared}
     remaining, places = set(owners), []
     for item in sorted(shared, key=lambda item: -len(members[item])):
@@ -134,7 +134,7 @@ def study_keys_text() -> str:
 
 
 def _key_row(key: str, default_value: Any, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
-    """Return key, default, allowed values and meaning. A key that selects the case of a table has one row."""
+    """Return the key, the default, the allowed values and the meaning. A key that selects a class has only one row."""
     default = "required" if default_value is PydanticUndefined else _toml_default(default_value)
     if key not in ("generator", "press", "mechanics"):
         return f"`{key}`", default, _allowed_text(key, entry), str(entry.description)
@@ -163,11 +163,11 @@ def markdown_row(cells: Sequence[str]) -> str:
 
 
 def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
-    """Return the allowed values of a type, one phrase for each alternative."""
+    """Return the allowed values of a type, with one phrase for each alternative."""
     for kind, phrases in _QUANTITY_RANGES:
         if annotation is kind or any(item in metadata for item in kind.__metadata__[:1]):
             return [phrases]
-    if annotation is Quantity:  # lengths of files, which have their own parser
+    if annotation is Quantity:  # lengths in measured files, which have a separate parser
         return ["a length"]
     if get_origin(annotation) is Literal:
         return [f'`"{value}"`' for value in get_args(annotation)]
@@ -182,7 +182,7 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
         for singular, plural in _NUMBER_LISTS:
             text = text.replace(singular, plural)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
-    if hasattr(annotation, "__metadata__"):  # an alias of Annotated
+    if hasattr(annotation, "__metadata__"):  # an alias of `Annotated`
         return _allowed_phrases(annotation.__origin__, annotation.__metadata__)
     if get_origin(annotation) is not None:  # a union
         ways = [_allowed_phrases(item) for item in get_args(annotation) if item is not type(None)]
@@ -205,7 +205,7 @@ _BOUND_WORDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
 def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:
-    """Return all constraints, including constraints within a Field."""
+    """Return all constraints, including constraints within a `Field`."""
     return [part for item in metadata for part in (item, *getattr(item, "metadata", ()))]
 
 
@@ -219,7 +219,7 @@ def _join_with_or(phrases: list[str]) -> str:
 
 
 def _toml_default(value: Any) -> str:
-    """Return a default value as in a study file."""
+    """Return a default value as it is written in a study file."""
     if value is None:
         return "none"
     return f"`{_toml_text(value)}`"

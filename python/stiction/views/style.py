@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MILLIMETRE = 1 / 25.4
-COLUMN_WIDTH = 80 * MILLIMETRE  # width of one column; no text is smaller than 6 pt at this width
+COLUMN_WIDTH = 80 * MILLIMETRE  # width of one column, at which no text is smaller than 6 pt
 PAGE_WIDTH = 170 * MILLIMETRE  # width of two columns
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
@@ -31,17 +31,18 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "figure.dpi": 300,
     "hatch.linewidth": 0.4,
-    "pdf.fonttype": 42,  # embed fonts, as journals require
+    "pdf.fonttype": 42,  # embeds fonts, as journals require
     "svg.fonttype": "path",
-    "svg.hashsalt": "stiction",  # equal figures give identical files
+    "svg.hashsalt": "stiction",  # makes files of equal figures identical
     "axes.unicode_minus": True,
 }
 
-# Colours of Okabe and Ito (2008) and of Tol (2021), distinguishable with colour vision deficiencies.
-OPPOSING_COLOUR = "#d55e00"  # contacts whose slope opposes the motion, and the rule of friction at these contacts only
+# Colours from Okabe and Ito (2008) and Tol (2021), which remain distinguishable with colour vision deficiencies.
+# contacts whose slope opposes the motion, and the rule with friction at these contacts only
+OPPOSING_COLOUR = "#d55e00"
 NOT_OPPOSING_COLOUR = "#0072b2"  # contacts whose slope does not oppose the motion
-ALL_CONTACTS_COLOUR = "#332288"  # the rule of friction at all contacts
-RULE_COLOURS = {"all": ALL_CONTACTS_COLOUR, "opposing": OPPOSING_COLOUR}  # in the order of legends
+ALL_CONTACTS_COLOUR = "#332288"  # the rule with friction at all contacts
+RULE_COLOURS = {"all": ALL_CONTACTS_COLOUR, "opposing": OPPOSING_COLOUR}  # sliding rules in the order of legends
 AREA_COLOUR = "#009e73"  # true contact area
 FORCE_COLOUR = "#000000"  # elastic forces
 FRICTION_COLOUR = "#cc79a7"  # friction forces
@@ -51,7 +52,7 @@ STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of the lowest and the highe
 AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of values along an axis of a map
 SELF_LOCKED_COLOUR = "#7a0019"  # self-locking contacts
 FRICTION_MAP = "plasma"
-"""Colour map of friction coefficients. Viridis shows fractal dimensions, grey heights and inferno pressures."""
+"""Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""
 SLIP_MAP = "YlOrRd"  # colour map of the tangential load at which a point slips
 
 RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
@@ -63,7 +64,7 @@ _LABELS = {
     "area_over_load": "area over load $A/F_N$ (µm²/mN)",
     "patch_area": "area of a contact (µm²)",
     "pressure": "pressure in contact (GPa)",
-    "cut_off": "cut-off wavelength (µm)",
+    "cut_off": "cutoff wavelength (µm)",
     "rms_gradient": "rms gradient of the gap",
     "height_scale": "factor of the heights",
     "closure": "closure (µm)",
@@ -73,7 +74,7 @@ _LABELS = {
     "height": "height $z$ (µm)",
     "height_nm": "height $z$ (nm)",
 }
-"""Axis labels of quantities that results do not contain, or that are drawn in another unit."""
+"""Axis labels of quantities that results do not contain, or that figures show in another unit."""
 
 
 def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "constrained") -> Figure:
@@ -84,7 +85,7 @@ def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "con
 
 
 def axis_label(name: str) -> str:
-    """Return the axis label of a quantity: name, symbol and unit."""
+    """Return the axis label of a quantity, with its symbol and unit."""
     if name in _LABELS:
         return _LABELS[name]
     quantity = QUANTITIES[name]
@@ -93,26 +94,26 @@ def axis_label(name: str) -> str:
 
 
 def dimension_colours(dimensions: ArrayLike) -> Floats:
-    """Return colours for curves of several fractal dimensions: viridis without its yellow."""
+    """Return colours for curves of several fractal dimensions, from viridis without its yellow end."""
     from matplotlib import colormaps
 
     return np.asarray(colormaps["viridis"](np.linspace(0, 0.8, np.size(dimensions))))
 
 
 def direction_text(degrees: float) -> str:
-    """Return the direction of motion of the upper body for a figure; degrees from +x towards +y."""
+    """Return the direction of motion of the upper body as a text in figures; degrees are from +x towards +y."""
     axes = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
     return axes.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
 
 
 def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float | None = None) -> str:
-    """Return the friction parameters and the modulus for the heading of a figure; tau0 in GPa."""
+    """Return the friction parameters and the modulus for the heading of a figure; tau0 is in GPa."""
     modulus = "" if effective_modulus is None else rf"$E^*$ = {effective_modulus:.4g} GPa, "
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 
 
 def spread_labels(places: ArrayLike, min_distance: float) -> Floats:
-    """Return label positions in the given order, moved apart until neighbours have a minimum distance."""
+    """Return label positions in the given order, moved apart to a minimum distance between neighbours."""
     targets = np.asarray(places, dtype=np.float64)
     order = np.argsort(targets)
     moved = targets[order].copy()
@@ -138,11 +139,11 @@ def evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
 FORMATS = ("png", "pdf", "svg")  # file formats of figures
 
 FIGURE_FILE_MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
-"""Metadata by which figures of this package are recognised, by file ending."""
+"""Metadata by which figures of this package are recognised, by the ending of the file name."""
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return the formats of figures without duplicates; raise `ValueError` for none or an unknown format."""
+    """Return the formats of figures without duplicates; raise a `ValueError` for no format or an unknown format."""
     result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
     if not result or not set(result) <= set(FORMATS):
         raise ValueError(f"formats must be from {', '.join(FORMATS)}, got {', '.join(map(str, formats)) or 'none'}")
@@ -152,8 +153,8 @@ def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a figure as PNG, PDF or SVG; only figures of this package are overwritten.
 
-    Instruments store PNG files next to their data, so other images must never be replaced. Raises `ValueError` if
-    another file has the name or the file cannot be written.
+    Instruments store PNG files next to their data, so other images must never be replaced. Raises a `ValueError` if
+    another file has the name, or if the file cannot be written.
     """
     import matplotlib as mpl
 

@@ -1,4 +1,4 @@
-"""Format results as text for a terminal: values and assessment first, then one table, at the terminal width."""
+"""Texts of results for a terminal: first values and assessment, then one table, within the width of the terminal."""
 
 from __future__ import annotations
 
@@ -59,8 +59,8 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-COMPLETE_OUTPUT = "summary()"  # method of a result that returns all points and caveats
-MIN_TERMINAL_WIDTH = 40  # characters; narrower terminals are treated as this wide
+COMPLETE_OUTPUT = "summary()"  # method of a result that shows all points and caveats
+MIN_TERMINAL_WIDTH = 40  # smallest width in characters; narrower terminals are treated as this wide
 Rows = Sequence[Sequence[str]]
 
 
@@ -82,14 +82,14 @@ def wrap_text(text: str, width: int | None = None, *, indent: str = "", hang: st
 
 
 _NO_BREAK = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[kmµn]?[NmgL]|[GMk]Pa|%|°)(?!\w))")
-"""Spaces where a line must not break: around an equals sign, and between a number and its unit."""
+"""Spaces at which a line must not break: around an equals sign, and between a number and its unit."""
 
 
 def format_table(rows: Rows, width: int | None = None, *, labels: int = 1) -> str:
-    """Format rows as a table with aligned columns, within a width (default: the terminal width).
+    """Format rows as a table with aligned columns, by default within the width of the terminal.
 
-    Rows may have different lengths. Columns that do not fit are moved to further tables that repeat the first `labels`
-    columns. A first column that is too wide is wrapped.
+    Rows may have different lengths. Columns that do not fit are moved to further tables, which repeat the first
+    `labels` columns. A first column that is too wide is wrapped.
     """
     available_width = width or terminal_width()
     columns = max(map(len, rows), default=0)
@@ -110,11 +110,11 @@ def format_table(rows: Rows, width: int | None = None, *, labels: int = 1) -> st
     return "\n".join(blocks)
 
 
-MIN_LABEL_WIDTH = 16  # minimum width of the first column of a table, in characters
+MIN_LABEL_WIDTH = 16  # smallest width of the first column of a table, in characters
 
 
 def _wrap_label(row: Sequence[str], width: int) -> list[Sequence[str]]:
-    """Wrap the first cell of a row to a width and return the resulting rows."""
+    """Wrap the first cell of a row to a width, and return the resulting rows."""
     lines = textwrap.wrap(row[0], width, subsequent_indent="  ", drop_whitespace=False) if len(row[0]) > width else []
     return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
 
@@ -135,12 +135,12 @@ def result_text(
     ----------
     summary : Summary
     verbose : bool
-        Whether to add the inputs, every direction and every quantity.
+        True to add the inputs, every direction and every quantity.
     max_lines : int, optional
-        Maximum number of lines for caveats. The first caveat and all faults are always printed; the number of omitted
-        caveats is printed.
+        Maximum number of lines for caveats. The first caveat, all faults, and the number of omitted caveats are always
+        printed.
     complete : str
-        Option or method that shows the omitted points and caveats.
+        Option or method that shows omitted points and caveats.
     """
     return values_text(summary, verbose=verbose, max_lines=max_lines, complete=complete) + resolution_and_onset_text(
         summary, verbose=verbose
@@ -148,7 +148,7 @@ def result_text(
 
 
 def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
-    """Return a line that lists mu0 and tau0 of a study if there are several values; empty otherwise."""
+    """Return a line that lists mu0 and tau0 of a study if it has several values of them; empty otherwise."""
     friction = study.friction
     assignments = []
     if mu0 and len(friction.mu0) > 1:
@@ -202,7 +202,7 @@ def values_text(
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return the cutoff study and the onset of sliding as text after an empty line; empty if there are none."""
+    """Return the cutoff study and the onset of sliding as a text after an empty line; empty if there are none."""
     dataset, study, cutoff_dataset, onset = summary.at, summary.study, summary.over_cut_offs, summary.onset
     paragraphs = []
     has_cutoffs = dataset.sizes.get("cut_off", 0) > 1
@@ -258,7 +258,7 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
 
 
 def _thin_points(headlines: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Return at most `MAX_PRINTED_POINTS` points, evenly spaced along each coordinate and including both ends."""
+    """Return at most `MAX_PRINTED_POINTS` points, evenly spaced along each coordinate, including both ends."""
     values = {name: list(dict.fromkeys(point.at[name] for point in headlines)) for name in headlines[0].at}
     if "hurst_exponent" in values:
         values.pop("fractal_dimension", None)
@@ -276,7 +276,7 @@ def _thin_points(headlines: Sequence[PointSummary]) -> Sequence[PointSummary]:
     return [point for point in headlines if all(point.at[name] in selected_values[name] for name in selected_values)]
 
 
-MAX_PRINTED_POINTS = 15  # rows of the table of several points on the first screen
+MAX_PRINTED_POINTS = 15  # largest number of rows in the first table of several points
 
 
 def _coefficient(point: PointSummary, index: int) -> str:
@@ -286,7 +286,7 @@ def _coefficient(point: PointSummary, index: int) -> str:
     return "none" if point.status == friction.STATUS_OK else point.status
 
 
-_COORDINATE_LABELS = {"fractal_dimension": "D", "hurst_exponent": "H", "mu0": "μ0", "tau0": "τ0", "cut_off": "cut-off"}
+_COORDINATE_LABELS = {"fractal_dimension": "D", "hurst_exponent": "H", "mu0": "μ0", "tau0": "τ0", "cut_off": "cutoff"}
 _COORDINATE_UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": "um"}
 
 
@@ -307,11 +307,11 @@ def _conditions_text(point: PointSummary) -> str:
     )
 
 
-NEGLIGIBLE_FRACTION = 0.05  # fraction of the coefficient below which roughness is called negligible
+NEGLIGIBLE_FRACTION = 0.05  # fraction of the coefficient below which the roughness is called negligible
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return the contribution of roughness and the inputs that determine the rest; empty if unknown."""
+    """Return the contribution of the roughness, and the inputs that determine the rest; empty if unknown."""
     if point.from_roughness is None:
         return ""
     inputs = "the hardness, μ0 and τ0" if point.hardness is not None and point.at["tau0"] > 0 else "μ0"
@@ -321,7 +321,7 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def contributions_text(point: PointSummary) -> str:
-    """Return the contributions of mu0, adhesion and slopes to the coefficient; empty if unknown."""
+    """Return the contributions of mu0, of adhesion and of slopes to the coefficient; empty if unknown."""
     if point.parts is None:
         return ""
     mu0, adhesion, slopes = (round(contribution, 3) + 0.0 for contribution in point.parts)
@@ -331,7 +331,7 @@ def contributions_text(point: PointSummary) -> str:
 
 
 def budget_text(point: PointSummary) -> str:
-    """Return the most useful measurement and the interval that it would give."""
+    """Return the measurement that would reduce the uncertainty most, and the interval that it would give."""
     largest = point.most
     if largest is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
         return ""
@@ -351,11 +351,11 @@ _REMEDY_TEXTS = {
     UPPER_SCANS_INPUT: "Scanning more places of the upper part",
     LOWER_SCANS_INPUT: "Scanning more places of the lower part",
 }  # fmt: skip
-"""Actions that reduce the uncertainty of contributions that are not inputs."""
+"""Actions that reduce sources of uncertainty other than inputs."""
 
 
 def single_test_text(point: PointSummary) -> str:
-    """Return the prediction interval for a single test and the sampling interval of the mean."""
+    """Return the prediction interval of a single test, and the sampling interval of the mean."""
     estimate = point.rules[0]
     if not math.isfinite(estimate.next_test[0]) or estimate.next_test == (estimate.lower, estimate.upper):
         return ""
@@ -369,7 +369,7 @@ def single_test_text(point: PointSummary) -> str:
 
 
 def dwell_time_text(point: PointSummary) -> str:
-    """Return the coefficient after the dwell times of the study; empty without dwell times."""
+    """Return the coefficients after the dwell times of the study; empty without dwell times."""
     entries = [
         f"{format_time(aged.seconds)} {format_estimate(aged.value, aged.lower, aged.upper)}" for aged in point.waited
     ]
@@ -386,10 +386,10 @@ def assessment_text(
     headlines: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
     complete: str = COMPLETE_OUTPUT,
 ) -> str:  # fmt: skip
-    """Format the assessment, the most useful measurement and the caveats with their remedies.
+    """Format the assessment, the most useful measurement, and the caveats with their remedies.
 
-    Caveats of several points are grouped. At most `max_lines` lines of caveats, and at most `max_groups` groups without
-    `max_lines`, are printed; `complete` names what shows the others.
+    Caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at
+    most `max_groups` groups. `complete` names the option that shows all others.
     """
     if len({(point.verdict, point.caveats) for point in headlines}) == 1:
         point, caveats = headlines[0], headlines[0].caveats
@@ -419,15 +419,15 @@ def assessment_text(
 
 
 _NUMBER_WITH_UNIT = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?")
-"""Number and unit. Caveats that differ only in numbers are grouped."""
+"""Pattern of a number with its unit. Caveats that differ only in numbers are grouped."""
 
 
 def _count_within(texts: Sequence[str], lines: int) -> int:
-    """Return how many leading texts fit on a number of lines."""
+    """Count how many of the first texts fit on a number of lines."""
     return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
 
-MAX_CAVEATS = 6  # groups of caveats of several points on the first screen
+MAX_CAVEATS = 6  # largest number of groups of caveats that are shown for several points
 
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
@@ -444,11 +444,11 @@ _UNIT_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
     "MPa/mm": ((1e7, 1e-6, "TPa/mm"), (1e4, 1e-3, "GPa/mm"), (0.0, 1.0, "MPa/mm")),
     "GPa/mm": ((1e4, 1e-3, "TPa/mm"), (0.0, 1.0, "GPa/mm")),
 }
-"""Minimum value, factor and name of units without SI prefixes, for large numbers."""
+"""Unit names for large numbers of units without SI prefixes: minimum value, factor and name."""
 
 
 def _first_cell(headlines: Sequence[PointSummary]) -> str:
-    """Return the coordinates of the first of several cells, such as "H = 0.9"; empty for a single cell."""
+    """Return the coordinates of the first of several cells, as in "H = 0.9"; empty for a single cell."""
     hidden = {"load", "mu0", "tau0", *(["fractal_dimension"] if "hurst_exponent" in headlines[0].at else [])}
     names = [
         name for name in headlines[0].at if name not in hidden and len({point.at[name] for point in headlines}) > 1
@@ -459,7 +459,7 @@ def _first_cell(headlines: Sequence[PointSummary]) -> str:
 
 
 def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool = False, cell: str = "") -> str:
-    """Format means and 95 % intervals: a row for each quantity and a column for each load, with the default rule."""
+    """Format means and 95 % intervals for the quoted rule, with one row per quantity and one column per load."""
     dataset = all_points.isel({name: 0 for name in ("mu0", "tau0") if name in all_points.dims})
     dataset = dataset.sel(sliding=rules_of(study)[0]) if "sliding" in dataset.dims else dataset
     loads = list(points(dataset))
@@ -468,7 +468,7 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
     in_words = len(loads) == 1 and study.is_measured and not verbose
     for name in (*shown_in("table"), *(shown_in("verbose") if verbose else ())):
         is_hidden = {
-            "mean_pressure": in_words,  # is the ratio of load and area, which are both printed
+            "mean_pressure": in_words,  # omitted, because it is the ratio of load and area, which are both printed
             "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
             **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or study.is_gap)),
             **dict.fromkeys(LOAD_INDEPENDENT, not verbose),
@@ -509,17 +509,17 @@ def _stack_headings(headings: Sequence[str]) -> Rows:
     return list(itertools.zip_longest(*lines, fillvalue=""))
 
 
-MAX_HEADING_WIDTH = 20  # characters of a heading above a column of numbers
+MAX_HEADING_WIDTH = 20  # largest width of a heading above a column of numbers, in characters
 
 
 def is_bound_on_pull_off(name: str, dataset: xarray.Dataset) -> bool:
-    """Return whether a quantity is a pull-off force or pressure to which members contribute lower bounds."""
+    """Return whether a quantity is a pull-off force or pressure that includes lower bounds of some members."""
     bound_fraction = QUANTITIES[name].bound_fraction
     return bool(bound_fraction) and float(dataset[bound_fraction].sel(statistic="mean").max()) > 0
 
 
 def _row(name: str, label: str, estimates: Sequence[xarray.DataArray]) -> list[list[str]]:
-    """Return a row with name, unit and a cell for each load, or no row if no load has a value."""
+    """Return a row with name, unit and one cell per load; no row if no load has a value."""
     unit = QUANTITIES[name].unit
     if unit in ("um", "GPa", "mN"):
         values = [value for value in map(_largest, estimates) if math.isfinite(value)]
@@ -534,7 +534,7 @@ def _row(name: str, label: str, estimates: Sequence[xarray.DataArray]) -> list[l
 
 
 def _with_statuses(row: list[str], statuses: Sequence[str]) -> list[str]:
-    """Return a row of area fractions with the status instead of a value unless the status is ok."""
+    """Return a row of area fractions in which statuses other than "ok" replace the values."""
     label, unit, *cells = row
     cells = [cell if status == friction.STATUS_OK else status for cell, status in zip(cells, statuses, strict=True)]
     return [label, unit if set(cells) - set(statuses) else "", *cells]
@@ -556,7 +556,7 @@ def _cell(estimate: xarray.DataArray, factor: float) -> str:
 
 
 def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
-    """Return whether friction depends on the axis, and with `verbose` or grooves the coefficient along each axis."""
+    """Return whether friction depends on the axis and, with `verbose` or grooves, the coefficient along each axis."""
     if "friction_by_axis" not in values or values.sizes.get("axis", 0) < 2:
         return ""
     table = values["friction_by_axis"]
@@ -569,7 +569,7 @@ def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
 
 
 def _rules_table(title: str, table: xarray.DataArray, dimension: str, format_coordinate: Callable[[float], str]) -> str:
-    """Format coefficients: a row for each coordinate along a dimension and a column for each sliding rule."""
+    """Format coefficients with one row per coordinate along a dimension and one column per sliding rule."""
     rules = [rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(table["sliding"].values)]
     rows = [[title, *(RULE_TITLES[rule] for rule in rules)]]
     for coordinate in table[dimension].values:
@@ -583,7 +583,7 @@ def _axis_name(degrees: float) -> str:
 
 
 def lay_text(table: xarray.DataArray) -> str:
-    """Return a sentence on grooves: the surfaces have grooves if the intervals of two axes do not overlap."""
+    """Return a sentence about grooves, which the surfaces have if the intervals of two axes do not overlap."""
     mean, lower, upper = (table.sel(statistic=statistic) for statistic in MEAN_AND_ENDS)
     if not np.isfinite(lower.values).all():
         return "Grooves: unknown, because the coefficients along the axes have no intervals."
@@ -605,7 +605,7 @@ def directions_text(values: xarray.Dataset) -> str:
 def resolution_text(dataset: xarray.Dataset, study: Study, cutoff_dataset: xarray.Dataset | None) -> str:
     """Format the resolved wavelengths, the cutoff study of the first point, and the effect of a hardness.
 
-    `dataset` is a result of `at_load`, `cutoff_dataset` a result of `evaluate_cutoffs`.
+    `dataset` is a result of `at_load`, and `cutoff_dataset` is a result of `evaluate_cutoffs`.
     """
     scan, paragraphs = find_resolved_roughness(study), []
     if scan is not None:
@@ -637,7 +637,7 @@ def history_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def preview_text(summary: Summary) -> str:
-    """Return a line with the coefficient from the first members of a preview study."""
+    """Return a line with the coefficient from the first members, as a preview of a study."""
     point = summary.points[0]
     return (
         f"preliminary, with asperities: μ_s = {format_estimate(point.value)}  {RULE_DESCRIPTIONS[point.rules[0].rule]}"
@@ -648,10 +648,11 @@ def preview_text(summary: Summary) -> str:
 
 
 def overview_text(summary: Summary, max_lines: int | None = None, *, complete: str = COMPLETE_OUTPUT) -> str:
-    """Format tables of mu_s of generated surfaces, one table for each sliding rule and amplitude.
+    """Format tables of mu_s of generated surfaces, with one table per sliding rule and amplitude.
 
-    A table has a row for each cell of the study and a column for each load, and columns for mu0 and tau0 if the study
-    has several values. Caveats follow, in at most `max_lines` lines; `complete` shows the others.
+    A table has one row per cell of the study and one column per load, and columns for mu0 and tau0 if the study has
+    several values of them. Caveats follow in at most `max_lines` lines; `complete` names the option that shows all
+    others.
     """
     dataset, study, headlines = summary.at, summary.study, summary.headlines
     reduced_dataset = dataset if _count_rows(dataset) <= MAX_OVERVIEW_ROWS else _ends_and_middle(dataset)
@@ -681,7 +682,8 @@ def overview_text(summary: Summary, max_lines: int | None = None, *, complete: s
     return "\n".join(tables) + f"\n\n{assessment_text(headlines, max_lines, complete=complete)}"
 
 
-MAX_OVERVIEW_ROWS = 40  # rows of an overview; a longer overview is limited to a few values of mu0 and tau0
+# largest number of rows in an overview; longer overviews are limited to a few values of mu0 and tau0
+MAX_OVERVIEW_ROWS = 40
 
 
 def _count_rows(dataset: xarray.Dataset) -> int:
@@ -694,7 +696,7 @@ def _ends_and_middle(dataset: xarray.Dataset) -> xarray.Dataset:
 
 
 def _omission_text(dataset: xarray.Dataset, full_dataset: xarray.Dataset, study: Study) -> str:
-    """Return how many values an overview omits and how to print them; empty if none."""
+    """Return how many values an overview omits, and how to print them; empty if there are none."""
     every = study.surfaces.cells()["fractal_dimension"].size
     sizes = {
         shape_coordinate(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], every),

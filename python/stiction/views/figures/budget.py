@@ -17,8 +17,8 @@ from stiction.views.style import (
     new_figure,
 )
 
-MIN_REDUCTION = 0.02  # minimum fraction by which an input must narrow the interval to be drawn
-MAX_INPUTS = 5  # maximum number of inputs drawn
+MIN_REDUCTION = 0.02  # smallest relative reduction of the interval for which an input is drawn
+MAX_INPUTS = 5  # maximum number of inputs that are drawn
 
 
 def budget_figure(point: PointSummary, *, title: str = "") -> Figure:

@@ -1,4 +1,4 @@
-"""Figures of contacts: two profiles with the forces on the upper one, and the contacts of two measured bodies."""
+"""Figures of contacts: two profiles with forces on the upper body, and the contacts of two measured bodies."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ from stiction.views.style import (
     new_figure,
 )
 
-_MIN_ZOOM_SPACINGS = 40  # minimum number of spacings on both sides of the magnified contact
-_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which an axis is in nm
+_MIN_ZOOM_SPACINGS = 40  # minimum number of spacings on each side of the magnified contact
+_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which an axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # inches
-EDGE_COLOUR = "#e00030"  # contacts cut by the edge of the map
-NUM_NEIGHBOURS = 5  # number of neighbouring contacts magnified with the strongest one
-MIN_ZOOM_POINTS = 60  # minimum number of points on both sides of the strongest contact
+EDGE_COLOUR = "#e00030"  # colour of contacts that the edge of the map cuts
+NUM_NEIGHBOURS = 5  # number of neighbouring contacts that are magnified together with the strongest contact
+MIN_ZOOM_POINTS = 60  # minimum number of points on each side of the strongest contact
 
 
 def contact_figure(
@@ -52,8 +52,9 @@ def contact_figure(
 ) -> Figure:
     """Draw two profiles in contact, and the contact with the largest load with the forces on the upper body.
 
-    Both profiles are on the same grid, at an approach (µm) that corresponds to the load (mN) in the title. `offset`
-    (µm) is the position of the upper profile on a longer lower one. Contacts are found by `contacts`; tau0 is in GPa.
+    Both profiles share a grid and are pressed to an approach (µm) that corresponds to the load (mN) in the title.
+    `offset` (µm) is the position of the upper profile on a longer lower profile. Contacts are computed by `contacts`;
+    tau0 is in GPa.
     """
     contact_points = contacts(upper, lower, approach, **contact)
     x = lower.x
@@ -104,7 +105,7 @@ def contact_figure(
         loc="outside lower center",
         ncols=len(handles),
     )
-    figure.draw_without_rendering()  # arrows need the final axes position
+    figure.draw_without_rendering()  # arrows depend on the final position of the axes
     figure.set_layout_engine("none")
     if len(contact_points):
         max_arrow_length = _reserve_arrow_length(zoomed_axes, scale * float(contact_points.centre[is_in_zoom, 2].max()))
@@ -132,7 +133,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
 
 
 def _reserve_arrow_length(axes: Axes, highest: float) -> float:
-    """Return the length (inches) of the longest arrow and extend the axes so that it fits above the highest contact."""
+    """Return the length (inches) of the longest arrow, and extend the axes to include it above the highest contact."""
     figure = axes.get_figure()
     assert figure is not None
     extent_in_inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
@@ -154,7 +155,7 @@ def _draw_forces(
     friction_forces: Floats,
     max_arrow_length: float,
 ) -> None:
-    """Draw elastic forces on the upper body and friction at opposing contacts, all to the same scale.
+    """Draw elastic forces on the upper body, and friction at opposing contacts, all on one scale.
 
     Slopes are magnified by the same factor as heights.
     """
@@ -190,7 +191,7 @@ def _draw_forces(
 # ---- All of a member ------------------------------------------------------------------------------------------------
 
 
-_MAX_MARKER_AREA = 60.0  # area (square points) of the marker of the contact with the largest load
+_MAX_MARKER_AREA = 60.0  # area of the largest marker in square points, for the contact with the largest load
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
@@ -204,8 +205,8 @@ def contacts_figure(
 ) -> Figure:
     """Draw contacts over the heights of the lower body, and the pressure around the largest load; 80 mm wide.
 
-    `picture` is a result of `contact_picture`, `direction` the motion of the upper body (degrees from +x towards +y).
-    The hardness (GPa) is marked on the colour bar of pressures.
+    `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees from +x towards
+    +y). The hardness (GPa) is marked on the colour bar of the pressures.
     """
     force = picture["contact_force"].values
     has_pressure = "zoom_pressure" in picture and bool((picture["zoom_pressure"].values > 0).any())
@@ -247,7 +248,7 @@ def contacts_figure(
 
 
 def draw_heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
-    """Draw heights of the lower body in grey with a colour bar; `box` is left, right, bottom, top (µm)."""
+    """Draw heights of the lower body in grey with a colour bar; `box` is (left, right, bottom, top) in µm."""
     in_nanometres = np.ptp(heights) < _MAX_NANOMETRE_RANGE
     scaled_heights = heights * (1000 if in_nanometres else 1)
     lowest, highest = np.quantile(scaled_heights, [0.01, 0.99])
@@ -258,14 +259,14 @@ def draw_heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, 
 
 
 def draw_frame(axes: Axes, box: tuple[float, float, float, float]) -> None:
-    """Draw a frame on a map, visible on light and dark heights."""
+    """Draw a frame on a map that is visible on light and on dark heights."""
     left, right, bottom, top = box
     for colour, width in (("white", 1.6), ("black", 0.6)):
         axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=colour, linewidth=width)
 
 
 def map_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float, float]:
-    """Return the extent of a map: left, right, bottom, top (µm)."""
+    """Return the extent of a map (left, right, bottom, top) in µm."""
     ends: list[float] = []
     for axis in ("x", "y"):
         values = picture[f"{name}_{axis}"].values
@@ -296,9 +297,10 @@ def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardnes
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw contacts of maps or profiles; colours distinguish opposing contacts and contacts cut by the edge.
+    """Draw contacts of maps or profiles, coloured by whether they oppose the motion or are cut by the edge.
 
-    `picture` is a result of `contact_picture`, `direction` the motion of the upper body (degrees); 80 mm wide.
+    `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees). The figure is
+    80 mm wide.
     """
     is_opposing, is_cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
     kinds = [(OPPOSING_COLOUR, "opposes motion"), (NOT_OPPOSING_COLOUR, "assists motion")] + [
@@ -348,9 +350,9 @@ def _draw_contact_map(
 def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_cut: NDArray[np.bool_]) -> None:
     """Draw both profiles at full length, and magnified around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
-    finite = np.isfinite(gap)  # missing data is interpolated
+    finite = np.isfinite(gap)  # missing data are interpolated
     bodies = np.array([lower + np.interp(x, x[finite], gap[finite]).clip(0), lower]) * 1000
-    centres, width = picture["contact_x"].values, picture["contact_patch_area"].values  # profiles are 1 µm wide
+    centres, width = picture["contact_x"].values, picture["contact_patch_area"].values  # profiles have a width of 1 µm
     zoom = slice(*np.searchsorted(x, _zoom_range(x, centres, width, picture["contact_force"].values, is_cut)))
     for axes, selection in zip(panels, (slice(None), zoom), strict=True):
         draw_bodies(axes, x[selection], *bodies[:, selection])
@@ -373,7 +375,7 @@ def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_
 def _zoom_range(
     x: Floats, centres: Floats, width: Floats, force: Floats, is_cut: NDArray[np.bool_]
 ) -> tuple[float, float]:
-    """Return the ends of the magnified range: the contact with the largest load that is not cut, and its neighbours."""
+    """Return the ends of the magnified range: the strongest contact that is not cut by the edge, and its neighbours."""
     zoom_centre = centres[np.argmax(np.where(is_cut, -1.0, force))]
     distances = np.sort(np.abs(centres - zoom_centre))
     min_half_width = max(MIN_ZOOM_POINTS * (x[1] - x[0]), 4 * float(width.max()))

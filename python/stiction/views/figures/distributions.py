@@ -1,4 +1,4 @@
-"""Figures of distributions: friction over directions and members, contact areas and pressures."""
+"""Figures of distributions: friction over directions and over members, contact areas, and pressures."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 
 
 def _draw_rings(axes: Any, highest: float) -> None:
-    """Draw circles at round numbers, labelled between two spokes."""
+    """Draw circles at round numbers, with labels between two spokes."""
     min_step = (highest or 1.0) / MAX_RINGS
     power = 10.0 ** np.floor(np.log10(min_step))
     step = float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= min_step * (1 - 1e-9)))
@@ -107,8 +107,8 @@ def _draw_rings(axes: Any, highest: float) -> None:
 def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw the friction coefficient of each member in each single direction; 80 mm wide.
 
-    `values` has the dimensions repetition, direction and sliding; `points` contains their means, as for
-    `compass_figure`. Members of a single traverse are drawn against the offset, other members in increasing order.
+    `values` has the dimensions repetition, direction and sliding. `points` contains the means of `values`, as for
+    `compass_figure`. Members of a single traverse are drawn against the offset, other members in ascending order.
     Directions are not averaged, because a test slides in one direction.
     """
     figure = new_figure(62)
@@ -142,7 +142,7 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
 
 
 def _is_single_traverse(values: xarray.DataArray) -> bool:
-    """Return whether the members are a single pair of profiles at several offsets."""
+    """Return whether the members are one pair of profiles at several offsets."""
     if "x" not in values.coords or "line" not in values.coords:
         return False
     lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)
@@ -154,8 +154,8 @@ def sizes_figure(
 ) -> Figure:
     """Draw the fraction of contacts against area, and the fraction of contact area against pressure; 80 mm wide.
 
-    `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, drawn as thin
-    lines. `points` contains their means for one cell, as returned by `at_load`. The hardness (GPa) is marked.
+    `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, which are drawn as
+    thin lines. `points` contains the means of a single cell, as returned by `at_load`. The hardness (GPa) is marked.
     """
     figure = new_figure(96)
     axes: Sequence[Any] = figure.subplots(2, 1)

@@ -44,22 +44,22 @@ from stiction.views.style import (
     spread_labels,
 )
 
-LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # factors of the study's length scale in the figure of length scales
-AREAL_POINTS = 400  # rows and columns of a surface in a figure
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # factors of the length scale of a study in the figure of length scales
+AREAL_POINTS = 400  # number of rows, and of columns, of a surface in a figure
 MAX_PROFILES = 5
 MAX_CURVES = 8
 
 COLOUR_QUANTILES = (0.01, 0.95)
-"""Quantiles of the friction coefficients that limit the colour scale, because a few values are very high."""
+"""Quantiles of the friction coefficients between which the colour scale extends, because a few values are very high."""
 
-MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest
+MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure, which are the lowest and the highest
 
 FADING_LIMITS = (0.3, 1.2, 0.85)
-"""Relative interval widths at which a cell starts and stops fading, and the maximum fading."""
+"""Relative interval widths at which a cell starts and stops fading (first two), and the strongest fading (third)."""
 
-LINE_HEIGHT = 2.4  # mm between labels of curves
-MAX_BAND_RATIO = 2.0  # maximum ratio of an axis limit to the highest or lowest value, for wide bands
-HEADING_HEIGHT = 4.0  # mm for a heading line above a figure
+LINE_HEIGHT = 2.4  # distance between labels of curves in mm
+MAX_BAND_RATIO = 2.0  # maximum ratio of an axis limit to the highest or lowest value, because bands may be wide
+HEADING_HEIGHT = 4.0  # height of a heading line above a figure in mm
 MAX_LEGEND_COLUMNS = 4  # maximum number of legend columns
 
 MIN_COLOUR_BAR_TICKS = 3  # minimum number of ticks of a colour bar
@@ -90,11 +90,11 @@ COLOUR_BAR_TICKS = (
 )
 """Round coefficients of friction for the ticks of a colour bar."""
 
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # luminance of red, green and blue
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # weights of red, green and blue in the luminance
 
 
 def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
-    """Yield a file name suffix and the result for each sliding rule and direction."""
+    """Yield a suffix for file names and the result, for each sliding rule and direction."""
     dims = [dim for dim in ("sliding", "direction") if dim in dataset.dims]
     for index in np.ndindex(*(dataset.sizes[dim] for dim in dims)):
         selection = dataset.isel(dict(zip(dims, index, strict=True)))
@@ -148,9 +148,9 @@ def create_axes_rows(
 def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     """Draw friction in maps against fractal dimension and load, and in curves against fractal dimension.
 
-    There is a map for the lowest and the highest tau0, and a row for each amplitude. Cells are hatched where the model
-    is not valid, and grey where the 95 % interval is wide. The load of the curves is the highest power of ten that nine
-    of ten fractal dimensions reach.
+    There is one map for the lowest and one for the highest tau0, and a row for each amplitude. Cells are hatched if the
+    model is not valid, and grey if the 95 % interval is wide. The load of the curves is the highest power of ten that
+    is reached at nine of ten fractal dimensions.
     """
     study = study_of(dataset)
     strengths = list(study.friction.tau0)
@@ -203,7 +203,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
 
 def _common_load(dataset: xarray.Dataset) -> float:
-    """Return the highest power of ten (mN) that nine of ten ensembles reach, or their highest load if out of range."""
+    """Return the highest power of ten (mN) that nine of ten ensembles reach, or their highest load if there is none."""
     elastic = means(dataset, ["normal_elastic"])["normal_elastic"].max(study_of(dataset).step).values
     lowest, common = float(reached_loads(dataset)[0]), float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
@@ -221,9 +221,9 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
 
 
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw curves with intervals for the lowest and the highest strength; dotted where the model is not valid."""
+    """Draw curves with intervals for the lowest and the highest strength, dotted where the model is not valid."""
     dimension = curves["fractal_dimension"].values
-    is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # (dimension, strength)
+    is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # (fractal dimension, strength)
     value, lower, upper = (curves[name].values for name in ("friction_coefficient", "lower", "upper"))
     for index, colour in zip(range(len(strengths)), STRENGTH_COLOURS, strict=False):
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
@@ -232,7 +232,7 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
         axes.plot(dimension, value[:, index], ":", **style)
         axes.plot(dimension, np.where(is_valid[:, index], value[:, index], np.nan), **style)
     finite = value[np.isfinite(value)]
-    # The axis includes all valid values, and others as far as there is space.
+    # The axis includes all valid values, and other values as far as space permits.
     valid_upper_ends = upper[np.isfinite(upper) & is_valid]
     upper_limit = (
         1.1 * max(2 * mu0, float(valid_upper_ends.max(initial=0.0)), 2.5 * float(np.min(finite, initial=1.0))) or 1.0
@@ -270,7 +270,7 @@ def _colour_bar(figure: Figure, position: tuple[float, float, float, float], nor
     if len(ticks) < MIN_COLOUR_BAR_TICKS:
         round_values = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
         ticks = [float(tick) for tick in round_values if norm.vmin <= tick <= norm.vmax]
-    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # leave space for the labels
+    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # leaves space for the labels
     colour_bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     colour_bar.ax.minorticks_off()
     axes.xaxis.tick_top()
@@ -280,13 +280,13 @@ def _colour_bar(figure: Figure, position: tuple[float, float, float, float], nor
 
 
 def _colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale for the valid values, or for all values if few are valid."""
+    """Return a logarithmic colour scale for the valid values, or for all values if only few are valid."""
     values = maps["friction_coefficient"].values
     finite = np.isfinite(values) & (values > 0)
     is_valid = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
     positive = values[is_valid if is_valid.sum() > 0.1 * finite.sum() else finite]
     low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
-    step = 10.0 ** np.floor(np.log10(low)) / 2  # round the limits
+    step = 10.0 ** np.floor(np.log10(low)) / 2  # round limits of the scale
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
     return LogNorm(low, max(high, low + step))
 
@@ -299,7 +299,7 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     set_log_ticks(axes)
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     finite = np.isfinite(values)
-    # A coefficient of 0 has no logarithm and gets the lowest colour.
+    # A coefficient of 0 has no logarithm, and gets the colour of the lowest value.
     colours = colormaps[FRICTION_MAP](norm(np.where(finite, np.maximum(values, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade(colours[..., :3], _compute_fading(panel))
     colours[..., 3] = finite
@@ -329,10 +329,10 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> 
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        for colour, width in (("black", 1.3), ("white", 0.5)):  # visible on dark and on light
+        for colour, width in (("black", 1.3), ("white", 0.5)):  # visible on dark and on light cells
             patch = PathPatch(Path(vertices, codes), **_HATCH | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
-            axes.add_artist(patch)  # add_patch would compute the limits of thousands of cells
+            axes.add_artist(patch)  # `add_patch` would compute the limits of thousands of cells
 
 
 _HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
@@ -340,7 +340,7 @@ _HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\
 
 
 def _compute_fading(maps: xarray.Dataset) -> Floats:
-    """Return the fading of each cell by the width of its interval; a single repetition has no interval."""
+    """Return the fading of each cell from the width of its interval; a single repetition has no interval."""
     values = maps["friction_coefficient"].values
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (maps["upper"].values - maps["lower"].values) / values
@@ -350,7 +350,7 @@ def _compute_fading(maps: xarray.Dataset) -> Floats:
 
 
 def _fade(colours: Floats, fading: Floats) -> Floats:
-    """Blend colours (..., 3) with grey of equal luminance, so that no cell looks like another coefficient."""
+    """Blend colours (..., 3) with grey of equal luminance, so that no cell has the colour of another coefficient."""
     grey = (colours @ _LUMINANCE)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)
@@ -389,7 +389,7 @@ def _cell_edges(centres: Floats) -> Floats:
 
 
 def area_figure(dataset: xarray.Dataset) -> Figure:
-    """Draw true contact area and its ratio to the load against load, with 95 % intervals; a row for each amplitude."""
+    """Draw true contact area, and its ratio to the load, against load with 95 % intervals; one row per amplitude."""
     study = study_of(dataset)
     mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
     indices = evenly_spaced_indices(dataset.sizes["fractal_dimension"], MAX_CURVES)
@@ -437,7 +437,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
 def _area_curves(
     axes: list[Axes], areas: xarray.Dataset, *, has_no_validity_limit: bool, label_distance: float
 ) -> None:
-    """Draw the area and its ratio to the load for each fractal dimension, with labels where the curves start."""
+    """Draw the area and its ratio to the load for each fractal dimension, with labels at the starts of the curves."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load")
     area, lower, upper = (areas[name].values for name in ("contact_area", "lower", "upper"))
@@ -449,7 +449,7 @@ def _area_curves(
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
-        # Very wide bands may be cut off.
+        # very wide bands may be cut off
         values = (scale * area)[area > 0]
         ax.set_ylim(values.min() / MAX_BAND_RATIO, values.max() * MAX_BAND_RATIO)
         set_log_ticks(ax)
@@ -474,7 +474,7 @@ def _area_curves(
 
 
 def profiles_figure(study: Study) -> Figure:
-    """Draw profiles of several fractal dimensions with equal phases: the full length, and one length scale."""
+    """Draw profiles with equal phases for several fractal dimensions, at full length and over one length scale."""
     surfaces: Any = study.surfaces
     dimensions = surfaces.fractal_dimensions()
     dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_PROFILES)]
@@ -499,7 +499,7 @@ def profiles_figure(study: Study) -> Figure:
 
 
 def length_scales_figure(study: Study) -> Figure:
-    """Draw unscaled profiles and surfaces (Eq. 1) for three length scales with equal phases."""
+    """Draw unscaled profiles and surfaces (Eq. 1) with equal phases for three length scales."""
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
     extent = float(surfaces.extent)

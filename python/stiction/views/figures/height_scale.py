@@ -1,4 +1,4 @@
-"""Figure of friction and true contact area for scaled surface heights."""
+"""Figure of friction and true contact area against factors of the heights."""
 
 from __future__ import annotations
 

@@ -30,23 +30,24 @@ from stiction.views.style import (
 )
 
 MAX_AXIS_RATIO = 4.0
-"""Maximum ratio of the friction axis limit to the highest mean, because intervals of few members are wide."""
+"""Maximum ratio of the limit of the friction axis to the highest mean, because intervals of few members are wide."""
 
-MAX_SINGLE_DIRECTIONS = 2  # maximum number of directions drawn individually with their mean
+MAX_SINGLE_DIRECTIONS = 2  # maximum number of directions that are drawn individually, in addition to their mean
 
 
 BAND_LEGENDS = {
     True: "light bands: 95 %, combined uncertainty\ndark bands and area: 95 %, sampling of positions",
     False: "bands: 95 %, sampling of positions",
 }
-"""Legend of the intervals, with and without a combined interval."""
+"""Legends of the intervals, with and without a combined interval."""
 
 
 def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
     """Draw friction coefficient and true contact area against load; 80 mm wide.
 
-    `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked.
-    Friction has its combined interval and, darker, the sampling interval of the mean over positions.
+    `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked. The
+    bands of friction are the combined interval and, in a darker colour, the sampling interval of the mean over
+    positions.
     """
     loads = np.asarray(points["load"].values, dtype=np.float64)
     figure = _draw_against(points, "load", loads, title)
@@ -64,7 +65,7 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
 
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw closure and its incremental stiffness against nominal pressure, from a result of `at_load`; 80 mm wide."""
+    """Draw closure and closure stiffness against nominal pressure, from a result of `at_load`; 80 mm wide."""
     stress = 1000 / float(points["nominal_area"])  # MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
@@ -80,13 +81,13 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw load against approach (if known) and true contact area during loading and unloading; 80 mm wide.
+    """Draw load against approach (if known) and true contact area in loading and unloading; 80 mm wide.
 
     `branches` is a result of `coming_and_going`. The pull-off force is marked.
     """
     unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    is_visible = load <= LOADS_PER_PULL_OFF[-1] * -load.min() * 1.001  # loads within the figure
+    is_visible = load <= LOADS_PER_PULL_OFF[-1] * -load.min() * 1.001  # loads that fit into the figure
     factor, unit = choose_prefix(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
     abscissas = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []
@@ -131,8 +132,8 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
     """Draw friction coefficient and true contact area against the cutoff wavelength at one load; 80 mm wide.
 
     `points` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at
-    their shortest wavelength if it is known, otherwise left of the first cutoff. `limits` adds the plastic limit as
-    a line, extrapolated values dashed, and unresolved wavelengths in grey.
+    their shortest wavelength or, if this is unknown, to the left of the first cutoff. `limits` adds a line at the
+    plastic limit, dashed extrapolated values, and grey unresolved wavelengths.
     """
     limits = limits or {}
     cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)
@@ -144,14 +145,14 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
 
 
 UNFILTERED_RATIO = 1.5
-"""Ratio of the shortest cutoff to the position of the unfiltered scan, if its shortest wavelength is unknown."""
+"""Ratio of the shortest cutoff to the position at which unfiltered scans are drawn if their wavelength is unknown."""
 
-MAX_SPECTRAL_CUTOFF_RATIO = 8.0  # maximum wavelength of the closed-form estimate, relative to the longest cutoff
-MIN_WAVELENGTH_RATIO = 1 / 16  # minimum wavelength of extrapolated values, relative to the first cutoff
+MAX_SPECTRAL_CUTOFF_RATIO = 8.0  # maximum ratio of the wavelengths of the closed-form estimate to the longest cutoff
+MIN_WAVELENGTH_RATIO = 1 / 16  # minimum ratio of the wavelengths of extrapolated values to the first cutoff
 
 
 def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any], x: Floats) -> None:
-    """Draw the limits and extrapolated values behind the computed curves."""
+    """Draw the limits and the extrapolated values behind the computed curves."""
     if limits.get("friction") is not None:
         friction_axes.axhline(
             limits["friction"], color=RULE_COLOURS["all"], linewidth=0.8, linestyle=":", label="plastic limit"
@@ -244,7 +245,7 @@ def _sliding_rules(points: xarray.Dataset) -> list[str]:
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
     if not 1 < dataset.sizes.get("direction", 1) <= MAX_SINGLE_DIRECTIONS or colour == RULE_COLOURS["all"]:
-        return  # with friction at all contacts both directions coincide
+        return  # with friction at all contacts, the results of both directions coincide
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
         name = f"  upper body to {direction_text(float(direction))} alone"
@@ -266,7 +267,7 @@ def _mark_incomplete(axes: Axes, points: xarray.Dataset, dimension: str, x: Floa
 
 
 def plain_log(axis: Any) -> None:
-    """Label an axis with plain numbers instead of powers of ten, several within a decade."""
+    """Label an axis with plain numbers instead of powers of ten, several per decade."""
     low, high = axis.get_view_interval()
     spans_decade = high >= 10 * low
     axis.set_major_locator(

@@ -1,4 +1,4 @@
-"""Figures of the onset of sliding: tangential load against displacement with cycles, and slip."""
+"""Figures of the onset of sliding: tangential load against displacement with load cycles, and slip."""
 
 from __future__ import annotations
 
@@ -47,8 +47,7 @@ CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)  # colours of the load cycles
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw tangential load against displacement with cycles, and slipping fractions against load; 80 mm wide.
 
-    `onset` is a result of `compute_onset`. For a half-plane, which has no defined displacement, only the slipping
-    fractions are drawn.
+    `onset` is a result of `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
     curve = onset.sel(statistic="mean")
     displacement, load = (_with_origin(curve[name].values) for name in ("displacement", "tangential_load"))
@@ -85,7 +84,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         if np.isfinite(low).all():
             axes.fill_between(fraction, low, high, color=colour, alpha=0.15, linewidth=0)
         axes.plot(fraction, mean, line_style, color=colour, linewidth=1, label=text)
-    axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="tangential load over sliding load", ylabel="slipping fraction (%)")
+    axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="ratio of tangential to sliding load", ylabel="slipping fraction (%)")
     axes.legend(loc="upper left")
     figure.suptitle(f"{_heading(onset, title)}; bands: 95 %, sampling of positions", fontsize=6)
     return figure
@@ -101,7 +100,7 @@ def _with_origin(values: Floats) -> Floats:
     return np.concatenate([[0.0], np.asarray(values, dtype=np.float64)])
 
 
-NUM_CURVE_POINTS = 200  # points of an interpolated curve
+NUM_CURVE_POINTS = 200  # number of points of an interpolated curve
 
 
 def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
@@ -113,7 +112,7 @@ def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) ->
 
 
 def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return a cycle between plus and minus a load by Masing's rule: branches are the loading curve scaled by two."""
+    """Return a cycle between plus and minus a load, whose branches are the loading curve scaled by two (Masing)."""
     loading = _interpolate_loading(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
@@ -122,19 +121,19 @@ def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple
 # ---- Slip map --------------------------------------------------------------------------------------------------------
 
 
-_MAX_MARKER_AREA = 60.0  # area of the largest marker (square points)
+_MAX_MARKER_AREA = 60.0  # area of the largest marker in square points
 
 
 def has_slip_map(onset: xarray.Dataset) -> bool:
-    """Return whether an onset contains the data of `slip_figure`, which only areal contacts have."""
+    """Return whether an onset contains the data for `slip_figure`, which exist only for areal contacts."""
     return bool("slip" in onset or "contact_slip" in onset)
 
 
 def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw the tangential load at which each contact point starts to slip, on a map of the heights; 80 mm wide.
 
-    `onset` is a result of `compute_onset` for areal contact. With the asperity model each contact is one marker,
-    coloured by the load at which it slides.
+    `onset` is a result of `compute_onset` for areal contact. With the asperity model, each contact is one marker, whose
+    colour shows the load at which the contact slides.
     """
     has_point_map = "slip" in onset
     figure = new_figure(144 if has_point_map else 86)
@@ -167,7 +166,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         ticks=[0, 0.2, 0.4, 0.6, 0.8, 1],
     )
     colour_bar.set_label(
-        f"tangential over sliding load at which a {'point slips' if has_point_map else 'contact slides'}"
+        f"ratio of tangential to sliding load at which a {'point slips' if has_point_map else 'contact slides'}"
     )
     panels[0].set_title(_heading(onset, title), loc="left", fontsize=6, pad=3)
     return figure
@@ -184,7 +183,7 @@ def _draw_slip(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm: Bo
 
 
 def _busiest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the window of the map with the most contact: its rows and columns, and its extent (µm)."""
+    """Return the rows and columns of the part of the map with the most contact, and its extent (µm)."""
     from scipy.ndimage import gaussian_filter
 
     is_contact = np.isfinite(onset["slip"].values)
@@ -208,16 +207,16 @@ _PANELS = {
     "fraction_slipped": (100.0, "slip at half the sliding load (%)", False),
     "tangential_stiffness": (1.0, "tangential stiffness (mN/µm)", True),
 }
-"""Factor, axis label and use of a logarithmic axis for each panel."""
+"""Factor, axis label, and True for a logarithmic axis, for each panel."""
 
 LOAD_FRACTIONS = (0.25, 0.5, 0.75)
-"""Loads of the curves, as fractions of the logarithmic load range."""
+"""Loads of the curves, as fractions of the range of the logarithm of the load."""
 
 LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from low to high loads
 
 
 def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
-    """Draw pre-sliding displacement, slip and stiffness against fractal dimension; a row for each amplitude.
+    """Draw pre-sliding displacement, slip and stiffness against fractal dimension; one row per amplitude.
 
     Bands are 95 % intervals. Curves are dotted where the model is not valid.
     """

@@ -1,4 +1,4 @@
-"""Selection of the figures of a result: those of its study, or the standard set for measured surfaces."""
+"""Selection of the figures of a result: the figures of its study, or the standard set for measured surfaces."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def draw_figures(
 ) -> list[Path]:  # fmt: skip
     """Draw the figures of a result into a directory and return their paths.
 
-    Generated surfaces have the figures listed in [figures] of the study: ``profiles``, ``length_scales``,
+    Generated surfaces have the figures that the table [figures] of the study lists: ``profiles``, ``length_scales``,
     ``friction_mu0_*`` (one for each mu0), ``area`` and ``onset``. File names contain the sliding rule and direction if
     there are several, as in ``friction_mu0_0.4_all_90.png``. Measured surfaces have ``friction`` (against load),
     ``compass``, ``positions``, ``closure`` (maps), ``budget``, ``waiting``, ``adhesion``, ``sizes``, ``cut_off``,
@@ -57,9 +57,9 @@ def draw_figures(
     formats : sequence of {"png", "pdf", "svg"}
         File formats; every figure is written in all of them.
     picture : xarray.Dataset, optional
-        Result of `contact_picture`; by default the one stored with the result.
+        Result of `contact_picture`; by default the picture stored with the result.
     first : bool
-        Whether to draw only the first figure and figures whose files exist already.
+        True to draw only the first figure, and figures whose files already exist.
 
     Raises
     ------
@@ -91,13 +91,13 @@ def select_figures(
 
 
 def pair_title(study: Study) -> str:
-    """Return the title of figures of a pair: the names of the two files."""
+    """Return the title for figures of a pair, which consists of the names of the two files."""
     upper, lower = (getattr(study.surfaces, side).name for side in ("upper", "lower"))
     return f"gap {upper}" if study.is_gap else f"{upper} on {lower}"
 
 
 def format_print_title(study: Study) -> str:
-    """Return the title of a pair for print, without file endings and underscores."""
+    """Return the title of a pair for print, without file name endings and underscores."""
     return re.sub(r"\.\w+(?= on |$)", "", pair_title(study)).replace("_", " ")
 
 
@@ -118,7 +118,7 @@ def _generated_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[
             case "area":
                 for suffix, motion_dataset in iterate_motions(dataset):
                     yield f"area{suffix}", partial(area_figure, motion_dataset)
-            case "onset":  # stored for friction at all contacts and one direction only
+            case "onset":  # the onset is stored only for friction at all contacts and for one direction
                 yield "onset", partial(dimension_onset_figure, next(iterate_motions(dataset))[1])
 
 
@@ -180,7 +180,7 @@ def _cut_off(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
 def draw_height_scale(
     result: Result, surfaces: ScaledSides, indices: tuple[int, ...] = (0, 0), *, title: str
 ) -> Figure:
-    """Draw a result against the stored factors of the heights, at its first load and one pair of mu0 and tau0."""
+    """Draw a result against the stored factors of the heights, at its first load and for one pair of mu0 and tau0."""
     friction = result.study.friction
     mu0, tau0 = [friction.mu0[indices[0]]], [float(friction.tau0[indices[1]])]
     factors, load = stored_scale_factors(result)[surfaces], [float(friction.load[0])]
@@ -190,7 +190,7 @@ def draw_height_scale(
 
 
 def draw_positions(result: Result, dataset: xarray.Dataset, *, title: str) -> Figure:
-    """Draw the friction of each member of a result at one point of `at_load`."""
+    """Draw the friction of each member of a result, at one point of `at_load`."""
     material: dict[str, Any] = {name: [float(dataset[name])] for name in ("mu0", "tau0")}
     members = member_values(result, [float(dataset["load"])], **material)
     values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
@@ -204,7 +204,7 @@ def _sizes(result: Result, dataset: xarray.Dataset, **options: Any) -> Figure:
 def _profile_figures(
     result: Result, study: Study, point: xarray.Dataset, load: float
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Yield the figure of the first pair of profiles that carries a load."""
+    """Yield the figure of the first pair of profiles that supports a load."""
     contact: Any = study.contact
     wavelength = float(study.surfaces.cells()["cut_off"][0])
     members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")

@@ -1,18 +1,18 @@
-// Controls, file output and the address of a page.
+// Controls, file output and the URL fragment of a page.
 
 const facts = JSON.parse(document.getElementById("facts").textContent);
 const byId = (id) => document.getElementById(id);
 const PERCENT = facts.percent;
 
-// Element with a shortened number as text and the full number as value.
+// Create an element that shows a shortened number and stores the full number as its value.
 const data = (value, text) => element("data", {value: String(value)}, text);
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
 
-const REDRAW_DELAY = 150; // ms without a change after which hidden and slow plots are drawn
+const REDRAW_DELAY = 150; // milliseconds without a change after which hidden and slow plots are drawn
 const pending = new Set();
 let drawings = {}; // drawing functions by the id of their element
-let slow = () => false; // whether a plot is drawn only after the delay
+let slow = () => false; // returns true if a plot is drawn only after this delay
 let atRest = () => {};
 let frame = 0;
 let redrawTimer = 0;
@@ -44,12 +44,12 @@ function drawPending(isChosen) {
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
-/** Connect a slider and a number field for one value between 0 and the maximum that was evaluated. */
+/** Connect a slider and a number field that set one value, from 0 to the largest evaluated value. */
 function amount(id, {value, most, step, unit, changed}) {
   const [slider, number] = [byId(id), byId(`${id}-number`)];
   Object.assign(slider, {min: 0, max: most, step});
   number.max = most;
-  byId(`${id}-wrong`).textContent = `Only numbers from 0 to ${tickText(Number(most.toPrecision(4)))}; the last one stands.`;
+  byId(`${id}-wrong`).textContent = `Only numbers from 0 to ${tickText(Number(most.toPrecision(4)))}; the last valid number is kept.`;
   const show = (text) => {
     slider.value = text;
     slider.setAttribute("aria-valuetext", `${text}${unit}`);
@@ -70,7 +70,7 @@ function amount(id, {value, most, step, unit, changed}) {
   });
 }
 
-/** Connect a slider over the indices of a list. */
+/** Connect a slider that selects an index of a list. */
 function index(id, {value, count, name, changed}) {
   const slider = byId(id);
   slider.max = count - 1;
@@ -123,26 +123,26 @@ function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
   const list = element("p", {class: "saves"});
   if (hasAxes) list.append(
     button("+", "Look closer", () => zoom(place, redrawn, {times: 1.5})),
-    button("−", "Look from farther", () => zoom(place, redrawn, {times: 1 / 1.5})),
-    button("⟲", "All of it", () => { place.view = null; redrawn(); }));
+    button("−", "Zoom out", () => zoom(place, redrawn, {times: 1 / 1.5})),
+    button("⟲", "Show all", () => { place.view = null; redrawn(); }));
   if (hasScales) list.append(button("log", "log or linear scale", () => {
     place.isLog = !(place.axes?.y.isLog ?? false);
     place.view = null;
     redrawn();
   }));
   list.append(
-    button("SVG", "Save the picture as SVG", () => save(`${name}.svg`, new Blob([pictureText(place, title(), words())], {type: "image/svg+xml"}))),
-    button("PNG", "Save the picture as PNG", async () => save(`${name}.png`, await pictureBytes(pictureText(place, title(), words()), 2))),
+    button("SVG", "Save the figure as SVG", () => save(`${name}.svg`, new Blob([pictureText(place, title(), words())], {type: "image/svg+xml"}))),
+    button("PNG", "Save the figure as PNG", async () => save(`${name}.png`, await pictureBytes(pictureText(place, title(), words()), 2))),
     button("CSV", "Save the numbers as CSV", () => save(`${name}.csv`, new Blob([csvText(rows())], {type: "text/csv"}))));
   place.after(list);
 }
 
 // ---- The address ----------------------------------------------------------------------------------------------------
 
-/** Return the fields of the address, name -> text. */
+/** Return the fields of the URL fragment, as texts by name. */
 const addressFields = () => Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
 
-/** Return a number of the address if it is within limits, otherwise a default. */
+/** Return a number from the URL fragment if it is within limits, otherwise a default. */
 function parseNumber(text, low, high, fallback) {
   const value = text === undefined || text === "" ? NaN : Number(text);
   return value >= low && value <= high ? value : fallback;

@@ -33,15 +33,15 @@ from stiction.views.report.page import REPORT_AXES, PageResult, ReportError, axe
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.tables import Tables
 
-# Maximum number of coefficients in a page: nodes times loads, cells, rules and directions.
+# Maximum number of coefficients in a page, which is the product of nodes, loads, cells, rules and directions.
 MAX_GENERATED_COEFFICIENTS = 1_000_000
-# Mean of overlap / radius above which the page warns. The limit of fractions is `MAX_AFFECTED_FRACTION`.
+# Mean of overlap / radius above which the page warns. For fractions, the limit is `MAX_AFFECTED_FRACTION`.
 MAX_OVERLAP = 0.1
 SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
 def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
-    """Return the report of a result of generated surfaces. The default name is the name of its study.
+    """Return the report on a result of generated surfaces, by default with the name of its study as title.
 
     Raises a `ReportError` if it is too large for a page or has no members.
     """
@@ -111,7 +111,7 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
 
 
 def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, tables: Tables) -> dict[str, Any]:
-    """Add all quantities at nodes to tables, with the axes cell, amplitude, rule, motion, load, mu0 and tau0."""
+    """Add all quantities at the nodes to tables with the axes cell, amplitude, rule, motion, load, mu0 and tau0."""
     rules, angles = motions_of(study)
     axes, loads = nodes.axes, nodes.loads
     count = math.prod(head.sizes[name] for name in SHAPE_DIMENSIONS) * loads.size * len(rules) * len(angles)
@@ -191,7 +191,7 @@ LEADING_DIMENSIONS = (*SHAPE_DIMENSIONS, "sliding", "direction", "load", "mu0", 
 
 
 def to_leading_order(table: xarray.DataArray) -> Floats:
-    """Transpose values to `LEADING_DIMENSIONS` and further dimensions; a missing dimension gets length 1."""
+    """Transpose values to `LEADING_DIMENSIONS` and their other dimensions; a missing dimension gets the length 1."""
     table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
 
@@ -219,14 +219,14 @@ def _relative_width(points: Floats) -> Floats:
 
 
 def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[str]:
-    """Add colour ranges to tables, with the axes amplitude, rule, motion, mu0 and tau0; return the quantity names."""
+    """Add colour ranges to tables with the axes amplitude, rule, motion, mu0 and tau0; return quantity names."""
     names = []
     for name, values in quantities.items():
         positive = np.where(values > 0, values, np.nan)
         if not np.isfinite(positive).any():
             continue
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # nodes without a value
+            warnings.simplefilter("ignore", RuntimeWarning)  # some nodes have no value
             low, high = np.nanquantile(positive, COLOUR_QUANTILES, axis=(0, 4))
         tables.add(f"colours_{name}_low", low)
         tables.add(f"colours_{name}_high", np.maximum(high, 1.05 * low))
@@ -235,7 +235,7 @@ def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[st
 
 
 def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], study: Study) -> dict[str, int]:
-    """Return cell and load of the valid value with the narrowest interval, at the mu0 and tau0 of the study."""
+    """Return the cell and load of the valid value with the narrowest interval, at mu0 and tau0 of the study."""
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
     index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *nodes)
@@ -252,9 +252,9 @@ def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], st
 def check_numbers(
     points: Floats, area: Floats, contacts: Floats, study: Study, loads: Floats, axes: tuple[Axis, Axis], members: int
 ) -> dict[str, Floats]:
-    """Return the numbers that checks of generated surfaces compare with their limits, over (..., load, mu0, tau0).
+    """Return the numbers of generated surfaces that checks compare with limits, over (..., load, mu0, tau0).
 
-    `stiction.studies.assessment` compares the same numbers at a single point.
+    `stiction.studies.assessment` compares the same numbers for single points.
     """
     value, lower, upper = np.moveaxis(points, -1, 0)
     mu0, tau0 = np.meshgrid(axes[0].values, axes[1].values, indexing="ij")
@@ -280,7 +280,7 @@ def check_numbers(
 def assess_points(
     study: Study, status: NDArray[Any], numbers: dict[str, Floats]
 ) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
-    """Return the distinct assessments by status and numbers (...), and the index of the assessment of each point."""
+    """Return the different assessments by status and numbers (...), and the index of the assessment of each point."""
     reasons: list[dict[str, Any]] = []
     failed = []
     is_ok = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"])
@@ -317,7 +317,7 @@ def assess_points(
 
 
 def _number_format(check: dict[str, Any]) -> dict[str, Any] | None:
-    """Return table, factor, decimals and unit of the number in the text of a check; None without a number."""
+    """Return table, factor, decimals and unit for the number in the text of a check; None without a number."""
     if "{}" not in check["text"]:
         return None
     name, format_name = check["about"] or check["name"], check["shown"]
@@ -334,7 +334,7 @@ def _number_format(check: dict[str, Any]) -> dict[str, Any] | None:
 
 
 def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats) -> str:
-    """Draw two of the profiles in contact, and the onset of sliding if the study asks for it."""
+    """Draw two of the profiles in contact, and the onset of sliding if the study includes it."""
     if not (has_contact := (counts > 0).any(axis=(0, 1))).any():
         return ""
     panels = []
@@ -347,7 +347,7 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
 
 
 def _study_name(study: Study) -> str:
-    """Return the name of the built-in study that equals a study apart from its repetitions; otherwise a description."""
+    """Return the name of the built-in study that equals a study except for its repetitions; otherwise a description."""
     changes = {"ensemble.repetitions": study.ensemble.repetitions}
     return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
 

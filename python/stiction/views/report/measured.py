@@ -50,14 +50,14 @@ from stiction.views.resolution import wavelengths_text
 from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.text import budget_text, dwell_time_text
 
-# Maximum number of coefficients in a page: nodes times loads, cutoffs, rules and directions.
+# Maximum number of coefficients in a page, which is the product of nodes, loads, cutoffs, rules and directions.
 MAX_MEASURED_COEFFICIENTS = 400_000
 
-_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without prefixes
+_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units that have no prefix
 
 
 def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
-    """Return the page of a result of measured bodies; its title is a name or, if that is empty, the files.
+    """Return the report on a result of measured bodies; its title is a name or, if the name is empty, the files.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if
     the result is too large.
@@ -107,7 +107,7 @@ def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict
         "isMeasured": True, "cell": REPORT_AXES["cut_off"],
         "cells": {
             "values": cut_offs,
-            "texts": [f"cut-off {format_with_unit(value, 'um')}" if value > 0 else "no cut-off" for value in cut_offs],
+            "texts": [f"cutoff {format_with_unit(value, 'um')}" if value > 0 else "no cutoff" for value in cut_offs],
         },
         "amplitudes": [], "repetitions": int(dataset.sizes["repetition"]), "asked": study_loads,
         "kinds": [_KIND_WORDS[kind] for kind in result.nodes.kinds],
@@ -129,11 +129,11 @@ _CURVE_PANELS = {
     "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
     "unloading": {"of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
 }
-"""Quantity, axis title and factor to the axis unit of each further plot against load."""
+"""Quantity, axis title and factor to the unit of the axis for each further plot against load."""
 
 
 def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, Any]:
-    """Add friction at nodes to tables, with the axes kind, cutoff, rule, motion, load, mu0 and tau0."""
+    """Add friction at the nodes to tables with the axes kind, cutoff, rule, motion, load, mu0 and tau0."""
     (rules, angles), axes, kinds = motions_of(study), nodes.axes, nodes.kinds
     motions: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
@@ -186,7 +186,7 @@ def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, 
         motion["isWhole"] = len(motion["directions"]) == len(angles)
         motion["angle"] = None if len(motion["directions"]) > 1 else angles[motion["directions"][0]]
         is_combined[0, index] = motion["isWhole"]
-    # A value without a combined interval has the decimals of the mean over all directions.
+    # A value without a combined interval has the number of decimals of the mean over all directions.
     mean_friction = displayed[0, :, :, [is_combined[0].argmax()]]
     mean_decimals = np.moveaxis(decimals_of(*np.moveaxis(mean_friction, -1, 0))[0], 0, 2)
     displayed[
@@ -220,7 +220,7 @@ ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUS
 
 
 def _status_codes(statuses: Any, values: Floats) -> Any:
-    """Return the codes of the statuses of means (cut_off, sliding, load, mu0, tau0) over directions (axis 2)."""
+    """Return the status codes of means (cut_off, sliding, load, mu0, tau0) over directions, which are axis 2."""
     codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
     bad = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
     not_solved = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
@@ -228,7 +228,7 @@ def _status_codes(statuses: Any, values: Floats) -> Any:
 
 
 def _pull_off_lines(result: Result, study: Study) -> list[str]:
-    """Return lines on the pull-off force at the first mu0 and tau0 by the rule to quote."""
+    """Return lines about the pull-off force, for the first mu0 and tau0 and the quoted rule."""
     if not study.contact.adheres:
         return []
     pull_off_estimate = result.summary().points[0].sticking
@@ -262,11 +262,11 @@ def _history(side: str, history: str, study: Study) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-MAX_READINGS = 4  # maximum number of listed readings of a part
+MAX_READINGS = 4  # maximum number of scans of a part whose interpretation is listed
 
 
 def _reading_table(scan: MeasuredFile) -> str:
-    """Return the reading of a file as a table; empty for a surface in memory and for a missing file."""
+    """Return the interpretation of a file as a table; empty for a surface in memory and for a missing file."""
     with contextlib.suppress(ValueError, OSError):
         if (reading := scan.reading) is not None:
             return reading_table(reading, {name: getattr(scan, name) for name in READING_OPTIONS})
@@ -274,7 +274,7 @@ def _reading_table(scan: MeasuredFile) -> str:
 
 
 def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
-    """Return other quantities than friction for each kind, cutoff and load: values, ends, decimals and texts."""
+    """Return quantities other than friction for each kind, cutoff and load: values, ends, decimals and texts."""
     records = []
     for name in (name for name in shown_in("report") if name in evaluations[0]):
         means = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
@@ -317,7 +317,7 @@ _CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contributions(answer: PointSummary) -> dict[str, Any] | None:
-    """Return the contributions to a coefficient with friction at all contacts, its interval, and texts of both."""
+    """Return the contributions to a coefficient with friction at all contacts, with its interval, and texts of both."""
     estimate = next((rule for rule in answer.rules if rule.rule == "all"), None)
     if answer.parts is None or estimate is None or not math.isfinite(estimate.value):
         return None

@@ -1,6 +1,6 @@
 "use strict";
 
-// Values between nodes of mu0 and tau0: unpacking and interpolation of the values that the library evaluated at nodes.
+// Values between nodes of mu0 and tau0: unpacking and interpolation of the values that the library computed at nodes.
 // These functions do not access the document.
 
 /** Return doubles from their leading bytes: all first bytes, then all second bytes, and so on. */
@@ -82,7 +82,7 @@ function inDecimals(value, digits) {
 }
 
 /** Format both ends of an interval; empty if the library prints no interval. */
-function endsOf({lower, upper, decimals, upperDecimals}) {
+function formatEnds({lower, upper, decimals, upperDecimals}) {
   if (upperDecimals === NO_INTERVAL || Number.isNaN(lower) || Number.isNaN(upper)) return "";
   return `[${inDecimals(lower, decimals)}, ${upper === Infinity ? "∞)" : `${inDecimals(upper, upperDecimals)}]`}`;
 }
@@ -90,7 +90,7 @@ function endsOf({lower, upper, decimals, upperDecimals}) {
 /** Format a value with its interval, with the decimals of the library. */
 function quoted(point) {
   if (!Number.isFinite(point.value)) return "none";
-  return [inDecimals(point.value, point.decimals), endsOf(point)].filter(Boolean).join(" ");
+  return [inDecimals(point.value, point.decimals), formatEnds(point)].filter(Boolean).join(" ");
 }
 
 /** Return a text whose {} is replaced by a number {factor, decimals, unit}. */

@@ -1,9 +1,9 @@
-"""HTML page in a single file: its frame, and packing of numbers.
+"""HTML page in a single file: its frame, and the encoding of its numbers.
 
-`result.py` and `surface.py` define the content of a page. Markup, style and scripts are in this directory: `nodes.js`
-unpacks and interpolates numbers, `plots.js` draws, `common.js` contains controls and file output, and `result.js` the
-state and texts of a result. The scripts read shared constants of the library from the facts. Text of files is escaped
-by `escaped` in the markup; the scripts insert it as text nodes only.
+`result.py` and `surface.py` define the content of a page. Markup, style sheet and scripts are in this directory:
+`nodes.js` decodes and interpolates numbers, `plots.js` draws, `common.js` contains controls and file output, and
+`result.js` contains the state and the texts of a result. The scripts read constants of the library from the facts.
+Texts from files are escaped in the markup by `escaped`; the scripts insert them only as text nodes.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from stiction.studies.study import Study, find_differences
 from stiction.views.report.tables import Tables
 
 REPORT_MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
-"""Start of every report, by which the program recognizes the reports that it may replace."""
+"""Start of every report, by which the program recognises reports that it may replace."""
 
 _LICENCE = "https://www.gnu.org/licenses/gpl-3.0.txt"
 SCRIPTS = ("nodes.js", "plots.js", "common.js", "result.js")
 
 
 class ReportError(ValueError):
-    """Error for a page that cannot be rendered or written."""
+    """Error raised for a page that cannot be rendered or written."""
 
 
 @dataclass(frozen=True)
 class Page:
-    """Page: title, lines below it, markup of its main part and scripts, and version that computed its result."""
+    """Page: title, lines below it, markup of its main part, scripts, and the version that computed its result."""
 
     name: str
     head: list[str]
@@ -62,7 +62,7 @@ class Page:
         )
 
     def save(self, path: Path) -> None:
-        """Write the page, which may replace an older report; raise `ReportError` for any other file."""
+        """Write the page, which may replace an older report; raise a `ReportError` for any other file."""
         with replaced_file(path, REPORT_MARK.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
@@ -73,8 +73,8 @@ def part(name: str) -> str:
 
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
-    """Return the markup of the scripts of a result, its facts, and the numbers of `packed`."""
-    # Without "<", a text cannot end the element or start another one.
+    """Return the markup of scripts with a result, its facts, and the numbers of `packed`."""
+    # Without "<", a text can neither end its element nor start another one.
     facts_json = json.dumps(facts, allow_nan=False).replace("<", "\\u003c")
     element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(element.format(*item) for item in numbers.items())
@@ -84,27 +84,27 @@ def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
     )
 
 
-MAX_TEXT_LENGTH = 400  # maximum number of characters of a line from a file
+MAX_TEXT_LENGTH = 400  # maximum number of characters that are shown of a line from a file
 
 
 def escaped(text: object) -> str:
-    """Return a text as markup: one line of limited length without control characters."""
+    """Return a text as markup: a single line of limited length without control characters."""
     return html.escape(printable(str(text), MAX_TEXT_LENGTH))
 
 
 def counted(count: int, singular: str, plural: str | None = None) -> str:
-    """Return a number with its noun."""
+    """Return a number with its noun in the singular or plural."""
     return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
 
 
 def listed(values: ArrayLike) -> Any:
-    """Return numbers for JSON, with None for NaN."""
+    """Return numbers for JSON, with None instead of NaN."""
     array = np.asarray(values, dtype=np.float64)
     return np.where(np.isfinite(array), array, np.asarray(None)).tolist()
 
 
 def panel(name: str, title: str, description: str, *, more: str, kind: str = "plot") -> str:
-    """Return the markup of a plot: title, description and keys for screen readers, and an empty caption."""
+    """Return the markup of a plot: title, description and keyboard help for screen readers, and an empty caption."""
     return (
         f'<section class="panel" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>'
         f'<div id="{name}" class="{kind}" role="application" tabindex="0" aria-label="{description}; {more}"></div>'
@@ -117,14 +117,14 @@ def panel(name: str, title: str, description: str, *, more: str, kind: str = "pl
 
 REPORT_AXES = {
     "fractal_dimension": {"title": "fractal dimension _D_", "name": "D"},
-    "cut_off": {"title": "cut-off wavelength (µm)", "name": "cut-off"},
+    "cut_off": {"title": "cutoff wavelength (µm)", "name": "cutoff"},
 }
 """Axis title and short name of the first dimension of the cells."""
 
 
 @dataclass(frozen=True, eq=False)
 class PageResult:
-    """Content of a page. `details`, `touching` and `pictures` are markup of the study and of the figures."""
+    """Content of a page. `details`, `touching` and `pictures` are markup about the study and of the figures."""
 
     study: Study
     name: str
@@ -138,7 +138,7 @@ class PageResult:
     pictures: str = ""
 
     def unfinished(self) -> str:
-        """Return a notice, as markup, if members are missing."""
+        """Return a notice as markup if members are missing."""
         total, notices = self.study.ensemble.repetitions, []
         if self.num_members < total:
             notices.append(f"{self.name} is unfinished: {self.num_members} of {total} repetitions.")
@@ -147,7 +147,7 @@ class PageResult:
         return "".join(f'<p class="notice">{escaped(line)}</p>' for line in notices)
 
     def described(self) -> str:
-        """Return the study as markup: its differences from the defaults, and all keys."""
+        """Return the study as markup: its differences from the defaults, and all of its keys."""
         study_file = (
             "<details><summary>The whole study file (TOML)</summary>"
             f'<pre tabindex="0">{html.escape(_without_folders(self.study).to_toml())}</pre></details>'
@@ -161,7 +161,7 @@ class PageResult:
 
 
 def _without_folders(study: Study) -> Study:
-    """Return a study whose files have no folders, because readers of a page have other folders."""
+    """Return a study whose file names have no folders, because readers of a page have other folders."""
     if not study.is_measured:
         return study
     surfaces: Any = study.surfaces
@@ -171,12 +171,12 @@ def _without_folders(study: Study) -> Study:
 
 
 def motions_of(study: Study) -> tuple[list[str], list[float]]:
-    """Return sliding rules and directions (degrees) of a study, in the order of the sums."""
+    """Return the sliding rules and directions (degrees) of a study, in the order of the sums."""
     return list(study.contact.rules()), [float(angle) for angle in study.contact.degrees()]
 
 
 def axes_facts(axes: tuple[Axis, Axis], study: Study) -> dict[str, Any]:
-    """Return the nodes of mu0 and tau0 (MPa) for a page, with the step and the initial value of their sliders."""
+    """Return the nodes of mu0 and tau0 (MPa) for a page, with steps and initial values of their sliders."""
     initial = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),

@@ -1,4 +1,4 @@
-"""Static figures of a page: profiles in contact, and the onset of sliding."""
+"""Static figures of a page: profiles in contact, contacts of maps, and the onset of sliding."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from stiction.views.style import MATPLOTLIB_STYLE
 
 
 def profiles_panel(study: Study, approach: float) -> str:
-    """Return the panel of a pair of generated profiles at an approach (µm), as markup."""
+    """Return the panel with a pair of generated profiles at an approach (µm), as markup."""
     cells, contact = study.surfaces.cells(), study.contact
     dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
     middle_dimension = dimensions[dimensions.size // 2 :][:1]
@@ -49,19 +49,20 @@ def profiles_panel(study: Study, approach: float) -> str:
 
 
 def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
-    """Return the panel of loading and unloading, as markup; empty without adhesion."""
+    """Return the panel about loading and unloading, as markup; empty without adhesion."""
     if branches is None:
         return ""
     return _panel(
-        "Coming and going",
-        "Load against approach and true area of a typical pair, pressed together and drawn apart.",
-        "Bodies that adhere touch at no load, bear more than is pressed on them, and part at the pull-off force.",
+        "Loading and unloading",
+        "Load against approach and true area of a typical pair, pressed together and pulled apart.",
+        "Bodies that adhere are in contact without a load, have a contact load above the applied load, and separate "
+        "at the pull-off force.",
         lambda: adhesion_figure(branches, title=title),
     )
 
 
 def height_scale_panels(result: Result, title: str) -> str:
-    """Return panels with results against the stored height factors, as markup; empty without factors.
+    """Return panels of results against the stored factors of the heights, as markup; empty without factors.
 
     The panels show the first load, mu0 and tau0.
     """
@@ -69,8 +70,8 @@ def height_scale_panels(result: Result, title: str) -> str:
     for scaled, factors in stored_scale_factors(result).items():
         caption = (
             f"Heights of {SCALED_SURFACE_TEXTS[scaled]} times {factors[0]:g} to {factors[-1]:g}, each solved again; "
-            f"dashed: as measured. {HEIGHT_SCALE_NOTE} The load, μ0 and τ0 are the first ones of the study; "
-            "moving the sliders does not change it."
+            f"dashed: as measured. {HEIGHT_SCALE_NOTE} The load, μ0 and τ0 are the first values of the study; the "
+            "sliders do not change this figure."
         )
         description = "Friction coefficient and true contact area over the rms gradient of the gap."
         draw = partial(draw_height_scale, result, scaled, title=title)
@@ -79,7 +80,7 @@ def height_scale_panels(result: Result, title: str) -> str:
 
 
 def touching_panel(picture: xarray.Dataset, direction: float) -> str:
-    """Return the panel of contacts for a direction of motion (degrees), as markup."""
+    """Return the panel with the contacts for a direction of motion (degrees), as markup."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     num_opposing = int(find_opposing_contacts(picture, direction).sum())
     text = (
@@ -96,23 +97,24 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
 
 
 def positions_panel(result: Result, load: float, title: str) -> str:
-    """Return the panel of friction at single positions at a load (mN), as markup."""
+    """Return the panel with the friction at single positions at a load (mN), as markup."""
     values = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
     return _panel(
         "Single positions",
         "Friction coefficient of each pair in each direction.",
-        "At the first load, μ0 and τ0 that were asked for, whatever the sliders say.",
+        "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
         lambda: draw_positions(result, values, title=title),
     )
 
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:
-    """Return the panel of the onset curve, for maps also the panel of the onset map, as markup."""
+    """Return the panel with the onset curve and, for maps, the panel with the onset map, as markup."""
     curve = _panel(
         "Onset of sliding",
         "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",
         "Weak contacts slip below the sliding load, so that the upper body moves before it slides, and each load "
-        "cycle dissipates energy. The load, μ0 and τ0 are given above the figure; the sliders do not change it.",
+        "cycle dissipates energy. The load, μ0 and τ0 are given above the figure; the sliders do not change this "
+        "figure.",
         lambda: onset_figure(onset, title=title),
     )
     if not has_slip_map(onset):
@@ -130,13 +132,14 @@ def onset_panels(onset: xarray.Dataset, title: str) -> str:
 
 
 def dimension_panel(dataset: xarray.Dataset) -> str:
-    """Return the panel of the onset of sliding of generated pairs, as markup."""
+    """Return the panel about the onset of sliding of generated pairs, as markup."""
     return _panel(
         "How the pairs begin to slide",
         "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
         "dimension.",
-        "At three loads and the strengths of the study, whatever the sliders say: means that weigh pairs by the load "
-        "they carry, but of the stiffness, with 95 % intervals. Dotted: more than half of the load is beyond Hertz.",
+        "At three loads and the strengths of the study; the sliders do not change this figure. Means with 95 % "
+        "intervals; except for the stiffness, pairs are weighted by their loads. Dotted: more than half of the load "
+        "is beyond Hertz.",
         lambda: dimension_onset_figure(dataset),
         is_wide=True,
     )
@@ -152,7 +155,7 @@ def _panel(
     return f'<section class="{kind}" aria-label="{name}"><h2>{name}</h2>{picture}{caption_html}</section>'
 
 
-MAX_VERTICES = 1000  # maximum number of vertices of vector graphics; larger artists are rasterized
+MAX_VERTICES = 1000  # maximum number of vertices in vector graphics; artists with more vertices are rasterized
 RASTER_DPI = 200  # resolution of rasterized artists
 
 _CSS_COLOURS = {
@@ -162,17 +165,17 @@ _CSS_COLOURS = {
     "#e3d5bb": "var(--lower)",
     **{dark: f"var(--light, {dark})" for dark in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")},
 }
-"""Colours that a page replaces by variables of its style, for light and dark screens."""
+"""Colours that a page replaces by variables of its style sheet, which has light and dark colours."""
 
 
 def inline(figure: Figure, description: str) -> str:
-    """Return a figure as inline SVG with a text for screen readers."""
+    """Return a figure as inline SVG, with a description for screen readers."""
     for axes in figure.axes:
         artists: list[Any] = [*axes.collections, *axes.lines]
         for artist in artists:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
             artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_VERTICES)
-    if (layout := figure.get_layout_engine()) is not None:  # otherwise savefig would draw the figure twice
+    if (layout := figure.get_layout_engine()) is not None:  # without this, savefig would draw the figure twice
         layout.execute(figure)
         figure.set_layout_engine("none")
     text = io.StringIO()

@@ -115,7 +115,7 @@ function nearest(list, value) {
 // ---- Axes -----------------------------------------------------------------------------------------------------------
 
 /** Return a function from values on an axis {low, high, isLog} to positions between two ends, pixels. */
-function scaleOf({low, high, isLog}, from, to) {
+function createScale({low, high, isLog}, from, to) {
   const on = isLog ? Math.log : (value) => value;
   const off = isLog ? Math.exp : (value) => value;
   const [first, span] = [on(low), on(high) - on(low) || 1];
@@ -135,7 +135,7 @@ function axes(place, wholeX, wholeY, top = 0) {
   const box = {left: 4.4 * unit, right: width - unit, top: (0.6 + top) * unit, bottom: height - 3.2 * unit};
   const small = 0.8125 * unit;
   const picture = pictureOf(width, height);
-  const [X, Y] = [scaleOf(x, box.left, box.right), scaleOf(y, box.bottom, box.top)];
+  const [X, Y] = [createScale(x, box.left, box.right), createScale(y, box.bottom, box.top)];
   const frame = {x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top};
   const lines = shape("g", {style: "stroke: var(--muted)", fill: "none"});
   const texts = shape("g");
@@ -420,7 +420,7 @@ function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked,
 
 function colourBar(id, frame, low, high, ticks, title, unit) {
   const stops = PLASMA.map((hex, i) => shape("stop", {offset: i / (PLASMA.length - 1), "stop-color": `#${hex}`}));
-  const at = scaleOf({low, high, isLog: true}, frame.x, frame.x + frame.width);
+  const at = createScale({low, high, isLog: true}, frame.x, frame.x + frame.width);
   let last = -Infinity;
   const inside = (ticks ?? []).filter((tick) => tick >= low * 0.999 && tick <= high * 1.001);
   const marks = (inside.length > 2 ? inside : ticksOf(low, high, true, 8).filter(({text}) => text).map(({value}) => value))

@@ -14,7 +14,7 @@ const state = {
   dimension: facts.start.cell,
   load: facts.start.load,
   quantity: "friction",
-  pointed: null, // (dimension, load) under the pointer
+  pointed: null, // (dimension, load) of the cell under the pointer
 };
 const numbers = {offsets: facts.tables, floats: null, small: null};
 let mapped = null;
@@ -49,7 +49,7 @@ function frictionAt(rule, cell, load, at = place(), way = state.way) {
   return {...result, ...point, ...ends, sampling, isCombined};
 }
 
-/** Return another quantity than friction by the name of its plot. */
+/** Return a quantity other than friction by the name of its plot. */
 function quantityAt(id, cell, load, at = place()) {
   if (isMeasured) {
     const own = facts.quantities.find(({name}) => name === facts.curves[id].of);
@@ -61,7 +61,7 @@ function quantityAt(id, cell, load, at = place()) {
   return friction.status === "ok" ? {...friction, ...pointAt(numbers, id, friction.index, at)} : friction;
 }
 
-/** Return rule, colour and name of each curve. */
+/** Return the rule, the colour and the name of each curve. */
 const curves = () => (hasBothRules ? facts.rules : [facts.rules[state.rule]])
   .map((rule) => ({rule, colour: RULE_COLOURS[rule], name: hasBothRules ? ruleName(rule) : ""}));
 
@@ -81,10 +81,10 @@ function showParameters() {
     ...dimensionIfAny(), ...amplitudeIfAny(), motionWords()].join(", ") + ".";
 }
 
-/** Return the name of an interval. Generated surfaces have the sampling interval of repetitions only. */
+/** Return the name of an interval. Generated surfaces have only the sampling interval of repetitions. */
 function intervalName(isCombined) {
   if (!isMeasured) return "interval";
-  if (!isCombined) return "interval of the sampling of positions alone";
+  if (!isCombined) return "sampling interval of positions only";
   return `interval, combined uncertainty${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
 }
 
@@ -93,7 +93,7 @@ const isAtRange = () => [["mu0", state.mu0], ["tau0", state.tau0]].every(([name,
   nodeAxes[name].bounds.some(([low, high]) => low <= value && value <= high));
 
 function whyNoInterval() {
-  if (isMeasured) return "too few members have an answer, or all are equal";
+  if (isMeasured) return "too few members have a coefficient, or all coefficients are equal";
   return facts.repetitions === 1 ? "there is one repetition" : "fewer than two repetitions carry load";
 }
 
@@ -146,16 +146,16 @@ function contributionBar({parts, ends: [low, high], value, texts}) {
 function answerOf(at, rule, alone) {
   if (at.status !== "ok")
     return [element("p", {class: "value"}, at.status), element("p", {class: "interval"}, facts.why[at.status]?.why ?? "")];
-  const ends = endsOf(at);
-  const sampled = at.sampling && endsOf(at.sampling);
+  const ends = formatEnds(at);
+  const sampled = at.sampling && formatEnds(at.sampling);
   const [interval] = at.isCombined || !isMeasured
     ? [ends ? [`${PERCENT} ${intervalName(at.isCombined)} `, element("span", {"data-lower": at.lower, "data-upper": at.upper}, ends)] : [`No interval: ${whyNoInterval()}`]]
-    : [["No combined interval: the library has it for the mean over all directions"]];
+    : [["No combined interval: it exists only for the mean over all directions"]];
   return [
     element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, inDecimals(at.value, at.decimals))),
     element("p", {class: "interval"}, ...interval),
-    ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Sampling of positions alone: ${sampled}`)] : []),
-    ...(alone ? [element("p", {class: "hint"}, "The slopes alone predict ", data(alone.value, quoted(alone)))] : []),
+    ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Sampling of positions only: ${sampled}`)] : []),
+    ...(alone ? [element("p", {class: "hint"}, "The small-slope estimate is ", data(alone.value, quoted(alone)))] : []),
   ];
 }
 
@@ -167,7 +167,7 @@ function slopeEstimate(rule, cell) {
   return Number.isFinite(point.value) ? point : null;
 }
 
-/** CSS class of each assessment. */
+/** CSS classes by assessment. */
 const VERDICT_CLASSES = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
 
 /** Return the elements of the assessment and its caveats. */
@@ -189,9 +189,9 @@ function judgement(points, d, l) {
     const apart = ({at}) => Math.abs(Math.log(at.load / loads[l])) + (at.cut_off !== undefined && !isSame(at.cut_off, cells.values[d]) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;
   }, null);
-  const back = element("button", {type: "button"}, "Back to what was asked for");
+  const back = element("button", {type: "button"}, "Back to the values of the study");
   back.addEventListener("click", () => goTo(near.at));
-  return assessment(near ? [element("p", {class: "hint"}, "The verdict is about the loads, μ0 and τ0 that the study asks for; at " +
+  return assessment(near ? [element("p", {class: "hint"}, "The assessment applies to the loads, μ0 and τ0 of the study; at " +
     `${near.loadText} it is: ${near.verdict}. `, back)] : []);
 }
 
@@ -238,7 +238,7 @@ function figuresOf(at, d, l) {
 
 const TITLES = {friction: "_μ_~s~", width: "±", area: "_A_ (µm²)", stiffness: "mN/µm"};
 
-/** Return value, status and trust of the quantity of the map, over (load, dimension). */
+/** Return the mapped quantity over (load, dimension): values, statuses, and whether each value is trusted. */
 function mapAt() {
   const [at, rule] = [place(), facts.rules[state.rule]];
   const of = {
@@ -282,7 +282,7 @@ const QUANTITY = {
 const hasQuantity = (id) => (isMeasured ? facts.quantities.some(({name}) => name === facts.curves[id]?.of)
   : id === "area" || (id === "stiffness" && facts.hasStiffness));
 
-/** Return a series for each curve; quantities other than friction have one. */
+/** Return a series for each curve; quantities other than friction have only one series. */
 function seriesOf(id, points) {
   const drawn = id === "friction" ? curves() : [{...curves()[0], name: "", colour: "var(--area)"}];
   return drawn.map((curve) => ({...curve, points: points(curve.rule)}));
@@ -308,7 +308,7 @@ function showOver() {
   const ends = isMeasured ? [cells.values[0], cells.values.at(-1)] : [edges(cells.values)[0], edges(cells.values).at(-1)];
   const drawn = drawCurves(byId("over"), series, {low: ends[0], high: ends[1], title: facts.cell.title},
     {...QUANTITY.friction, picked: cells.values[state.dimension]});
-  byId("over-caption").textContent = curveCaption(series, [loadName(state.load), ...amplitudeIfAny()], drawn, isMeasured ? "cut-off" : "dimension", "friction");
+  byId("over-caption").textContent = curveCaption(series, [loadName(state.load), ...amplitudeIfAny()], drawn, isMeasured ? "cutoff" : "dimension", "friction");
 }
 
 function curveCaption(series, where, [low, high], of, id) {
@@ -320,7 +320,7 @@ function curveCaption(series, where, [low, high], of, id) {
     const cut = [];
     if (ok.some((point) => point.upper > high)) cut.push("above");
     if (ok.some((point) => point.lower < low)) cut.push("below");
-    if (cut.length) words.push(`It is cut off ${cut.join(" and ")}; pointing at the curve tells its ends.`);
+    if (cut.length) words.push(`It is cut off ${cut.join(" and ")}; point at the curve to see its ends.`);
   }
   else if (ok.length) words.push(`No interval: ${whyNoInterval()}.`);
   if (ok.some((point) => !point.trusted))
@@ -415,7 +415,7 @@ function connect() {
   choice("kind", facts.kinds, state.kind, set("kind"));
   byId("amplitude-label").textContent = `Amplitude (${facts.measure})`;
   choice("amplitude", facts.amplitudes, state.amplitude, set("amplitude"));
-  byId("dimension-label").textContent = isMeasured ? "Cut-off wavelength" : facts.cell.label;
+  byId("dimension-label").textContent = isMeasured ? "Cutoff wavelength" : facts.cell.label;
   byId("dimension-control").hidden = cells.values.length < 2;
   const d = Number(fields.d ?? NaN);
   if (Number.isFinite(d)) state.dimension = nearest(cells.values, d);
@@ -442,7 +442,7 @@ function connectLoad(fields) {
     changed: (l) => { state.load = l; redraw(...FRICTION); }});
 }
 
-/** Connect arrow keys on a plot, with a step for each key. */
+/** Connect arrow keys to a plot, with a step for each key. */
 function onArrows(place, steps, move) {
   place.addEventListener("keydown", (event) => {
     if (!(event.key in steps)) return;
@@ -559,7 +559,7 @@ async function unpackAll() {
   numbers.small = new Int8Array((await unpacked("small")).buffer);
 }
 
-/** Hide the plots and controls for which the result has no values. */
+/** Hide plots and controls for which the result has no values. */
 function hideUnavailable() {
   const isMissing = {
     map: isMeasured || !loads.length,
@@ -586,7 +586,7 @@ function hideUnavailable() {
   byId(isMeasured ? "of-ensembles" : "of-members").hidden = true;
   byId("exact").hidden = !facts.ranged;
   byId("error").textContent = facts.errorText ?? "";
-  byId("over-title").textContent = `Friction coefficient over ${isMeasured ? "cut-off wavelength" : "fractal dimension"}`;
+  byId("over-title").textContent = `Friction coefficient over ${isMeasured ? "cutoff wavelength" : "fractal dimension"}`;
 }
 
 start(async () => {
@@ -595,10 +595,10 @@ start(async () => {
     area: () => showCurve("area"), stiffness: () => showCurve("stiffness"), unloading: () => showCurve("unloading"), compass: showCompass};
   hideUnavailable();
   if (!loads.length) {
-    showNotice("No pair of this study touches within its approaches: there is no load, no area and no friction to show.");
+    showNotice("No pair of this study touches within its approaches, so there is no load, area or friction to show.");
     byId("controls").hidden = true;
   } else if (facts.steps === 1 && !isMeasured) {
-    showNotice("This study has one approach. Values at a load are read off between two, so there are none to show.");
+    showNotice("This study has a single approach. Values at a load are interpolated between approaches, so there are none.");
   }
   connect();
   Object.keys(drawings).forEach((place) => drawings[place]());

@@ -1,7 +1,7 @@
-"""Report of a result.
+"""Report of a result as an HTML page.
 
-The report contains values, intervals, statuses, assessments and decimals at nodes of mu0 and tau0. The scripts unpack
-the numbers, interpolate between nodes and draw.
+The report contains values, intervals, statuses, assessments and numbers of decimals at nodes of mu0 and tau0. The
+scripts decode the numbers, interpolate between nodes and draw.
 """
 
 from __future__ import annotations
@@ -25,46 +25,46 @@ from stiction.views.report.tables import FLOAT_BYTES
 from stiction.views.style import RULE_LABELS
 
 NOT_INTERPOLATED = "between-nodes"
-"""Status of a coefficient that is not interpolated."""
+"""Status of a coefficient that is not interpolated between nodes."""
 
 STATUS_LABELS = {
     friction.STATUS_OK: "", friction.STATUS_NOT_REACHED: "load not reached",
     friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
-    friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is carried",
+    friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is supported",
     friction.STATUS_SEIZURE: "seizure: junctions grow without limit",
     NOT_INTERPOLATED: "not resolved between nodes",
 }  # fmt: skip
-"""Legend text of each status in the map. `STATUS_EXPLANATIONS` contains the reasons."""
+"""Texts for the statuses in the legend of the map; `STATUS_EXPLANATIONS` contains the reasons."""
 
 NOT_INTERPOLATED_REASON = (
     "the coefficient or its interval changes too much between the values of μ0 and τ0 at which the library evaluated it"
 )
 
-_KEYS_TEXT = "arrow keys move {}, plus and minus look closer"
+_KEYS_TEXT = "arrow keys move {}, plus and minus zoom"
 PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
     "compass": (
-        "Friction around the compass", "Friction coefficient in every direction",
-        {"kind": "plot square crosshair", "more": "arrow keys turn the direction"},
+        "Friction by direction", "Friction coefficient in every direction",
+        {"kind": "plot square crosshair", "more": "arrow keys change the direction"},
     ),
     "over": ("", "Friction coefficient at the picked load", {"more": _KEYS_TEXT.format("along it")}),
     **{
         name: (f"{words} against load", f"{words} against normal load", {"more": _KEYS_TEXT.format("the load")})
         for name, words in (
             ("friction", "Friction coefficient"), ("area", "True contact area"), ("stiffness", "Normal stiffness"),
-            ("unloading", "Normal stiffness, unloading or by ultrasound,"),
+            ("unloading", "Normal stiffness during unloading (ultrasonic),"),
         )
     },
 }  # fmt: skip
-"""Title, description and further attributes of the markup of each plot."""
+"""Title, description and further attributes in the markup of each plot."""
 
 MAIN_PLOTS = {True: ("friction", "compass"), False: ("over", "friction", "area", "stiffness")}
-"""Plots that are shown without opening "More", for measured and for generated bodies."""
+"""Plots that are shown before "More" is opened, for measured bodies (True) and for generated bodies (False)."""
 
 
 def save_report(
     result: Result | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
-    """Write the report of a result. An older report of that name is replaced when the new report is complete.
+    """Write the report of a result. An older report with the same name is replaced once the new report is complete.
 
     Parameters
     ----------
@@ -76,17 +76,17 @@ def save_report(
     Raises
     ------
     ReportError
-        As `report_page`, and if the path is another file than a report, or cannot be written.
+        As for `report_page`; also if the path is a file that is not a report, or cannot be written.
     """
     _page(Result.of(result), name, picture).save(Path(path))
 
 
 def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
-    """Return the report of a result as HTML without external resources.
+    """Return the report of a result as HTML that needs no external resources.
 
-    `name` is the title; by default the name of a built-in study or of the files. `picture` is a result of
-    `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
-    result, is too large for a page or has no members.
+    `name` is the title; by default it is the name of a built-in study, or the names of the files. `picture` is a result
+    of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
+    result, is too large for a page, or has no members.
     """
     return _page(Result.of(result), name, picture).html()
 
@@ -137,10 +137,11 @@ def _status_reason(status: str) -> str:
 
 
 def _error_text(error: tuple[float, float] | None) -> str:
-    """Return the measured interpolation error as text."""
+    """Return the measured interpolation error as a text."""
     if error is None:
         return ""
     values, ends = (format_percent(item) for item in error)
     return (
-        f"at other values that were evaluated, values differ by up to {values}, ends by up to {ends} of the interval."
+        f"at other values that were evaluated, coefficients differ by up to {values}, and ends of intervals by up to "
+        f"{ends} of the interval."
     )

@@ -1,4 +1,4 @@
-"""Report of a measured profile or surface: friction, heights, spectra and roughness."""
+"""Report of a measured profile or surface: small-slope estimate, heights, spectra and roughness."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.report.page import Page, escaped, part
 from stiction.views.report.pictures import inline
 
-# Fraction of the mean square slope in the shortest octave above which a finer scan is advised.
+# Fraction of the mean square slope in the shortest octave above which the report advises a finer scan.
 MAX_OCTAVE_FRACTION = 0.1
 
 
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> Page:
-    """Return the page of a levelled profile or surface, with its command and the markup of its reading.
+    """Return the page of a levelled profile or surface, with its command and the interpretation of its file (markup).
 
-    `options` are those of `characterisation_text`.
+    `options` are the options of `characterisation_text`.
     """
     characterisation = to_characterisation(body, **options)
     main = Template(part("surface.html")).substitute(
@@ -41,7 +41,7 @@ def surface_page(
 
 
 def _meaning(characterisation: Characterisation) -> str:
-    """Return caveats, the small-slope estimate, and the effect of a finer scan, as markup."""
+    """Return caveats, the small-slope estimate, and the effect of a finer scan as markup."""
     caveats = "".join(
         f"<li>{escaped(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.cure}.')}</li>"
         for caveat in characterisation.caveats
@@ -69,9 +69,9 @@ def _meaning(characterisation: Characterisation) -> str:
         f"Small-slope estimate for two such surfaces: μₛ = {' and '.join(values)}{axes}, for elastic contact without "
         f"adhesion and μ0 = {PAPER_MU0:g}."
         if values
-        else "The surface is flat, so that it has no small-slope estimate.",
+        else "The surface is flat, and so has no small-slope estimate.",
         finer,
-        "For friction at a given load, compute a pair of surfaces: stiction pair --help shows examples.",
+        "For friction at a given load, compute a pair of surfaces; stiction pair --help shows examples.",
     ]
     return (f'<ul class="caveats">{caveats}</ul>' if caveats else "") + "".join(
         f"<p>{escaped(line)}</p>" for line in paragraphs
@@ -79,7 +79,7 @@ def _meaning(characterisation: Characterisation) -> str:
 
 
 def _table(rows: list[Row]) -> str:
-    """Return rows as markup; a row without a label continues the previous row."""
+    """Return rows of a table as markup; a row without a label continues the previous row."""
     lines: list[tuple[str, list[str]]] = []
     for row in rows:
         label, texts = row.label, row.texts

@@ -1,4 +1,4 @@
-"""Tables of numbers in a page, and the number of decimals to print."""
+"""Tables of numbers in a page, and the number of decimals with which they are printed."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefix, format_estimate
 
-FLOAT_BYTES = 4  # number of leading bytes of a double in a page, for a relative precision of 5e-7
-NO_INTERVAL = -128  # stored as decimals of the upper end if the interval is not printed
+FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores, which give a relative precision of 5e-7
+NO_INTERVAL = -128  # value stored as the decimals of the upper end if the interval is not printed
 MAX_DECIMALS = 100  # maximum number of decimals, and of rounded digits before the decimal point
 
 
-_COMPRESSION = 7  # a sixth of the time of level 9, for 0.5 % more bytes
+_COMPRESSION = 7  # takes a sixth of the time of level 9, for 0.5 % more bytes
 
 
 def packed(values: ArrayLike, leading: int) -> str:
@@ -36,13 +36,13 @@ def packed(values: ArrayLike, leading: int) -> str:
 
 
 def packed_bytes(values: NDArray[np.int8]) -> str:
-    """Return small whole numbers as text."""
+    """Return small whole numbers as a text."""
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION)).decode("ascii")
 
 
 @dataclass
 class Tables:
-    """Concatenated arrays of a page; `offsets` contains the start of each array by its name."""
+    """Concatenated arrays of a page; `offsets` contains the start of each array by name."""
 
     offsets: dict[str, int] = field(default_factory=dict)
     floats: list[Floats] = field(default_factory=list)
@@ -58,7 +58,7 @@ class Tables:
     def add_points(self, name: str, points: Floats, *, decimals: Any = None) -> None:
         """Append values, lower and upper ends (..., 3), and the number of decimals to print.
 
-        `decimals` applies to values without an interval.
+        `decimals` is the number of decimals for values without an interval.
         """
         for index, end in enumerate(("value", "lower", "upper")):
             self.add(f"{name}_{end}", points[..., index])
@@ -69,17 +69,17 @@ class Tables:
         self.add(f"{name}_upper_decimals", upper_decimals)
 
     def packed(self) -> dict[str, str]:
-        """Return all numbers as text."""
+        """Return all numbers as a text."""
         floats = np.concatenate(self.floats) if self.floats else np.zeros(0)
         small = np.concatenate(self.small) if self.small else np.zeros(0, np.int8)
         return {"floats": packed(floats, FLOAT_BYTES), "small": packed_bytes(small)}
 
 
 def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return the decimals with which `format_estimate` prints mean and lower end, and the upper end.
+    """Return the decimals with which `format_estimate` prints the mean and lower end, and those of the upper end.
 
-    Decimals are negative for numbers rounded to tens. The decimals of the upper end are `NO_INTERVAL` if
-    `format_estimate` prints no interval.
+    Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are `NO_INTERVAL`
+    if `format_estimate` prints no interval.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         value_decimals = np.where(mean != 0, -np.floor(np.log10(np.abs(mean))), 0.0)
@@ -103,7 +103,7 @@ def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.
         np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_decimals)
     )
     upper_decimals = np.where(has_no_interval, NO_INTERVAL, upper_decimals)
-    # Ends that are equal as printed are replaced by a value without trailing zeros.
+    # If both ends are equal as printed, the value is printed without trailing zeros instead.
     for index in zip(*np.nonzero(is_equal), strict=True):
         text = format_estimate(float(mean[index]), float(lower[index]), float(upper[index]))
         if "[" not in text:
@@ -118,7 +118,7 @@ def _rounded_exponent(values: Floats) -> Floats:
 
 
 def text_with_unit(point: Sequence[float], unit: str) -> str:
-    """Return a value with its interval (3,) and unit: "12.1 [11.0, 13.3] µm²". The unit "%" is for fractions."""
+    """Return a value with its interval (3,) and unit, as in "12.1 [11.0, 13.3] µm²"; fractions have the unit "%"."""
     value, lower, upper = point
     if np.isnan(value):
         return "none"
