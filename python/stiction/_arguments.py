@@ -12,11 +12,11 @@ from stiction._errors import ArgumentError
 from stiction._units import Quantity, exact_text, quantity, short_repr, unit_names
 
 _CORE_UNITS = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m^2"}
-"""Core unit of each kind of quantity: the unit of a plain number."""
+"""Core unit of each kind of quantity, which is the unit of a plain number."""
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split a comma-separated string or a nested list into its values; any other value is returned in a list."""
+    """Split a comma-separated string or a nested list into its values; any other value becomes a list of one."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and np.ndim(value) == 1
@@ -31,7 +31,7 @@ def _split_required(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Return a quantity of the given kind from a string with its unit or from a number in core units."""
+    """Return a quantity of the given kind from a string with a unit, or from a number in core units."""
     try:
         return quantity(value if isinstance(value, str) else exact_text(number("", value), _CORE_UNITS[kind]), kind)
     except ValueError as error:
@@ -45,11 +45,11 @@ def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
 
 
 _DECIMAL_COMMA = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
-"""Comma between two integers, which may be a decimal comma: "0,2", but not "0, 2" or "0.2,0.3"."""
+"""Pattern of a comma between two integers that may be a decimal comma, as in "0,2" but not in "0, 2" or "0.2,0.3"."""
 
 
 def reject_decimal_commas(name: str, value: Any) -> None:
-    """Raise ArgumentError if a string contains a comma that may be a decimal comma."""
+    """Raise an `ArgumentError` if a string contains a comma that may be a decimal comma."""
     for item in value if isinstance(value, (list, tuple)) else [value]:
         if isinstance(item, str) and (match := _DECIMAL_COMMA.search(item)):
             as_decimal, as_list = match[0].replace(",", "."), match[0].replace(",", ", ")
@@ -69,12 +69,12 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
         raise
     except ValueError:
         raise ArgumentError(
-            f'{{{name}}} must be a number or several, as in "0.3,0.4", got {{got}}', got=repr(value)
+            f'{{{name}}} must be one or several numbers, as in "0.3,0.4", got {{got}}', got=repr(value)
         ) from None
 
 
 MAX_NUMBER = 1e6
-"""Largest coefficient, percentage or range limit; larger values are input errors."""
+"""Largest coefficient, percentage or limit of a range; larger values are input errors."""
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
@@ -90,20 +90,20 @@ def parse_coefficients(name: str, value: Any) -> list[float]:
 
 
 def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
-    """Return the values of an argument; raise ArgumentError if one is negative."""
+    """Return the values of an argument; raise an `ArgumentError` if a value is negative."""
     if not all(value >= 0 for value in values):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(argument))
     return values
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load, and return with it whether it is a pressure on the slider. A plain number is a force in mN.
+    """Parse a load; also return True if the load is a pressure on the slider. A plain number is a force in mN.
 
     The load must be above 0, or at least 0 with `or_zero`.
     """
     reject_decimal_commas(name, value)
     kinds = ("force", "pressure")
-    if isinstance(value, str) and value.strip() == "0":  # needs no unit
+    if isinstance(value, str) and value.strip() == "0":  # zero needs no unit
         load, kind = parse_quantity(name, 0.0, "force"), "force"
     elif not isinstance(value, str):
         load, kind = parse_quantity(name, value, "force"), "force"

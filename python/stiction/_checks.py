@@ -20,7 +20,7 @@ _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Floats:
-    """Return the values as a C-contiguous float64 array; raise ValueError if a value is not finite.
+    """Return the values as a C-contiguous float64 array; raise a `ValueError` if a value is not finite.
 
     `ndim` is the required number of dimensions; None accepts any.
     """
@@ -36,7 +36,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
-    # Summing is faster than testing each element; the sum of finite numbers can only be infinite by overflow.
+    # A sum is faster than a test of each element. A sum of finite numbers is infinite only if it overflows.
     with np.errstate(over="ignore", invalid="ignore"):
         total = array.sum()
     if not np.isfinite(total) and (bad := ~np.isfinite(array)).any():
@@ -100,13 +100,13 @@ def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise ValueError unless the value is an instance of a class; in the message, `words` describe the class."""
+    """Raise a `ValueError` unless the value is an instance of a class, which `words` describe in the message."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 
 
 def check_choice(name: str, value: Any, literal: Any) -> None:
-    """Raise ValueError unless the value is one of the strings of a `Literal` type."""
+    """Raise a `ValueError` unless the value is one of the strings of a `Literal` type."""
     allowed = get_args(literal)
     value = scalar(value)
     if not (isinstance(value, str) and value in allowed):
@@ -115,6 +115,6 @@ def check_choice(name: str, value: Any, literal: Any) -> None:
 
 
 def check_bool(name: str, value: Any) -> None:
-    """Raise ValueError unless the value is True or False; 0 and 1 are rejected."""
+    """Raise a `ValueError` unless the value is True or False; 0 and 1 are rejected."""
     if not isinstance(scalar(value), bool):
         raise ValueError(f"{name} must be True or False, got {short_repr(value)}")

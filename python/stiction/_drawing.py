@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_MAP = "gray"
-_MAX_NM_RANGE = 0.5  # height ranges (µm) below this are drawn in nm
-_MAX_BAR_FRACTION = 0.25  # largest length of the scale bar as a fraction of the map width
+_MAX_NM_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
+_MAX_BAR_FRACTION = 0.25  # largest length of the scale bar, relative to the width of the map
 PRESSURE_MAP = "inferno"
-MAX_LEGEND_LINES = 12  # largest number of lines with a legend
+MAX_LEGEND_LINES = 12  # largest number of lines for which there is a legend
 
 
 def to_readable_unit(heights: Floats) -> tuple[Floats, str]:
@@ -53,7 +53,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     middle, mean = bins
     filled = mean > 0
     ax.loglog(middle[filled], mean[filled], color="0.1", linewidth=1.4)
-    # Without this limit, harmonics that are pure round-off would fill most of the axis.
+    # Without this limit, harmonics that consist of round-off would fill most of the axis.
     top = float(density.max())
     ax.set_ylim(max(float(mean[filled].min()) / 3, 1e-16 * top), 3 * top)
     ax.set_xlabel("wave number q (1/µm)")
@@ -65,7 +65,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
-    """Draw the rms height per octave of wavelength: the part common to two scans, and the noise of one scan."""
+    """Draw the rms height per octave of wavelength: heights that two scans share, and the noise of one scan."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -73,7 +73,7 @@ def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
         )
     if math.isfinite(comparison.limit):
         ax.axvline(comparison.limit, color="0.5", linewidth=0.8)
-    ax.set(xlabel="shortest wavelength of an octave (µm)", ylabel="rms height in it (nm)")
+    ax.set(xlabel="shortest wavelength of an octave (µm)", ylabel="rms height in the octave (nm)")
     set_log_ticks(ax)
     ax.legend()
     return ax
@@ -114,7 +114,7 @@ def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
 
 
 def set_log_ticks(axes: Axes) -> None:
-    """Label logarithmic axes with plain numbers up to three decades and with powers of ten beyond."""
+    """Label logarithmic axes with plain numbers over up to three decades, and with powers of ten over wider ranges."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for axis in (axes.xaxis, axes.yaxis):
@@ -167,7 +167,7 @@ def draw_friction(
 
 
 def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return the label of each combination of mu0 and tau0, as the only item of a list; empty for scalars."""
+    """Return a label for each combination of mu0 and tau0, as the only item of a list; empty for scalars."""
     materials = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if materials[0].ndim == 0:
         return []
@@ -207,7 +207,7 @@ def _draw_line_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: flo
 def draw_onset(
     ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
 ) -> Axes:
-    """Draw the tangential load against the displacement, or against the slipped area if no displacement is known."""
+    """Draw the tangential load against the displacement, or against the slipped area if there is no displacement."""
     has_displacement = bool(np.isfinite(displacement).all())
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"

@@ -16,12 +16,15 @@ from pathlib import Path
 from stiction._text import printable_path
 
 PARTIAL_NAME = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
-"""Name of a partial file: machine, process id, run and a random number. A killed process leaves the file behind."""
+"""Pattern of names of partial files, which a killed process leaves behind.
 
-MAX_PARTIAL_AGE = 3600.0  # seconds after which a partial file from another machine counts as stale
+The name contains the machine, the process id, the run and a random number.
+"""
+
+MAX_PARTIAL_AGE = 3600.0  # seconds after which a partial file of another machine counts as stale
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-_RUN_TOKEN = secrets.token_hex(4)  # process ids are reused, so the id alone does not identify a run
-_NUM_SEARCHED_BYTES = 2**16  # length of the head and tail of a file that are searched for its mark
+_RUN_TOKEN = secrets.token_hex(4)  # identifies the run, because process ids are reused
+_NUM_SEARCHED_BYTES = 2**16  # number of bytes at the beginning and at the end of a file in which its mark is searched
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -29,11 +32,11 @@ _NUM_SEARCHED_BYTES = 2**16  # length of the head and tail of a file that are se
 
 @contextmanager
 def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a partial file that gets its final name when it is complete; raise `failure` if that name exists."""
+    """Yield a partial file that gets its final name when it is complete; raise `failure` if the name exists already."""
     with _translate_errors(path, failure):
         if os.path.lexists(path):
             raise FileExistsError
-        with _partial(path, os.link) as partial:  # unlike rename, link never replaces a file
+        with _partial(path, os.link) as partial:  # in contrast to rename, link never replaces a file
             yield partial
 
 
@@ -55,14 +58,14 @@ def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> Non
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file atomically: it appears under its name, replacing an older file, when it is complete."""
+    """Write a file atomically: it appears under its name, and replaces an older file, only once it is complete."""
     with _partial(path, Path.replace) as partial:
         partial.write_bytes(content)
 
 
 @contextmanager
 def _partial(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
-    """Yield an empty file next to `path`, move it there on success, and remove it in any case."""
+    """Yield an empty file next to `path`, which is moved there on success and removed otherwise."""
     partial = path.parent / new_partial_name()
     try:  # opened inside `try`, because Ctrl-C may come as soon as the file exists
         os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
@@ -74,7 +77,7 @@ def _partial(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]
 
 
 def new_partial_name() -> str:
-    """Return a new, unused name for a partial file, of fixed length."""
+    """Return a new, unused name of fixed length for a partial file."""
     return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_RUN_TOKEN}-{secrets.token_hex(4)}.partial"
 
 
@@ -125,7 +128,7 @@ def _has_mark(path: Path, mark: bytes) -> bool:
 
 
 class NotReadableError(Exception):
-    """Error for a file that is not of the expected kind."""
+    """Error raised for a file that is not of the expected kind."""
 
 
 def read_content(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
@@ -151,5 +154,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason of a system error without the file name, which may be internal."""
+    """Return the reason of a system error without the file name, which may be an internal one."""
     return os.strerror(error.errno) if error.errno else str(error)

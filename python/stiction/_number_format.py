@@ -1,12 +1,12 @@
-"""Formatting of numbers: the interval determines the digits, and the unit is the one with the fewest zeros."""
+"""Formatting of numbers, with digits that follow from the interval and in the unit with the fewest zeros."""
 
 from __future__ import annotations
 
 import math
 
-MAX_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is narrower
-UNBOUNDED_END = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-MAX_PRECISE_END_RATIO = 100.0  # ratio of upper end to value above which the end is printed with one digit
+MAX_DIGITS = 4  # maximum number of significant digits of a value, however narrow its interval
+UNBOUNDED_END = "\N{INFINITY}"  # text that stands for the upper end of an unbounded interval
+MAX_PRECISE_END_RATIO = 100.0  # ratio of the upper end to the value above which the end is printed with one digit
 
 _PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
@@ -14,14 +14,14 @@ _PREFIXES = {
     "um": ((1e6, 1e6, "m"), (1e3, 1e3, "mm"), (1.0, 1.0, "µm"), (0.0, 1e-3, "nm")),
     "pJ": ((1e3, 1e3, "nJ"), (1.0, 1.0, "pJ"), (0.0, 1e-3, "fJ")),
 }
-"""Minimum value, factor to core units and name of each prefixed unit, by core unit."""
+"""Minimum value, factor to the core unit and name of each prefixed unit, by core unit."""
 
 
 def format_with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
-    """Format a value and its interval, rounded to `digits` digits of the half-width: "0.157 [0.102, 0.216]".
+    """Format a value with its interval, rounded to `digits` digits of the half-width, as in "0.157 [0.102, 0.216]".
 
-    The value has two to four significant digits. The text is "none" for a missing value, ends with "no interval" for a
-    missing interval, and has no interval if both ends are equal to four digits.
+    The value has two to four significant digits. The text is "none" for a missing value, and ends with "no interval"
+    for a missing interval. The interval is omitted if both ends are equal to four digits.
     """
     if math.isnan(mean):
         return "none"
@@ -40,7 +40,7 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
 
 
 def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number with its interval, rounded to one digit of the half-width; without an interval, to two digits."""
+    """Format a number with its interval, rounded to one digit of the half-width, or without interval to two digits."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
@@ -69,7 +69,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Return the decimals that give `digits` digits of the half-width and two to four digits of the value."""
+    """Return the number of decimals for `digits` digits of the half-width, and two to four of the value."""
     size = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
         return size + MAX_DIGITS - 1
@@ -89,19 +89,19 @@ def format_with_unit(value: float, unit: str) -> str:
 
 
 def choose_prefix(value: float, unit: str) -> tuple[float, str]:
-    """Return factor and name of the unit in which a value has the fewest zeros."""
+    """Return the factor and the name of the unit in which a value has the fewest zeros."""
     if value == 0:
         return 1.0, unit.replace("um", "µm")
-    # The value is rounded to the printed digits first, so that 0.99996 mN is printed as 1 mN.
+    # The value is first rounded to the printed digits, so that 0.99996 mN is printed as 1 mN.
     rounded = float(f"{abs(value):.3g}")
     return next((factor, name) for minimum, factor, name in _PREFIXES[unit] if rounded >= minimum)
 
 
-MIN_PERCENT = 0.001  # percentage below which only this limit is printed
+MIN_PERCENT = 0.001  # smallest percentage that is printed; smaller ones are printed as below this limit
 
 
 def format_time(seconds: float) -> str:
-    """Format a time in the largest unit that gives at least 1: "1.5 h"."""
+    """Format a time in the largest unit in which it is at least 1, as in "1.5 h"."""
     factor, unit = next((item for item in _TIME_UNITS if seconds >= item[0]), _TIME_UNITS[-1])
     return f"{seconds / factor:.3g} {unit}"
 
@@ -110,7 +110,7 @@ _TIME_UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, 
 
 
 def format_percent(fraction: float) -> str:
-    """Format a fraction as a percentage, with two digits below 1 %: "0.42 %", "37 %"."""
+    """Format a fraction as a percentage, as in "37 %", or with two digits below 1 %, as in "0.42 %"."""
     if math.isnan(fraction):
         return "none"
     value = 100 * fraction
@@ -125,5 +125,5 @@ def _format_decimals(value: float, digits: int) -> str:
 
 
 def finite_or_none(value: float | None) -> float | None:
-    """Return a number for JSON: None for NaN and infinity, and for None itself."""
+    """Return a number for JSON, in which None stands for NaN, for infinity, and for None itself."""
     return float(value) if value is not None and math.isfinite(value) else None

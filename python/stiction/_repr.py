@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NOTEBOOK_DPI = 110  # resolution of an image in a notebook
+NOTEBOOK_DPI = 110  # resolution of an image in a notebook, dots per inch
 NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of an image in a notebook, inches
-MAX_COLUMN_WIDTH = 4.0  # figures up to this width (inches) fit one column and get a higher resolution
-PNG_COMPRESSION = 4  # takes half the time of the default level 6; images of maps are 10 % larger
+MAX_COLUMN_WIDTH = 4.0  # largest width (inches) of figures that fit into one column and get a higher resolution
+PNG_COMPRESSION = 4  # takes half the time of the default level 6, for images of maps that are 10 % larger
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
-"""Next smaller unit and its factor, used for values below 0.1."""
+"""Next smaller unit and its factor, for values below 0.1."""
 
 
 class TextRepr:
-    """Mixin for a text representation that lists all numbers, and the shape and range of all arrays."""
+    """Mixin for a text representation that lists all numbers, and the shapes and ranges of all arrays."""
 
     def __repr__(self) -> str:
         """Return one line per quantity, with its unit."""
@@ -37,7 +37,7 @@ class TextRepr:
 
 
 class PlotRepr(TextRepr):
-    """Mixin for text and a plot in a notebook. The class must have a method ``plot(ax=None)``."""
+    """Mixin for a text and a plot in a notebook. The class must have a method ``plot(ax=None)``."""
 
     def _repr_html_(self) -> str:
         return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]
@@ -135,7 +135,7 @@ def table_html(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def plot_html(draw: Callable[[Axes], object]) -> str:
-    """Render the axes drawn by a function as an inline image, or its error message if there is nothing to draw."""
+    """Render axes that a function draws as an inline image, or its error message if there is nothing to draw."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=NOTEBOOK_SIZE, layout="constrained")
@@ -147,7 +147,7 @@ def plot_html(draw: Callable[[Axes], object]) -> str:
 
 
 def figure_html(figure: Any) -> str:
-    """Return a Matplotlib figure as an inline image with a text for screen readers."""
+    """Return a Matplotlib figure as an inline image, with a text for screen readers."""
     encoded = base64.b64encode(render_png(figure)).decode("ascii")
     return f'<img alt="picture" style="max-width:100%" src="data:image/png;base64,{encoded}"/>'
 
@@ -163,7 +163,7 @@ def render_png(figure: Any) -> bytes:
 def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: dict[str, str] | None = None) -> None:
     """Write a Matplotlib figure as PNG at the given resolution.
 
-    The figure is drawn once; `Figure.savefig` draws a figure with automatic layout twice.
+    The figure is drawn only once, whereas `Figure.savefig` draws a figure with automatic layout twice.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 

@@ -6,11 +6,11 @@ import math
 import os
 import unicodedata
 
-MAX_PATH_LENGTH = 300  # characters of a path in a message
-MAX_WORD_LENGTH = 80  # characters of a key, version or name in a message
-MAX_LINE_LENGTH = 1000  # characters of any line of a message
+MAX_PATH_LENGTH = 300  # largest number of characters of a path in a message
+MAX_WORD_LENGTH = 80  # largest number of characters of a key, version or name in a message
+MAX_LINE_LENGTH = 1000  # largest number of characters of a line in a message
 
-# Unicode categories: control and format characters, surrogates, line and paragraph separators.
+# Unicode categories that are escaped: control and format characters, surrogates, line and paragraph separators.
 _UNPRINTABLE = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
@@ -39,13 +39,13 @@ def printable_path(path: str | os.PathLike[str]) -> str:
 
 
 def format_bytes(size: float) -> str:
-    """Format a number of bytes with three digits: "23 kB"."""
+    """Format a number of bytes with three digits, as in "23 kB"."""
     power = min(4, max(1, int(math.log(max(size, 1), 1000))))
     return f"{size / 1000**power:.3g} {' kMGT'[power]}B"
 
 
 def format_duration(seconds: float) -> str:
-    """Format a duration in a suitable unit: "1.5 min"."""
+    """Format a duration in a suitable unit, as in "1.5 min"."""
     for limit, unit in ((60, "s"), (60, "min"), (48, "hours")):
         if seconds < limit:
             return f"{seconds:.2g} {unit}"

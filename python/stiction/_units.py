@@ -23,7 +23,7 @@ VALID_RANGES = {
     "length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "time": (1e-3, 1e10),
     "work of adhesion": (1e-9, 1),
 }  # fmt: skip
-"""Minimum and maximum magnitude in core units. Values beyond these limits usually have a wrong unit."""
+"""Minimum and maximum magnitude in core units. Values outside these limits usually have a wrong unit."""
 
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
@@ -31,7 +31,7 @@ _QUANTITY = re.compile(
 
 
 _NUMBER_AND_UNIT = re.compile(r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*")
-"""Number and unit, with more digits or a larger exponent than any valid quantity."""
+"""Pattern of a number and a unit; it allows more digits and larger exponents than any valid quantity has."""
 
 
 def unit_names(kind: str) -> tuple[str, ...]:
@@ -40,7 +40,7 @@ def unit_names(kind: str) -> tuple[str, ...]:
 
 
 class Quantity(float):
-    """Number in core units (µm, GPa, mN) with its original text. Comparison uses the number only."""
+    """Number in core units (µm, GPa, mN) with its original text. Comparisons use only the number."""
 
     text: str
 
@@ -79,7 +79,7 @@ def quantity(text: object, kind: str) -> Quantity:
         similar = [name for name in units if name.lower() == unit.lower()]
         hint = f"; did you mean {' or '.join(similar)}?" if similar else ""
         raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {short_repr(text)}{hint}")
-    # Decimal arithmetic: "100 nm" and "0.1 um" must give the same number.
+    # Decimal arithmetic ensures that "100 nm" and "0.1 um" give the same number.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
     if value != 0 and not lowest <= abs(value) <= highest:
         raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {short_repr(text)}")
@@ -102,7 +102,7 @@ def to_core_units(name: str, value: Any, kind: str) -> Any:
 
 
 def loads_to_core_units(name: str, value: Any, area: float) -> Any:
-    """Convert loads given as a force, or as a pressure on an area (µm²), to mN; return numbers unchanged.
+    """Convert loads to mN from forces, or from pressures on an area (µm²); return numbers unchanged.
 
     Raises a `ValueError` if a string is neither a force nor a pressure.
     """
@@ -112,7 +112,7 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
         return value
     for kind, factor in (("force", 1.0), ("pressure", area)):
         try:
-            return float(f"{quantity(value, kind) * factor:.12g}")  # removes round-off digits
+            return float(f"{quantity(value, kind) * factor:.12g}")  # removes digits that result from round-off
         except ValueError:
             continue
     raise ValueError(f'{name} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa", got {value!r}')
@@ -129,12 +129,12 @@ def exact_quantity(value: float, unit: str) -> Quantity:
 
 
 def short_repr(value: object) -> str:
-    """Return the representation of a value, shortened to fit a line of a message."""
+    """Return the representation of a value, shortened to fit on a line of a message."""
     try:
         text = repr(value)
     except (
         ValueError,
         RecursionError,
-    ):  # repr fails for numbers with thousands of digits and for deeply nested containers
+    ):  # `repr` fails for numbers with thousands of digits and for deeply nested containers
         text = type(value).__name__
     return text if len(text) <= 40 else text[:37] + "..."

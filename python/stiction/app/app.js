@@ -3,17 +3,18 @@
 // Page of the app: form, uploads, jobs and results. The server sends numbers as text.
 
 const byId = (id) => document.getElementById(id);
-const UPDATE_DELAY = 400; // ms without a change before the values are updated
-const POLL_INTERVAL = 500; // ms between two requests for the progress of jobs
+const UPDATE_DELAY = 400; // milliseconds without a change before the values are updated
+const POLL_INTERVAL = 500; // milliseconds between two requests for the progress of jobs
 const sides = ["upper", "lower"];
 const scans = {upper: null, lower: null};
-const arriving = {upper: 0, lower: 0}; // number of files per side being uploaded or read
-const latestRequests = {upper: 0, lower: 0}; // number per side of the latest upload or preview; answers to earlier ones are ignored
+const arriving = {upper: 0, lower: 0}; // number of files that are being uploaded or read, by side
+// number of the latest upload or preview by side; answers to earlier requests are ignored
+const latestRequests = {upper: 0, lower: 0};
 const form = byId("pair");
 let jobs = [];
 let current = null; // number of the job that is shown
-let reportAddress = ""; // address of its report in the frame
-let selection = null; // values selected in the report if they differ from the inputs
+let reportAddress = ""; // address of the job's report in the frame
+let selection = null; // values selected in the report, if they differ from the inputs
 
 const createNode = (tag, properties = {}, ...children) => {
   const node = Object.assign(document.createElement(tag), properties);
@@ -21,7 +22,7 @@ const createNode = (tag, properties = {}, ...children) => {
   return node;
 };
 
-// Only this page has the key; a browser also sends cookies to other servers of this computer.
+// Only this page has the key, whereas a browser also sends cookies to other servers on this computer.
 if (location.hash) {
   localStorage.setItem("key", location.hash.slice(1));
   history.replaceState(null, "", "/");
@@ -32,7 +33,7 @@ const withKey = (address) => `${address}${address.includes("?") ? "&" : "?"}key=
 
 /** Return the JSON response of the server; throw an error with its message if it rejects the request. */
 async function requestJson(address, options = {}) {
-  const response = await fetch(address, {...options, headers: {"x-stiction-key": key}}).catch(() => { throw new Error("the server does not answer"); });
+  const response = await fetch(address, {...options, headers: {"x-stiction-key": key}}).catch(() => { throw new Error("the server does not respond"); });
   if (!response.ok) throw new Error(await response.text());
   return response.json();
 }
@@ -179,7 +180,7 @@ async function submitJob(errorId, body) {
     byId("page").hidden = true;
     saveState();
     await poll();
-    byId("job").scrollIntoView({block: "nearest"}); // the result is below the form on a phone
+    byId("job").scrollIntoView({block: "nearest"}); // on a phone, the result is below the form
   } catch (error) {
     showError(byId(errorId), error.message);
   }
@@ -231,7 +232,8 @@ function render() {
   frame.contentWindow.location.replace(page + (hash || (job.command.startsWith("stiction run") ? `#d=${dimension()}` : "")));
 }
 
-const VERDICT_CLASSES = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}; // CSS class of each assessment
+// CSS classes by assessment
+const VERDICT_CLASSES = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
 
 /** Show values, assessment and caveats. Intermediate results are grey and have no assessment. */
 function showResult(answer, scope, isFinal) {

@@ -1,4 +1,4 @@
-"""Fields of the form in HTML, and replacement of option names in messages by field labels."""
+"""Fields of the form as HTML, and replacement of option names in messages by labels of fields."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ FIELDS: dict[str, FormField] = {
     for name, option in PAIR_OPTIONS.items()
     if option.field is not None
 }
-"""Fields of the form by option name without dashes."""
+"""Form fields by the names of their options, without dashes."""
 
 READING_FIELDS = tuple(flag for flag, field in FIELDS.items() if field.place == "scan")
-"""Names of the reading options, which the form contains for each scan."""
+"""Names of the options for reading files, which the form contains for each scan."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
@@ -40,7 +40,7 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def page_facts() -> str:
-    """Return the facts that the script of the page reads, as JSON text of an attribute.
+    """Return facts for the script of the page, as the JSON text of an attribute.
 
     The facts are units of plain numbers, options with commas, and descriptions of the sliding rules.
     """
@@ -62,7 +62,7 @@ def find_first_option(message: str) -> str:
 
 
 def replace_option_names(message: str) -> str:
-    """Return a command message with form options replaced by the labels of their fields."""
+    """Return a message of a command with the options of the form replaced by the labels of their fields."""
 
     def field_label(match: re.Match[str]) -> str:
         field = FIELDS.get(match[1])

@@ -1,7 +1,7 @@
 """Job queue of the server: runs commands in separate processes, one at a time.
 
-A job is a command that a user could type: the command line gives the same numbers, and "stop" has the effect of Ctrl-C.
-A scan or result that exceeds the memory limit ends the command, not the server.
+A job is a command that a user could type: the command line gives the same numbers, and "stop" has the same effect as
+Ctrl-C. A scan or result that exceeds the memory limit ends the command, but not the server.
 """
 
 from __future__ import annotations
@@ -25,26 +25,26 @@ from stiction.app.form import find_first_option, replace_option_names
 from stiction.studies.store import open_stored
 
 POLL_INTERVAL = 0.4  # seconds between two checks of the progress of a command
-MAX_SHUTDOWN_TIME = 5.0  # seconds that a command has to write its results before it is killed
-MAX_KILL_TIME = 1.0  # maximum time in seconds until a killed process has ended
+MAX_SHUTDOWN_TIME = 5.0  # seconds that a command has for writing its results before it is killed
+MAX_KILL_TIME = 1.0  # longest time in seconds until a killed process has ended
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
 MAX_OUTPUT = 2**25  # maximum number of bytes that a command may print
-JOB_MEMORY = 0.5  # maximum fraction of the machine's memory for the one running job
-READER_MEMORY = 0.25  # maximum fraction of the memory for each of two processes that read a scan or a result
+JOB_MEMORY = 0.5  # maximum fraction of the machine's memory for the running job
+READER_MEMORY = 0.25  # maximum fraction of the memory for each of two processes that read scans or results
 SCOPE_TEXT = ", here and in the pictures"
-END_OF_RECORD = b"\n}\n"  # end of the JSON of a command; the command draws figures afterwards
+END_OF_RECORD = b"\n}\n"  # end of the JSON record of a command, which draws figures afterwards
 
 
 REPORTED_ERRORS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
-"""Exceptions that the app reports to the user as a message."""
+"""Exceptions that the app reports to the user as messages."""
 
 
 class RejectedError(ValueError):
-    """Rejected request, with a message for the page."""
+    """Error for a rejected request, with a message for the page."""
 
 
 def remove_paths(text: str, root: Path | str) -> str:
-    """Return text with private paths replaced by the names of the uploaded scans."""
+    """Return a text in which the names of the uploaded scans replace private paths."""
     return re.sub(rf"{re.escape(str(root))}/(?:files/\w+/)?", "", text)
 
 
@@ -54,12 +54,12 @@ class Job:
 
     number: int
     title: str
-    arguments: list[str]  # arguments of `stiction`
+    arguments: list[str]  # arguments of the command `stiction`
     folder: Path
     preview: tuple[list[str], Any] | None = None  # scans and options of a preview with the asperity model
     state: str = "waiting"  # waiting, running, done, stopped or failed
     activity: str = "waiting for the previous job"
-    scope: str = ""  # members of an intermediate result; empty for the final result
+    scope: str = ""  # members of an intermediate result as a text; empty for the final result
     finished: int = 0
     total: int = 0
     versions: int = 0
@@ -78,14 +78,14 @@ class Job:
         }  # fmt: skip
 
     def stop(self) -> None:
-        """Stop the command. The state changes when the command has ended; its finished part is read afterwards."""
+        """Stop the command. Its state changes when it has ended; the finished part of its result is read afterwards."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
 
 
 class Jobs:
-    """Queue of all jobs of a server, in a directory of the server."""
+    """Queue of all jobs of a server, and their directory."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -112,7 +112,7 @@ class Jobs:
         for job in self.all.values():
             job.stop()
             if job.state == "stopped" and job.task is not None:
-                job.task.cancel()  # a result that is still read
+                job.task.cancel()  # cancels the reading of a result, if it is in progress
         await asyncio.gather(*(job.task for job in self.all.values() if job.task), return_exceptions=True)
 
     async def _run_job(self, job: Job) -> None:
@@ -125,7 +125,7 @@ class Jobs:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            with suppress(*REPORTED_ERRORS):  # no result exists, or the surfaces do not touch
+            with suppress(*REPORTED_ERRORS):  # there is no result, or the surfaces do not touch
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
         except REPORTED_ERRORS as error:
@@ -136,7 +136,7 @@ class Jobs:
     async def _run_command(self, job: Job) -> None:
         if job.preview is not None and not job.folder.exists():
             job.activity = "computing a preview"
-            with suppress(*REPORTED_ERRORS):  # the command itself reports the error
+            with suppress(*REPORTED_ERRORS):  # the command itself will report the error
                 await self._read_result(
                     job,
                     "preview with the asperity model, without hardness, at {finished} positions",
@@ -157,10 +157,10 @@ class Jobs:
 
     async def _monitor(self, job: Job) -> None:
         """Monitor the progress of a command, and read its result whenever the number of members has doubled."""
-        num_reported = 2  # fewer members give no interval
+        num_reported = 2  # fewer members have no interval
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            with suppress(*REPORTED_ERRORS):  # no result exists yet, or the surfaces do not touch
+            with suppress(*REPORTED_ERRORS):  # there is no result yet, or the surfaces do not touch
                 stored = await asyncio.to_thread(open_stored, job.folder)
                 job.finished, job.total = stored.count, stored.study.ensemble.repetitions
                 if job.total > job.finished >= 2 * num_reported:
@@ -199,7 +199,7 @@ class Jobs:
 
 
 def limit_prefix(memory: float) -> list[str]:
-    """Return a command prefix that limits memory to a fraction and kills the process with its parent (Linux)."""
+    """Return a command prefix that limits memory to a fraction, and kills the process with its parent (Linux)."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
     import resource
@@ -243,6 +243,6 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # otherwise the transport outlives the event loop
+            with suppress(TimeoutError):  # without this, the transport would outlive the event loop
                 await asyncio.wait_for(process.wait(), MAX_KILL_TIME)
         errors.cancel()

@@ -1,6 +1,6 @@
-"""Command `python -m stiction.app.preview FILE READING`: prints the content of a scan as JSON with a small image.
+"""Command `python -m stiction.app.preview FILE READING`, which prints a scan as JSON with a small image.
 
-READING is JSON: options of `read_measurement` by name, with text values.
+READING is JSON text with the options of `read_measurement` by name, whose values are texts.
 """
 
 from __future__ import annotations
@@ -24,11 +24,12 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
 
 MAX_DRAWN_POINTS = 160  # maximum number of rows, columns or points of an image
-LINE_COLOURS = ("#7a8490", "#8a63c7")  # colours of the lower and upper line, visible on light and dark backgrounds
+# colours of the lower and the upper line, which are visible on light and dark backgrounds
+LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 
 def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
-    """Return the content of a scan with a small image, or the error that prevents reading it."""
+    """Return the contents of a scan with a small image, or the error that prevents reading it."""
     texts = {name.replace("-", "_"): text for name, text in reading.items() if text}
     options: dict[str, Any] = {name: split_list(name, text) for name, text in texts.items()}
     with warnings.catch_warnings(record=True) as caught_warnings:
@@ -66,7 +67,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
 
 
 def draw_svg(*lines: Floats) -> str:
-    """Draw lines in one frame as SVG."""
+    """Draw lines in a common frame as SVG."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
     for line, colour in zip(lines, LINE_COLOURS, strict=False):

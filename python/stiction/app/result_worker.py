@@ -1,4 +1,4 @@
-"""Worker process that reads a result for the server, prints its values, and writes the files that the user can save."""
+"""Worker process that reads a result for the server, prints its values, and writes files that the user can save."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the preview study with the asperity model for the scans and options of a `pair` command."""
+    """Return the study of a preview with the asperity model, for the scans and options of a `pair` command."""
     fields = {format_command_line_name(name): name for name in PAIR_OPTIONS}
     values: dict[str, list[str]] = {}
     for flag, text in options:

@@ -20,13 +20,13 @@ from stiction.app.server import Server
 WORKING_DIRECTORY_PREFIX = "stiction-app-"
 
 MAX_WINDOW_ABSENCE = 90.0
-"""Seconds without a request after which the server exits; browsers limit hidden windows to one per minute."""
+"""Seconds without a request after which the server exits, because browsers limit hidden windows to one per minute."""
 
-MAX_WAIT_FIRST_WINDOW = 600.0  # seconds that the server waits for the first window
+MAX_WAIT_FIRST_WINDOW = 600.0  # seconds that the server waits until the first window is opened
 
 MAX_IDLE = 20.0  # seconds within which a connection must send the head of its request
 MAX_IDLE_CONNECTIONS = 64
-"""Maximum number of connections without a complete request head; the oldest one is closed."""
+"""Maximum number of connections without a complete request head; if there are more, the oldest is closed."""
 
 
 class Connection(H11Protocol):
@@ -67,7 +67,7 @@ class Connection(H11Protocol):
 
 
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page until its last window has been closed for a while or the command is interrupted."""
+    """Serve the page until its last window has been closed for some time, or until the command is interrupted."""
     with (
         tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as folder,
         socket.create_server(("127.0.0.1", 0)) as listener,
@@ -104,7 +104,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, end)
-    # uvicorn's handlers would raise the signal again, and the directory would not be removed.
+    # The handlers of uvicorn would raise the signal again, and the directory would not be removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))

@@ -1,4 +1,4 @@
-"""Generated surfaces: two sample surfaces, and the profiles defined by the sliders."""
+"""Generated surfaces: two sample surfaces, and the profiles that the sliders define."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stiction.surfaces.self_affine import self_affine_surface
 
 
 def write_samples(folder: Path) -> list[Path]:
-    """Write an upper and a lower ground surface of 26 µm with an rms height of 50 nm (Sq)."""
+    """Write an upper and a lower ground surface with sides of 26 µm and an rms height (Sq) of 50 nm."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{side}.csv" for side in ("upper", "lower")]
     for path in paths:
@@ -29,7 +29,7 @@ def write_samples(folder: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw the profiles of the study `quick` with some changes as SVG, in a window around the first contact."""
+    """Draw the profiles of the study `quick`, with changes, as SVG in a window around the first contact."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(iter(generate_pairs(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))

@@ -31,17 +31,17 @@ from stiction.app.jobs import Job, Jobs, RejectedError, remove_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
-MAX_SCAN_BYTES = 300_000_000  # maximum number of bytes of a scan, as much text as the readers accept
+MAX_SCAN_BYTES = 300_000_000  # maximum number of bytes of a scan, which is as much text as the readers accept
 MAX_TOTAL_BYTES = 2_000_000_000  # maximum number of bytes of all scans
 MAX_REQUEST_BYTES = 2**16  # maximum number of bytes of any other request
 MAX_REQUEST_TIME = 120.0  # maximum number of seconds for a request and its response
 MAX_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six
 MAX_NAME_LENGTH = 60  # maximum number of characters of a scan name
 MAX_LISTED_RESULTS = 100  # maximum number of listed results
-MAX_PREVIEW_POINTS = 2**21  # maximum number of points of a scan for a preview
+MAX_PREVIEW_POINTS = 2**21  # maximum number of points of a scan for which a preview is drawn
 REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 KEY_HEADER = "x-stiction-key"
-PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content, for which the cookie is sufficient
+PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content, for which the cookie suffices
 
 ALLOWED_OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
 """Options of each command that the page may set."""
@@ -49,7 +49,7 @@ ALLOWED_OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
 ALLOWED_CHANGE = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
 )
-"""Pattern of the settings of a study that the page may change. None of these settings is a file name."""
+"""Pattern of the study settings that the page may change, none of which is a file name."""
 
 REPORT_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
@@ -71,9 +71,9 @@ FOREIGN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.\n", 
 class Server:
     """ASGI application of the page. Scans and results are in `root`, existing results in `working_directory`.
 
-    The server accepts requests from `origin` only. The first request needs `token`, all others two secrets: a cookie,
-    which a browser also sends to other ports of this computer, and a key, which only the page has. `last_request_time`
-    is the time of the last request of a window, by the clock of the event loop.
+    The server accepts requests only from `origin`. The first request needs `token`; all other requests need two
+    secrets: a cookie, which a browser also sends to other ports of this computer, and a key, which only the page has.
+    `last_request_time` is the time of the last request of a window, on the clock of the event loop.
     """
 
     def __init__(self, root: Path, working_directory: Path, port: int, *, has_demo: bool = False) -> None:
@@ -236,14 +236,14 @@ class Server:
                 async for chunk in request.stream():
                     digest.update(chunk)
                     await asyncio.to_thread(file.write, chunk)
-            scan = digest.hexdigest()[:16]  # an identical scan gets the same identifier
+            scan = digest.hexdigest()[:16]  # identical scans get the same identifier
             path = self.root / "files" / scan / name
             path.parent.mkdir(parents=True, exist_ok=True)
             partial.rename(path)
             self.scans[scan] = path
         except OSError as error:
             with suppress(RuntimeError):  # the request is complete
-                async for _ in request.stream():  # otherwise the browser would not receive the error
+                async for _ in request.stream():  # without reading the rest, the browser would not receive the error
                     pass
             raise RejectedError(f"the scan cannot be stored: {error.strerror}") from None
         finally:

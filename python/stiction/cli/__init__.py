@@ -1,4 +1,4 @@
-"""Command line interface `stiction`: parses arguments and prints results, one module for each group of commands."""
+"""Command line interface `stiction`: parses arguments and prints results, with one module per group of commands."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, as in a shell
+EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, by the convention of shells
 EXIT_BAD_INPUT = 2  # exit status
 
 MIN_ADDRESS_SPACE = 2**30
-"""Bytes of address space (ulimit -v) below which OpenBLAS may block forever while SciPy is imported."""
+"""Address space in bytes (ulimit -v) below which OpenBLAS may block forever while SciPy is imported."""
 
 
 def main() -> None:
@@ -23,7 +23,7 @@ def main() -> None:
     if (limit := _address_space_limit()) < MIN_ADDRESS_SPACE:
         minimum = MIN_ADDRESS_SPACE // 10**6
         print(
-            f"stiction: memory is limited to {limit // 10**6} MB (ulimit -v); at least {minimum} MB are needed",
+            f"stiction: the memory is limited to {limit // 10**6} MB (ulimit -v); at least {minimum} MB are needed",
             file=sys.stderr,
         )
         sys.exit(EXIT_BAD_INPUT)
@@ -31,9 +31,9 @@ def main() -> None:
         with exit_on_interrupt():
             from stiction.cli.application import run_command_line
         status = run_command_line()
-    except KeyboardInterrupt:  # Ctrl-C while libraries are imported
+    except KeyboardInterrupt:  # Ctrl-C was pressed while libraries were imported
         status = EXIT_INTERRUPTED
-    if status == EXIT_INTERRUPTED:  # exit without waiting for threads that still compute
+    if status == EXIT_INTERRUPTED:  # exits without waiting for threads that still compute
         with suppress(OSError):
             sys.stdout.flush()
             sys.stderr.flush()
@@ -51,7 +51,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # another handler is installed, or SIGINT is ignored as in a background job
+        yield  # another handler is installed, or SIGINT is ignored, as in a background job
         return
     try:
         signal.signal(signal.SIGINT, exit_process)
@@ -61,17 +61,17 @@ def exit_on_interrupt() -> Iterator[None]:
 
 
 def _open_closed_streams() -> None:
-    """Open closed standard streams on the null device; otherwise the next opened file would get their descriptor."""
+    """Open closed standard streams on the null device, because the next opened file would get their descriptors."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)
         except OSError:
-            null = os.open(os.devnull, os.O_RDWR)  # returns the lowest free descriptor
+            null = os.open(os.devnull, os.O_RDWR)  # opens the lowest free descriptor
             setattr(sys, name, os.fdopen(null, "w" if number else "r"))
 
 
 def _address_space_limit() -> float:
-    """Return the limit on the address space in bytes, infinity if there is no limit."""
+    """Return the limit of the address space in bytes; infinity if there is no limit."""
     try:
         import resource
     except ImportError:  # Windows

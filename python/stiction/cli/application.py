@@ -41,8 +41,8 @@ def print_message(text: str, kind: str = "") -> None:
 
 
 def report_interruption(detail: str = "") -> typer.Exit:
-    """Print that the command was interrupted and return the exception that ends it with status 130."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would only add a traceback
+    """Print that the command was interrupted, and return the exception that ends it with status 130."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would only print a traceback
     print_message(f"interrupted{detail}")
     return typer.Exit(EXIT_INTERRUPTED)
 
@@ -55,7 +55,7 @@ def show_status(text: str) -> None:
 
 
 def _clear_line(replacement: str = "") -> None:
-    """Replace the current line of a terminal. A progress bar would also move the cursor."""
+    """Replace the current line of a terminal; a progress bar would also move the cursor."""
     if has_terminal():
         print(f"\x1b[2K{replacement}", end="", file=sys.__stderr__ or sys.stderr, flush=True)
 
@@ -74,7 +74,8 @@ def print_output(text: str) -> None:
         _clear_line()
         typer.echo("\n".join(lines))
     except OSError as error:
-        # Redirect standard output to the null device: Python flushes the rest at exit and would fail again.
+        # Standard output is redirected to the null device, because Python flushes the rest at exit and would fail
+        # again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             raise
@@ -85,7 +86,7 @@ _BOLD_TEXT = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do
 
 
 def print_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Print a warning on standard error, each text only once."""
+    """Print a warning on standard error; each text is printed only once."""
     if str(message) not in _PRINTED_WARNINGS:
         _PRINTED_WARNINGS.add(str(message))
         print_message(str(message), "warning: ")
@@ -116,7 +117,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     },
     "Contact laws": {"table": ("table", "Tabulate friction, area and stiffness for another code.")},
 }
-"""Commands by group, each with its module and a line of help, which is printed without importing the module."""
+"""Commands by group, each with its module and a line of help that is printed without importing the module."""
 
 EXIT_STATUS_HELP = (
     f"Exit status: 0 success, {EXIT_BAD_INPUT} bad input (with one message), {EXIT_INTERRUPTED} interrupted."
@@ -124,13 +125,14 @@ EXIT_STATUS_HELP = (
 
 
 def format_epilog(*lines: str) -> str:
-    """Return the end of a help text: examples and the meaning of exit statuses."""
+    """Return the end of a help text: examples, and the meaning of the exit statuses."""
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-_DEFAULT_VALUE = re.compile(r"\[default: \(([^()]*)\)")  # typer puts a textual default into parentheses
+# matches a textual default value, which typer puts into parentheses
+_DEFAULT_VALUE = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-_OPTION_TYPE = re.compile(r" <[\w\[\] ]+>$")  # type that typer appends to an option
+_OPTION_TYPE = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to an option
 
 
 SHOW_ALL_KEY = "stiction.show_all"
@@ -138,7 +140,7 @@ SHOW_ALL_KEY = "stiction.show_all"
 
 
 def option_was_given(context: typer.Context, name: str) -> bool:
-    """Return whether the command line contains an option or argument, even with its default value."""
+    """Return whether the command line contains an option or argument, even if it has its default value."""
     source = context.get_parameter_source(name)
     return source is not None and source.name != "DEFAULT"
 
@@ -146,12 +148,12 @@ def option_was_given(context: typer.Context, name: str) -> bool:
 class _Command(TyperCommand):
     """Command whose help lists options in panels, without types and ranges."""
 
-    common: Collection[str] = ()  # parameters in the short help of a command with many parameters
+    common: Collection[str] = ()  # parameters that the short help of a command with many parameters lists
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
         remainder = super().parse_args(ctx, args)
-        if "" in values and "." not in values:  # Path("") is the current directory
+        if "" in values and "." not in values:  # Path("") would be the current directory
             for parameter in cast("list[Any]", self.params):
                 value = ctx.params.get(parameter.name)
                 if Path() in (value if isinstance(value, (list, tuple)) else [value]):
@@ -176,7 +178,7 @@ class _Command(TyperCommand):
 
 
 class _Commands(TyperGroup):
-    """Command group that imports the module of a command only when needed, because imports are slow."""
+    """Command group that imports the module of a command only when it is needed, because imports are slow."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         return [name for group in COMMANDS.values() for name in group]
@@ -203,7 +205,7 @@ class _Commands(TyperGroup):
             raise report_interruption() from None
 
 
-# Rich markup is off because importing rich would take half of the time for printing help.
+# Rich markup is off, because importing rich would take half of the time for printing help.
 _TYPER_OPTIONS: dict[str, Any] = {
     "rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False,
     "context_settings": {"help_option_names": ["-h", "--help"]},
@@ -223,12 +225,12 @@ app = typer.Typer(
     **(_TYPER_OPTIONS | {"add_completion": True}),
 )
 
-_APPLICATIONS: dict[str, typer.Typer] = {}  # by name of the command
-_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # parameters in the short help, by name of the command
+_APPLICATIONS: dict[str, typer.Typer] = {}  # applications by the name of the command
+_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # parameters in the short help, by the name of the command
 
 
 def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[Function], Function]:
-    """Return a decorator that adds a command with examples.
+    """Return a decorator that registers a command with its examples.
 
     If `common` is given, the short help lists only these parameters.
     """
@@ -238,7 +240,7 @@ def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[F
 
 
 _OPTION_NAMES = {"height_scale": "--scale-heights", "compute=True": "--compute"}
-"""Options of `at` whose names differ from the arguments of `Result.at`."""
+"""Options of `at` whose names differ from the names of the arguments of `Result.at`."""
 
 
 def _option_name(argument: str) -> str:
@@ -252,7 +254,7 @@ def run_command_line() -> int:
     """Run the command in `sys.argv` and return the exit status."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # print ? for characters missing from the encoding
+            stream.reconfigure(errors="replace")  # prints ? for characters that the encoding lacks
     warnings.showwarning = print_warning
     _PRINTED_WARNINGS.clear()
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # NumPy warns about NaN, which the output explains
@@ -266,7 +268,7 @@ def run_command_line() -> int:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
             message = error.format_message()
-            # Replace the wording of the validation library for a number that is out of range.
+            # The wording of the validation library for a number that is out of range is replaced.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
             message = _suggest_command(message)
             print_message(f"{message}\ntry {command} --help")
@@ -281,17 +283,17 @@ def run_command_line() -> int:
         print_message(error.with_names(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    except (RuntimeError, SystemError) as error:  # no thread can be started, or a library runs out of memory
+    except (RuntimeError, SystemError) as error:  # no thread can be started, or a library has run out of memory
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
         return report_interruption().exit_code
-    except SystemExit:  # raised by the parser if the reader of its help has closed the pipe
+    except SystemExit:  # the parser raises this if the reader of its help has closed the pipe
         return 0
     return EXIT_BAD_INPUT
 
 
 def _suggest_command(message: str) -> str:
-    """Return a message of the parser, with a suggestion if the message is about an unknown command."""
+    """Return a message of the parser; a message about an unknown command gets a suggestion."""
     unknown = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS.values() for name in group]
     suggestions = difflib.get_close_matches(unknown[1], names, n=1) if unknown else []

@@ -1,4 +1,4 @@
-"""`stiction at`: values of a result at other loads, mu0, tau0 or surface heights."""
+"""`stiction at`: values of a result at other loads, mu0, tau0 or factors of the heights."""
 
 from __future__ import annotations
 
@@ -125,7 +125,9 @@ def at(
     dimensions = None if d is None else parse_numbers("d", d)
     if hurst is not None:
         if d is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
-            raise ArgumentError("{hurst} is for self-affine surfaces, without --d, got {got}", got=repr(hurst))
+            raise ArgumentError(
+                "{hurst} is for self-affine surfaces and must not be combined with --d, got {got}", got=repr(hurst)
+            )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
     values = _select_nearest(values, dimensions, None if length is None else [length])
     if direction is not None:
@@ -161,7 +163,7 @@ def _print_scaled_heights(
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Return the loads of the options in increasing order, or the loads of the study (mN)."""
+    """Return the loads of the options in ascending order, or the loads of the study (mN)."""
     width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":
@@ -181,7 +183,8 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
             if "nominal_area" not in coordinates:
                 raise ValueError(f"--load of a study must be a force, got {value!r}")
             force *= float(coordinates["nominal_area"])
-        loads.add(float(f"{force:.12g}"))  # rounded like the loads of a pair, so that equal loads compare equal
+        # rounded in the same way as the loads of a pair, so that equal loads compare equal
+        loads.add(float(f"{force:.12g}"))
     return sorted(loads)
 
 

@@ -1,4 +1,4 @@
-"""`stiction calibrate` and `stiction interfaces`: mu0 and tau0 fitted to measured friction, or from the literature."""
+"""`stiction calibrate` and `stiction interfaces`: mu0 and tau0 from friction tests or from the literature."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def calibrate(
 
 
 YIELD_PRESSURE_RATIO = 0.39
-"""Ratio of mean pressure to hardness at which a ball starts to yield: 1.1/2.84 (Johnson 1985, ch. 6)."""
+"""Ratio of mean pressure to hardness at which a ball begins to yield: 1.1/2.84 (Johnson 1985, ch. 6)."""
 
 
 InterfaceFolder = Annotated[
@@ -139,7 +139,7 @@ InterfaceFolder = Annotated[
 
 @command("interfaces", "stiction interfaces", "stiction interfaces .", "stiction interfaces --json")
 def interfaces(folder: InterfaceFolder = None, as_json: Json = False) -> None:
-    """List interfaces for the option --interface of pair: built-in ones with sources, or calibrated ones in FOLDER.
+    """List interfaces for the option --interface of pair: published interfaces, or calibrated interfaces in FOLDER.
 
     "Measured" values come from contacts of known area. "Lumped" values come from friction at a nominal pressure and do
     not separate the effect of roughness. Each value is a range for the listed pressures and conditions.

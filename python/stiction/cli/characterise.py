@@ -165,7 +165,7 @@ def characterise(
             from stiction.views.report.surface import surface_page
 
             remark = ", without a figure" if len(outputs) == 1 else ""
-            # The report shows the command without directories and --output.
+            # The report shows the command without directories and without --output.
             arguments = ["stiction", "characterise", files[0].name]
             for parameter in context.command.params:
                 if parameter.name not in ("files", "output", "verbose", "as_json") and option_was_given(
@@ -272,7 +272,7 @@ def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: 
 
 
 def _select_line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """Return a row or column of a surface, or the unchanged body if no index is given."""
+    """Return a row or a column of a surface; without an index, return the body unchanged."""
     for name, index, other in (("row", row, column), ("column", column, row)):
         if index is None:
             continue
@@ -288,7 +288,7 @@ def _select_line(body: Profile | Surface, row: int | None, column: int | None) -
 
 
 def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
-    """Subtract a form; the default is a line from a profile and a plane from a surface."""
+    """Subtract a form; by default a line from a profile, and a plane from a surface."""
     if level == "none":
         return body
     is_profile = isinstance(body, Profile)

@@ -1,4 +1,4 @@
-"""Computation of the missing parts of a study for a command: its directory, workers and messages."""
+"""Computation of the missing parts of a study for a command, with its directory, workers and messages."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def parse_part(text: str | None) -> tuple[int, int] | None:
 
 
 def check_output_directory(directory: Path) -> None:
-    """Raise `StudyError` if the output directory is a file or has the name of a file."""
+    """Raise a `StudyError` if the output directory is a file, or has the name of a file."""
     if directory.is_file():
         raise StudyError(f"{printable_path(directory)} is a file; use --output DIR to choose a directory")
     if directory.suffix.lower() in _FILE_ENDINGS and not directory.exists():
@@ -66,7 +66,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
-    """Return the options and commands that help if the output directory contains another study."""
+    """Return options and commands that help if the output directory contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if replaceable:
         remedies.append("overwrite the stored result with --replace")
@@ -84,9 +84,9 @@ def compute_in_folder(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     **options: Any,
 ) -> Result:  # fmt: skip
-    """Call `complete_result` with messages for a terminal and report how to resume after Ctrl-C.
+    """Call `complete_result` with messages for a terminal, and report how to resume after Ctrl-C.
 
-    `print_written` prints the names of written files.
+    `print_written` is called with the names of written files.
     """
     check_output_directory(directory)
     try:

@@ -24,9 +24,9 @@ def option(
 ) -> Any:
     """Return a typer option.
 
-    `flags` are the names of the option, followed by a placeholder for its value unless it is a switch:
-    "--output -o DIR". `default` is the text shown as default value, or whether to show the actual default. `panel` is
-    the section of the help.
+    `flags` contains the names of the option and, unless it is a switch, a placeholder for its value, as in "--output -o
+    DIR". `default` is the text that is shown as default value, or a bool that determines whether the actual default is
+    shown. `panel` is the section of the help.
     """
     names = [word for word in flags.split() if word.startswith("-")]
     placeholder = " ".join(flags.split()[len(names) :]) or None
@@ -64,7 +64,7 @@ def show_reader_import(file: Path) -> None:
 
 
 def reject_options(context: typer.Context, reason: str, *names: str) -> None:
-    """Raise `ValueError` if the command line contains one of the options, which do not apply."""
+    """Raise a `ValueError` if the command line contains one of the options, which do not apply."""
     for name in names:
         if option_was_given(context, name):
             option = f"--{name.replace('_', '-')}"

@@ -130,8 +130,9 @@ def pair(
     for file in bodies.files:
         show_reader_import(Path(file.file))
     studies = bodies.studies
-    body_attributes(studies[0])  # rejects surfaces that cannot be pressed, before any file is written
-    first_remark = 0 if verbose else bool(bodies.elasticity.source)  # the result shows the source of the elasticity
+    body_attributes(studies[0])  # rejects surfaces that cannot be pressed before any file is written
+    # the result already shows the source of the elasticity
+    first_remark = 0 if verbose else bool(bodies.elasticity.source)
     for remark in bodies.remarks[first_remark:]:
         print_message(remark)
     if verbose and not as_json:
@@ -179,7 +180,7 @@ def pair(
 
 
 def preview_line(study: Study) -> str:
-    """Return a preview of the friction from the first members of a study.
+    """Return a line with a preview of the friction from the first members of a study.
 
     Raises `ValueError` if the surfaces do not touch.
     """

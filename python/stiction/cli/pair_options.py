@@ -1,4 +1,4 @@
-"""Command line options made from the declarations in `studies.pair_options`."""
+"""Command line options that are created from the declarations in `studies.pair_options`."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ COMMON_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.items() if
 
 
 class _OptionNames(dict[str, str]):
-    """Option names on the command line that replace the placeholders of a help line."""
+    """Names of options on the command line, which replace the placeholders of a help line."""
 
     def __missing__(self, name: str) -> str:
         return format_command_line_name(name)
 
 
 def format_option_help(name: str) -> str:
-    """Return the help line of an option of `pair`, with option names as on the command line."""
+    """Return the help line of an option of `pair`, with the names of options on the command line."""
     return PAIR_OPTIONS[name].help.format_map(_OptionNames())
 
 
 def pair_option(name: str, *, repeatable: bool = True) -> Any:
-    """Return an option of `pair` for a command, in the help panel of its group."""
+    """Return an option of `pair` for a command, in the help panel of the option's group."""
     declared = PAIR_OPTIONS[name]
     panel = next(group.title for group in OPTION_GROUPS if name in group.model_fields)
     suffix = " Repeatable." if declared.is_repeatable and repeatable else ""
@@ -44,7 +44,7 @@ def pair_argument(name: str) -> Any:
 
 
 def read_given_options(context: typer.Context) -> dict[str, object]:
-    """Return the options of `pair` on the command line by the names of their fields."""
+    """Return the options of `pair` that the command line contains, by field name."""
     values: Mapping[str, object] = context.params
     return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
 

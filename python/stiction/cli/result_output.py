@@ -1,4 +1,4 @@
-"""Output of results shared by all commands: printed values and assessment, tables, figures and reports."""
+"""Output of results that all commands share: printed values and assessment, tables, figures and reports."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-MAX_CAVEAT_LINES = 5  # printed by `pair` and `run`, so that the values and the assessment fit on a terminal of 24 lines
+# number of lines for caveats in `pair` and `run`, so that values and assessment fit on a terminal of 24 lines
+MAX_CAVEAT_LINES = 5
 
 VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
 
@@ -50,7 +51,8 @@ def print_values(
 
     study = result.study
     try:
-        with warnings.catch_warnings(action="ignore"):  # this caveat about tau0 was printed when the study was created
+        # this caveat about tau0 was already printed when the study was created
+        with warnings.catch_warnings(action="ignore"):
             summary = result.summary()
     except StoreError:
         raise
@@ -68,7 +70,7 @@ def print_values(
             print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE_OPTION))
 
     def print_remainder() -> None:
-        complete_summary = result.summary()  # this summary includes the studies that were computed in the meantime
+        complete_summary = result.summary()  # this summary includes the studies that have been computed in the meantime
         if as_json:
             print_output(rows.summary_json(command, complete_summary, **(fields or {})))
         elif study.is_measured and (remainder := text.resolution_and_onset_text(complete_summary, verbose=verbose)):
@@ -78,7 +80,7 @@ def print_values(
 
 
 def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:
-    """Write the report, the table and a figure of a measured pair into its directory, and print their names.
+    """Write the report, the table and a figure of a measured pair into its directory, and print the file names.
 
     If another command has stored other mu0, tau0 or loads in the directory in the meantime, the files are written for
     these values, so that they agree with the stored study.
@@ -99,7 +101,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {names[0]} (open it), {' and '.join(names[1:])}")
 
 
-MAX_REWRITES = 4  # attempts to write files that agree with the stored study
+MAX_REWRITES = 4  # largest number of attempts to write files that agree with the stored study
 
 
 def _write_files(result: Result, folder: Path) -> list[str]:
@@ -116,7 +118,7 @@ def _write_files(result: Result, folder: Path) -> list[str]:
 
 
 def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
-    """Draw the figures of a result into a directory and print their names."""
+    """Draw the figures of a result into a directory, and print their names."""
     from stiction.views.figures import draw_figures
 
     show_status("drawing")
@@ -125,5 +127,5 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:
-    """Return the function that prints messages: to standard error if standard output is reserved for JSON."""
+    """Return the function that prints messages; with JSON on standard output, it prints to standard error."""
     return print_message if as_json else print_output

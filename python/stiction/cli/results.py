@@ -86,7 +86,7 @@ def export(
     directory: Directory,
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .nc, .csv or .tex. It must not exist.")],
 ) -> None:
-    """Write the finished repetitions to one netCDF file, or the values at the loads of `info` to a table."""
+    """Write the finished repetitions to a netCDF file, or a table of the values at the loads of `info`."""
     from stiction.views.files import write_result
 
     write_result(open_with_warning(directory), file)

@@ -41,7 +41,7 @@ def run_command(
 ) -> None:
     """Compute a study, draw its figures and print its friction at a few loads.
 
-    Repetitions that are already in the output directory are kept.
+    Repetitions that already exist in the output directory are kept.
     """
     from stiction.cli.execution import compute_in_folder, open_executor, parse_part
     from stiction.cli.result_output import print_result, write_figures
@@ -88,14 +88,14 @@ def studies(
 
 
 def _load_study(text: str) -> tuple[Study, Path]:
-    """Return the study with a name, file or directory, and the default directory of its results."""
+    """Return the study with a name, file or directory, and the default directory for its results."""
     if text in study_names():
         return Study.named(text), Path(text)
     path = Path(text)
     if (path / "study.toml").is_file():
         return Study.from_toml(path / "study.toml"), path
     if path.suffix or path.exists() or len(path.parts) > 1:
-        # A study file in a directory of results resumes the computation there.
+        # A study file in a directory of results resumes the computation in this directory.
         return Study.from_toml(path), path.parent if (path.parent / "blocks").is_dir() else Path(path.stem)
     try:
         return Study.named(text), path

@@ -25,7 +25,7 @@ TABLE_OUTPUT_MARKS = {
     CSV_FILE_NAME: b"stiffness over area (GPa/um)",
     LAWS_FILE_NAME: b"b of k/A0 = b p^c",
 }
-"""Marks by which files of an earlier table are recognised. Other files are not overwritten."""
+"""Marks by which files of an earlier table are recognised; other files are not overwritten."""
 
 
 @command(
@@ -58,8 +58,8 @@ def table_command(
 ) -> None:
     """Tabulate friction, true contact area and stiffness of self-affine surfaces for another simulation code.
 
-    Pairs of generated surfaces are pressed as elastic half-spaces. The same command resumes an interrupted table. More
-    values of mu0 and tau0 need no new contact computation.
+    Pairs of generated surfaces are pressed as elastic half-spaces. The same command resumes an interrupted table.
+    Further values of mu0 and tau0 need no new contact computation.
     """
     from stiction.cli.execution import compute_in_folder, open_executor
     from stiction.studies.elasticity import find_elasticity

@@ -170,7 +170,7 @@ def yield_records(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) 
     ]
 
 
-# ---- Whole record -------------------------------------------------------------------------------------------------------
+# ---- Whole record ------------------------------------------------------------------------------------------------
 
 
 def resolution_record(
