@@ -26,7 +26,7 @@ void require(bool condition, const char* invariant) {
   }
 }
 
-// Source of numbers from the fuzzer's bytes: mostly moderate numbers, sometimes arbitrary doubles.
+// Source of numbers from the bytes of the fuzzer: mostly moderate numbers, sometimes arbitrary doubles.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -118,7 +118,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Two maps of equal shape with heights at any scale. Some heights are equal, and some parts are level.
+// Two maps of equal shape with heights of any scale, some of which are equal, and with some level parts.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;
@@ -184,7 +184,7 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // For a contact on a steep wall, the projected ellipse is so narrow that round-off decides which part is inside the
+  // The projected ellipse of a contact on a steep wall is so narrow that round-off decides which part is inside the
   // map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {

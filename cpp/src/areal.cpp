@@ -39,8 +39,8 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// Result for a row: range of the gap, largest |height| of both surfaces, and `zero`, which is NaN if a height is not
-// finite and 0 otherwise.
+// Result for a row: range of the gap, largest |height| of both surfaces, and `zero`, which is 0, or NaN if a height is
+// not finite.
 struct RowRange {
   double lowest;
   double highest;
@@ -87,12 +87,12 @@ void subtract(const double* upper, const double* lower, Index size, double offse
   }
 }
 
-// Mark the points of a row, except both ends, whose gap is at most `deepest` and none of whose eight neighbours is
-// lower by more than round-off.
+// Mark the points of a row, except both ends, whose gap is at most `deepest` and which have no neighbour, out of eight,
+// that is lower by more than round-off.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
-  constexpr Index block = 32;  // number of points tested together; few blocks contain a gap that low
+  constexpr Index block = 32;  // number of points that are tested together, because few blocks contain such a low gap
   for (Index first = 1; first + 1 < size; first += block) {
     const Index end = std::min(first + block, size - 1);
     unsigned char any = 0;
@@ -136,7 +136,8 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
   return tiles;
 }
 
-// Return sqrt(a² + b²) without intermediate overflow. std::hypot would require a newer C library than the rest.
+// Return sqrt(a² + b²) without intermediate overflow. std::hypot would require a newer C library than all other
+// functions.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
@@ -253,7 +254,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   std::vector<SplineMinimum> spline_minima;
   const double offset = pair.lower(0, 0);
   const double round_off = round_off_fraction * range.largest;
-  // The tolerance is not smaller than the round-off of the heights.
+  // The tolerance must not be smaller than the round-off of the heights.
   const double level_limit = std::max(level_fraction * (range.highest - range.lowest), 16.0 * round_off);
   for (const Tile& tile : tiles) {
     check_cancellation();
@@ -294,7 +295,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     }
   }
 
-  // Two neighbouring tiles may both find a minimum at their common edge.
+  // Two neighbouring tiles may both find the same minimum at their common edge.
   std::stable_sort(spline_minima.begin(), spline_minima.end(),
                    [&](const SplineMinimum& a, const SplineMinimum& b) { return a.cell(columns) < b.cell(columns); });
   const auto repeated = [&](const SplineMinimum& a, const SplineMinimum& b) {

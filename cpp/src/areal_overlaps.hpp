@@ -20,7 +20,7 @@ ProjectedEllipse projected_ellipse(const ArealCandidate& candidate);
 // Return the index of the first approach at which a candidate is a contact.
 std::size_t first_contact_step(const ArealCandidate& candidate, Values approaches);
 
-// Return, for each candidate, the index of the first approach at which its ellipse overlaps another one;
+// Return, for each candidate, the index of the first approach at which its ellipse overlaps another ellipse;
 // approaches.size() if there is none.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation);

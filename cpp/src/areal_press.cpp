@@ -179,7 +179,7 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // The contacts are sorted by first contact, so that the contacts of a block begin at about the same step.
+  // Contacts are sorted by first contact, so that the contacts of a block begin at similar steps.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

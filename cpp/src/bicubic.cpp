@@ -86,8 +86,8 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// Solve `lines` systems of `points` values in parallel. The values of one point are adjacent; the next point is
-// `stride` further on.
+// Solve `lines` systems of `points` values in parallel. The values of one point are adjacent in memory; the next point
+// follows after `stride` values.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {

@@ -102,8 +102,8 @@ Prefilter run_prefilter(Values upper, Values lower) {
 }
 
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap) {
-  constexpr std::size_t granularity = 8;      // points, of which the ends of the ranges are multiples
-  constexpr std::size_t merge_distance = 32;  // ranges of points at most this far apart are merged
+  constexpr std::size_t granularity = 8;      // the ends of the ranges are multiples of this number of points
+  constexpr std::size_t merge_distance = 32;  // ranges that are separated by at most this number of points are merged
   std::vector<IndexRange> ranges;
   for (std::size_t b = 0; b < prefilter.block_min_gap.size(); ++b) {
     if (!(prefilter.block_min_gap[b] - prefilter.min_gap <= max_gap)) {

@@ -10,8 +10,8 @@
 
 namespace stiction {
 
-/// Alignment of buffers in bytes. It is that of a cache line, and of the widest SIMD register of FFTW. The alignment of
-/// the data decides which instructions FFTW uses, and so the last bits of the result.
+/// Alignment of buffers in bytes. The value is the size of a cache line, and of the widest SIMD register that FFTW
+/// uses. The alignment of the data decides which instructions FFTW uses, and so the last bits of the result.
 inline constexpr std::size_t alignment = 64;
 
 /// Memory for complex numbers, aligned to a cache line. The memory grows on demand, and loses its contents when it

@@ -22,7 +22,7 @@ constexpr std::size_t min_points_per_axis = 16;
 constexpr std::size_t max_cached_points = std::size_t{1} << 20;
 // Tolerance on the coarser grids. It can be loose, because their discretisation error is larger.
 constexpr double coarse_tolerance = 3e-3;
-// Largest ratio of two loads on an area at which the solution for one load is a good start for the other.
+// Largest ratio of two loads on an area at which the solution for one load is a good starting point for the other.
 constexpr double max_load_ratio = 1.3;
 // Maximum number of iterations on the finest grid, and on coarser grids. A hundred iterations on the finest grid are
 // many. The solutions on coarser grids are only starting points.
@@ -43,8 +43,9 @@ constexpr std::size_t max_dense_points = 1024;
 // Deviation of displacements that counts as round-off, relative to the displacement of one cell under the same
 // pressure.
 constexpr double round_off = 1e-9;
-// Limits of the search for the load of an approach: maximum number of loads, where six are many; largest ratio of
-// successive loads; and smallest distance of a new load from the ends of the bracket, as a fraction of the bracket.
+// Limits of the search for the load of an approach: maximum number of loads, although more than six are rarely needed;
+// largest ratio of successive loads; and smallest distance of a new load from the ends of the bracket, as a fraction of
+// the bracket.
 constexpr int max_loads = 60;
 constexpr double max_load_step = 30.0;
 constexpr double min_bracket_fraction = 1e-3;
@@ -57,7 +58,7 @@ std::size_t coarsened(std::size_t points, bool periodic) {
   return points % 2 == 0 || !periodic ? half : fast_length(half);
 }
 
-// Return the ratio of the spacings of two successive grids. On free grids the coarser one has every second point.
+// Return the ratio of the spacings of two successive grids. On free grids, the coarser grid has every second point.
 double spacing_ratio(std::size_t points, std::size_t coarser, bool periodic) {
   if (points == coarser) {
     return 1.0;
@@ -451,7 +452,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    // The other end of the bracket has not moved for two steps in a row.
+    // the other end of the bracket has not moved in two successive steps
     if (previous_above == above && other) {
       other->excess *= 0.5;
     }

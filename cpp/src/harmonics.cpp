@@ -28,8 +28,8 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// Largest number of turns of a phase over the grid, as a power of two. With more turns, fewer than 20 binary digits,
-// 1e-6, would remain for the fraction of a turn. The exponent is 44 if a long double has 64 digits, and 33 if a long
+// Largest number of turns of a phase over the grid, as a power of two. With more turns, fewer than 20 binary digits
+// (1e-6) would remain for the fraction of a turn. The exponent is 44 if a long double has 64 digits, and 33 if a long
 // double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 

@@ -14,8 +14,8 @@ struct Point {
   double f;
 };
 
-// Bracketing search for one root. `latest` is the last estimate, `opposite` lies on the other side of the root, and
-// `previous` is the estimate before the last one.
+// Bracketing search for one root. `latest` is the latest estimate, `opposite` is on the other side of the root, and
+// `previous` is the estimate before the latest one.
 struct RootSearch {
   Point latest;
   Point opposite;

@@ -116,7 +116,7 @@ constexpr std::size_t cells_per_batch = 8;
 // Result of the sign tests in a part of a cell: no minimum, convex (at most one minimum), or undecided.
 enum class CellClass : unsigned char { excluded, convex, undecided };
 
-// Bernstein coefficients of several squares in SIMD registers.
+// Bernstein coefficients of several squares, held in SIMD registers.
 template <std::size_t Width>
 using PackNet = Pack<Width>[4][4];
 

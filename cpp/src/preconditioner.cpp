@@ -12,9 +12,9 @@ namespace {
 // Maximum number of conjugate-gradient steps for the blocks, and the relative squared residual at which the steps stop.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
-// Largest relative change of the number of free points at which the foundation stiffness is reused.
+// Largest relative change of the number of free points for which the foundation stiffness is reused.
 constexpr double max_foundation_change = 0.02;
-// Free points per task.
+// Number of free points per task.
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
 // Maximum number of partial block sums that are computed in parallel and then added.
 constexpr std::size_t max_tasks = 8;

@@ -23,9 +23,9 @@ constexpr double max_recovery_factor = 100.0;  // limit of the factor by which s
 constexpr int max_failed_steps = 6;
 // Factor by which the step length is reduced after a failed step.
 constexpr double failure_factor = 0.25;
-// Upper limit of the change at a free point over the load of all free points. Beyond this limit round-off would be
-// visible in the load. Steps that hit a bound are always too short, so that without this limit the step length would
-// grow without end.
+// Upper limit of the ratio of the change at a free point to the load of all free points, beyond which round-off would
+// be visible in the load. Steps that hit a bound are always too short, so the step length would grow without end
+// otherwise.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t lanes = 8;
@@ -59,7 +59,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
   return any != 0;
 }
 
-// Write from + slope · first, from + slope · (first + 1), ...
+// Write from + slope · first, from + slope · (first + 1), and so on.
 STICTION_MULTIVERSION
 void write_line(float from, float slope, std::int32_t first, std::int32_t count, float* values) {
   for (std::int32_t j = 0; j < count; ++j) {
@@ -129,7 +129,7 @@ struct ClippedSum {
   }
 };
 
-// Sum the pressures after subtraction of the shift and clipping to 0 and their bounds.
+// Sum the pressures after a shift is subtracted and the pressures are clipped to 0 and to their bounds.
 STICTION_MULTIVERSION
 ClippedSum clipped_sum(const double* pressure, const double* bound, std::size_t size, double shift) {
   std::array<double, lanes> sums{};
@@ -170,7 +170,7 @@ Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
 }
 
 // Return the shift for which the shifted and clipped pressures have the given sum. The sum is a decreasing, piecewise
-// linear function of the shift: Newton's method within a bracket.
+// linear function of the shift. The method is Newton's method within a bracket.
 double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum,
                     const ThreadPool& pool) {
   double left = -std::numeric_limits<double>::infinity();
@@ -226,7 +226,7 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
   if (!(total > 0.0) || !(total < max_total)) {
     throw std::invalid_argument("ProjectedCgSolver: total must be positive and below the sum of the bounds");
   }
-  // All points change if the points under pressure cannot support the total.
+  // All points change if the points under pressure cannot support the total load.
   const auto include = [&](std::size_t i) {
     stepped_points_.push_back(static_cast<std::int32_t>(i));
     target_.push_back(pressure_[i]);
@@ -389,9 +389,9 @@ double ProjectedCgSolver::approach_from_bounds() const {
   return max_loaded <= min_unloaded ? max_loaded : min_unloaded + 0.5 * (max_loaded - min_unloaded);
 }
 
-// Visit each run of constrained points: the positions in the list of the free points on both sides, the number of
-// constrained points, and its segments before and after the edge of the grid: first point, count, and offset in the
-// run.
+// Visit each run of constrained points. A visit receives the positions of the neighbouring free points in their list,
+// the number of constrained points, and the segments of the run before and after the edge of the grid. A segment
+// consists of its first point, its length, and its offset in the run.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
   const auto size = static_cast<std::int32_t>(pressure_.size());

@@ -39,7 +39,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
   }
 }
 
-// Compute the slope at a point as the mean of the slopes of the two adjacent cubics, which agree to within round-off.
+// Compute the slope at a point as the mean of the slopes of the two adjacent cubics, which agree except for round-off.
 // The expression is symmetric in x, so that a mirrored profile has bit-identical mirrored slopes.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {

@@ -11,8 +11,8 @@
 
 namespace stiction {
 
-// A round is the set of tasks of one call. A round ends without waiting for threads that never started on it. A thread
-// that wakes late finds that the round is over, and waits for the next round.
+// A round is the set of tasks of one call. A round ends without waiting for threads that have not started on one of its
+// tasks. A thread that wakes up late finds that the round is over, and waits for the next round.
 struct ThreadPool::Workers {
   using Work = std::function<void(std::size_t, std::size_t)>;
 
@@ -26,7 +26,8 @@ struct ThreadPool::Workers {
   std::condition_variable round_started;
   std::condition_variable round_finished;
   Round round;
-  std::atomic<std::uint64_t> next_task{0};  // number of the round in the upper 32 bits, next task in the lower 32 bits
+  // number of the round in the upper 32 bits, and next task in the lower 32 bits
+  std::atomic<std::uint64_t> next_task{0};
   std::atomic<std::uint32_t> finished_tasks{0};
   std::atomic<bool> stopped{false};
   std::exception_ptr exception;

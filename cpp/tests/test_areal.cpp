@@ -55,7 +55,8 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 }
 
 TEST_CASE("areal press: a paraboloid on a flat is one elliptic contact for all directions and sliding rules") {
-  // The spline has zero curvature at the edges, 15 points away, which changes the result by a fraction of 0.268^15.
+  // The spline has zero curvature at the edges, which are 15 points away. This changes the result by a fraction of
+  // 0.268^15.
   constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);
@@ -83,8 +84,8 @@ TEST_CASE("areal press: a paraboloid on a flat is one elliptic contact for all d
 }
 
 TEST_CASE("tangent: consistent with the contact sums, also at walls along the motion") {
-  // Walls that lean by 1e-12 and are rotated by `turn` from the motion. The tangent t is almost perpendicular to the
-  // motion, so that (s·n) n - s cancels.
+  // Walls that lean by 1e-12, and are rotated by `turn` relative to the motion. The tangent t is almost perpendicular
+  // to the motion, so that (s·n) n - s cancels.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
     for (const double up : {1e-12, 1e-3, 0.5}) {
       const double level = std::sqrt(1.0 - up * up);

@@ -21,7 +21,7 @@ constexpr double modulus = 10.0;
 constexpr double round_off = 1e-12;
 constexpr double single_tolerance = 2e-6;  // relative error of transforms in single precision
 
-// Pseudo-random numbers.
+// Source of pseudo-random numbers.
 std::vector<double> pseudo_random(std::size_t count) {
   std::vector<double> result(count);
   for (std::size_t i = 0; i < count; ++i) {

@@ -100,7 +100,7 @@ TEST_CASE("HalfSpaceSolver: solutions are bit-identical for any number of thread
     const HalfSpaceSolver solver(gap, grids, bound, 1e-6);
     const HalfSpaceSolution alone = solver.at(0.4);
     const auto loaded = std::count_if(alone.pressure.begin(), alone.pressure.end(), [](double p) { return p > 0.0; });
-    CHECK(loaded > 1 << 16);  // the points are enough for several tasks, which the threads share
+    CHECK(loaded > 1 << 16);  // there are enough points for several tasks, which the threads share
     for (const std::size_t threads : {2U, 3U}) {
       const HalfSpaceSolution together = solver.at(0.4, {}, ThreadPool(threads));
       CHECK(together.pressure == alone.pressure);

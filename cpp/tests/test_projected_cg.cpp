@@ -68,7 +68,7 @@ TEST_CASE("ProjectedCgSolver: independent springs under pressure reach the same 
   }
 }
 
-TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry the rest") {
+TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry the remaining load") {
   // The first spring carries 4, so (δ - 1 + δ - 2) 2 = 6. This gives δ = 3.
   const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, {4.0}, false);
   const std::array<double, 4> expected{4.0, 4.0, 2.0, 0.0};

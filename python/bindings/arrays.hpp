@@ -55,7 +55,7 @@ py::array_t<double> to_array(std::vector<Eigen::Matrix<double, rows, 1>>&& value
   return py::array_t<double>({size, py::ssize_t{rows}}, data, make_owner(std::move(owner)));
 }
 
-// Return an array of the values of `field` for each row.
+// Return an array with the value of `field` for each row.
 template <class Row, class Field>
 auto column(const std::vector<Row>& rows, Field field) {
   std::vector<std::decay_t<decltype(field(rows.front()))>> values;

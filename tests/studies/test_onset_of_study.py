@@ -112,7 +112,7 @@ def test_table_figure_and_report_show_onset(study, tmp_path):
     column = "pre-sliding displacement at mu0 = 0.3, tau0 = 20 MPa (um)"
     assert {column, f"{column}: lower", "initial tangential stiffness (mN/um)"} <= set(result.to_dataframe().columns)
     text = " ".join(quantities_text(at_load(result.source, [1e-3]).isel(fractal_dimension=0), study).split())
-    assert "pre-sliding displacement at μ0 = 0.3, τ0 = 20 MPa (nm)" in text
+    assert "pre-sliding displacement at μ0 = 0.3, τ0 = 20 MPa" in text
     assert "load that slips at half of sliding at μ0 =" in text
     assert result.figures() == ["onset"]
     panels = result.figure("onset").axes

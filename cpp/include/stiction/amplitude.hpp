@@ -25,8 +25,8 @@ struct HeightStatistics {
 };
 
 /// Accumulates the height statistics of a profile that arrives in chunks, from left to right. Each SIMD lane has its
-/// own sum and extremes. The result does not depend on the chunk sizes, provided that each chunk except the last is a
-/// whole number of `lanes` long.
+/// own sum and extremes. The result does not depend on the chunk sizes, provided that the length of each chunk except
+/// the last is a multiple of `lanes`.
 class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;

@@ -52,7 +52,7 @@ struct ContactGeometry {
 /// Compute the contact geometry for a positive definite Hessian.
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
-/// A local minimum of the gap. It is in contact at approaches larger than `gap`.
+/// A local minimum of the gap, which is in contact at approaches larger than `gap`.
 struct ArealCandidate {
   Index row;         ///< row of the first grid point of the cell that contains the minimum
   Index column;      ///< column of the first grid point of the cell that contains the minimum
@@ -72,8 +72,8 @@ struct ArealCandidate {
 /// Contact candidates of two maps, valid for any number of approaches up to `deepest`.
 struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
-  std::vector<double> grid_minima;  ///< gaps [µm] at the grid points without a lower neighbour, in increasing order
-  std::vector<double> unanswered;   ///< gaps of grid minima without a spline minimum in the four adjacent cells
+  std::vector<double> grid_minima;  ///< gaps [µm] at the grid points without a lower neighbour, in ascending order
+  std::vector<double> unanswered;   ///< gaps of grid minima that have no spline minimum in the four adjacent cells
   double deepest;                   ///< largest approach [µm]
   Vector2 spacing;                  ///< distance of columns and of rows of the maps [µm]
   Index rows;                       ///< number of rows of the maps
@@ -84,8 +84,8 @@ struct ArealCandidates {
 /// heights, of their difference, or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
-/// Relative tolerance for level valleys: a rise between neighbouring points below this fraction of the range of the gap
-/// counts as zero. With this tolerance, a minimum is located to about 1e-8 of a spacing at best.
+/// Relative tolerance for level valleys: a rise between neighbouring points counts as zero if it is below this fraction
+/// of the range of the gap. This tolerance limits the accuracy of the position of a minimum to about 1e-8 of a spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
 /// Find all contact candidates with a gap of at most `deepest` [µm] >= 0. The curvature rule `convex` requires both
@@ -99,13 +99,13 @@ struct ArealSums : Sums {
   double lateral_elastic = 0.0;     ///< -Σ F c·n [mN], where c is the lateral unit vector
   double lateral_frictional = 0.0;  ///< -Σ F c·t [mN] per unit mu0
   double lateral_adhesive = 0.0;    ///< -Σ A c·t [mN] per GPa of tau0
-  double load_overlapping = 0.0;    ///< Σ F n_z [mN] of contacts whose ellipse overlaps another one
+  double load_overlapping = 0.0;    ///< Σ F n_z [mN] of contacts whose ellipse overlaps another ellipse
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
   Index grid_minimum_count = 0;     ///< number of grid points within the approach without a lower neighbour
-  Index unanswered_count = 0;       ///< number of these grid points without a spline minimum next to them
+  Index unanswered_count = 0;       ///< number of these grid points that have no spline minimum nearby
 };
 
-/// Name, unit and description of a member that `ArealSums` adds to `Sums`.
+/// Name, unit and description of a member of `ArealSums` that `Sums` does not have.
 struct ArealQuantity {
   std::string_view name;
   std::string_view unit;
@@ -113,19 +113,19 @@ struct ArealQuantity {
   std::variant<Index ArealSums::*, double ArealSums::*> member;
 };
 
-/// Descriptions of all members that `ArealSums` adds to `Sums`.
+/// Descriptions of the members of `ArealSums` that `Sums` does not have.
 inline constexpr std::array areal_quantities{
     ArealQuantity{"lateral_elastic", "mN", "lateral load of the elastic forces of sliding contacts",
                   &ArealSums::lateral_elastic},
     ArealQuantity{"lateral_frictional", "mN", "lateral load per unit mu0", &ArealSums::lateral_frictional},
     ArealQuantity{"lateral_adhesive", "mN/GPa", "lateral load per unit tau0", &ArealSums::lateral_adhesive},
-    ArealQuantity{"load_overlapping", "mN", "normal load of contacts whose ellipse overlaps another one",
+    ArealQuantity{"load_overlapping", "mN", "normal load of contacts whose ellipse overlaps another ellipse",
                   &ArealSums::load_overlapping},
     ArealQuantity{"load_at_edge", "mN", "normal load of contacts whose ellipse is cut by the edge of the map",
                   &ArealSums::load_at_edge},
     ArealQuantity{"grid_minimum_count", "1", "number of grid points without a lower neighbour",
                   &ArealSums::grid_minimum_count},
-    ArealQuantity{"unanswered_count", "1", "number of grid minima without a spline minimum next to them",
+    ArealQuantity{"unanswered_count", "1", "number of grid minima without a spline minimum nearby",
                   &ArealSums::unanswered_count},
 };
 

@@ -22,8 +22,8 @@ struct Radii {
   double major;  ///< the larger radius
   double minor;
 
-  /// Return the radius of the sphere with the same Gaussian curvature. Equal radii skip the square roots, so that a
-  /// sphere keeps its radius exactly.
+  /// Return the radius of the sphere with the same Gaussian curvature. Equal radii skip the square roots, so that the
+  /// radius of a sphere is exact.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
@@ -36,7 +36,7 @@ struct ContactPoint {
 };
 
 /// Rule for the curvatures of two asperities that may form a contact. `convex` requires both surfaces to be convex.
-/// `signed_` also allows a sphere in a larger concave one.
+/// `signed_` also allows a sphere in a larger concave sphere.
 enum class Curvature { convex, signed_ };
 
 /// Two spheres, at most one of which is concave (Eq. 4). With the penetration p = δ - gap of the two surface points,

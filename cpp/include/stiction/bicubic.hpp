@@ -5,7 +5,8 @@
 
 namespace stiction {
 
-/// Minimum number of rows and of columns of a map: a natural cubic spline needs two inner points to have a curvature.
+/// Minimum number of rows and of columns of a map, because a natural cubic spline has curvature only at inner points,
+/// of which it needs two.
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the B-spline coefficients [µm] of their interpolating spline. The heights are the inner

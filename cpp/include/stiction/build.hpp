@@ -13,8 +13,8 @@ struct Build {
   std::string gsl;  ///< version of the linked GNU Scientific Library
 };
 
-/// Return the build information. Results of builds with different information agree to within round-off, but not bit by
-/// bit.
+/// Return the build information. Results of builds with different information agree except for round-off, but not bit
+/// by bit.
 Build build();
 
 }  // namespace stiction

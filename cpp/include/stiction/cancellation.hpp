@@ -13,7 +13,7 @@ class CancellationCheck {
   CancellationCheck() = default;
   explicit CancellationCheck(std::function<void()> callback) : callback_(std::move(callback)) {}
 
-  /// Run the callback only on every 32nd call, because the callback takes longer than some of the steps.
+  /// Run the callback only in every 32nd call, because the callback takes longer than some of the steps.
   void operator()() const {
     if (callback_ && ++calls_ % 32 == 0) {
       callback_();

@@ -1,8 +1,8 @@
-// Contact candidates of two profiles: the points where the profiles may touch, whatever the contact law.
+// Contact candidates of two profiles: the points where the profiles may touch, for any contact law.
 //
-// Both profiles share one grid. The approach is the displacement of the upper surface towards the lower one, measured
-// from first contact of grid points. A profile whose points lie on a straight line, to within round-off of its heights,
-// is treated as a flat of infinite radius with the normal of that line.
+// Both profiles share one grid. The approach is the displacement of the upper surface towards the lower surface,
+// measured from first contact of grid points. A profile whose points lie on a straight line, except for round-off of
+// its heights, is treated as a flat of infinite radius with the normal of that line.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -32,7 +32,8 @@ struct ProfilePair {
   double spacing;
 };
 
-/// Two asperities that face each other. They touch at approaches of at least `gap`, subject to the rules of `classify`.
+/// Two asperities that face each other. They touch at approaches of at least `gap`, provided that the rules of
+/// `classify` are met.
 struct Candidate {
   /// Index of the grid point (cell), or of the grid point to the left of the minimum (gap_minimum).
   Index index;
@@ -47,7 +48,7 @@ struct Candidate {
 
 /// Call visit(candidate) for every candidate of a pair with a gap of at most `deepest` [µm] >= 0, from left to right.
 /// With Detection::cell, the function may skip candidates that cannot touch in their cell at any approach up to
-/// `deepest`. There must be at least 4 heights, all finite, and equally many in both profiles; spacing [µm] > 0. Throws
+/// `deepest`. Both profiles must have the same number of heights, at least 4 and all finite; spacing [µm] > 0. Throws
 /// std::invalid_argument.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,

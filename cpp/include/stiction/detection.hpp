@@ -1,5 +1,5 @@
-// Vectorised passes over two profiles that select the few points at which a contact is possible. The heights [µm] of
-// both profiles must be finite and equally many.
+// Vectorised passes over two profiles that select the few points at which a contact is possible. All heights [µm] must
+// be finite, and both profiles must have the same number of points.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -48,7 +48,7 @@ std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilte
 /// its end points by at most |f''| Δx² / 8.
 double max_dip(Values upper, Values lower);
 
-/// Return whether the points of a profile lie on a straight line, to within round-off of its largest |height|
+/// Return whether the points of a profile lie on a straight line, except for round-off of its largest |height|
 /// `max_abs` [µm].
 bool is_straight(Values heights, double max_abs);
 
@@ -61,14 +61,14 @@ struct Derivatives {
 };
 
 /// Mark the points at which both profiles are convex and the contact centre passes through the cell between first
-/// contact and `max_approach` [µm]. The marks may include other points, but omit no such point. The centre moves in one
-/// direction as the distance of the sphere centres decreases, so the two end positions of the centre are sufficient for
-/// the decision. `zero` is the gap at first contact [µm].
+/// contact and `max_approach` [µm]. The marks may include further points, but do not omit any of these points. The
+/// centre moves in one direction as the distance of the sphere centres decreases, so the two end positions of the
+/// centre are sufficient for the decision. `zero` is the gap at first contact [µm].
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
 /// Mark intervals [x_i, x_(i+1)) in which the splined gap may have a minimum, from the signs of its derivatives at both
-/// ends. The derivatives are given at one point more than there are intervals.
+/// ends. There is one more derivative than there are intervals.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
 /// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one, from
@@ -92,7 +92,7 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // Root at which the quadratic increases, in the form without cancellation.
+  // The root at which the quadratic increases, in the form without cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
     // The signs at the ends guarantee a root in the interval. Only round-off can place the computed root outside.

@@ -46,7 +46,7 @@ class Workspace {
 /// On a periodic grid, each Fourier component is multiplied by 2/(E*|k|), and by 0 for k = 0. On a free grid, the
 /// displacements of uniformly loaded cells are superposed on a grid of twice the size (Love 1929; Johnson, Contact
 /// Mechanics (1985), eq. 3.25; a logarithm on lines). The approximate inverse E*|k|/2 is periodic in both cases. This
-/// halves the size of the transform, and the interaction of opposite edges does no harm in a preconditioner.
+/// halves the size of the transform. The interaction of opposite edges is harmless in a preconditioner.
 class ElasticKernel {
  public:
   /// Compute the influence coefficients. Throws std::invalid_argument if the grid is empty, or if a spacing or the
@@ -58,7 +58,7 @@ class ElasticKernel {
 
   const Grid& grid() const { return grid_; }
 
-  /// Compute displacements in double precision, to within round-off of the largest displacement.
+  /// Compute displacements in double precision, with errors that are round-off of the largest displacement.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

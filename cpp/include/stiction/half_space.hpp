@@ -51,7 +51,7 @@ class HalfSpaceGrids {
   mutable std::vector<double> influence_;
 };
 
-/// Pressure field [GPa], approach [µm], relative error (see HalfSpaceSolver) and number of iterations.
+/// Pressure field [GPa], approach [µm], relative error (see HalfSpaceSolver), and number of iterations.
 struct HalfSpaceSolution {
   std::vector<double> pressure;
   double approach = 0.0;

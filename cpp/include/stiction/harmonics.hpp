@@ -32,8 +32,8 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 /// (directions M, frequencies N), weights [µm] is (any number of rows, N). Accuracy: the phase of a harmonic is a
 /// 64-bit fraction of a turn, which wraps exactly for any number of turns. Aliased harmonics are therefore as accurate
 /// as the product of a long double wavenumber and the position. Returns the height statistics of each row, which saves
-/// another pass over it. Throws std::invalid_argument for shapes that do not match, values out of range and phases that
-/// cannot be resolved.
+/// another pass over the row. Throws std::invalid_argument for shapes that do not match, values out of range and phases
+/// that cannot be resolved.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
                                                 Eigen::Ref<Matrix> profiles,
                                                 const CancellationCheck& check_cancellation = {});

@@ -16,7 +16,7 @@ struct Minimum {
   /// Position in the cell along x, in spacings. It ranges from -1e-6 to just below 1 - 1e-6.
   double u;
   double v;  ///< position in the cell along y, in spacings
-  /// Value and derivatives of the spline at the minimum. The first derivatives are zero to within round-off.
+  /// Value and derivatives of the spline at the minimum; the first derivatives are zero except for round-off.
   Jet at;
 };
 
@@ -43,7 +43,7 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
 /// Evaluate another spline at the position of a minimum, in the cell that contains the position.
 Jet at_minimum(const MatrixView& coefficients, const Minimum& minimum);
 
-/// Return whether two minima of one cell are equal to within round-off.
+/// Return whether two minima of one cell are equal except for round-off.
 bool is_same(const Minimum& first, const Minimum& second);
 
 }  // namespace stiction

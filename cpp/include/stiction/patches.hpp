@@ -24,7 +24,7 @@ struct Patches {
 /// a periodic grid. Each open side reduces the contact area of a cell by 0.19 of the cell on lines, and on areas by (π
 /// - 1 + ln 2)/24 (Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161). The area does not fall below
 /// pressure/hardness [GPa]; the hardness may be infinite. The edge of the grid is not an open side. Throws
-/// std::invalid_argument if the number of pressures is not that of the grid points.
+/// std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
 /// Sums over each patch. The sums that depend on the direction are matrices with one row for each direction and one

@@ -17,8 +17,8 @@ namespace stiction {
 /// displacements.
 ///
 /// The short range is described by a 3 x 3 stencil S on the free points, as if there were no other contact. At long
-/// range, the rest of the area adds a slowly varying displacement. It is described by the kernel K' on blocks of
-/// points, which are connected to the points by bilinear weights P. So K is about S⁻¹ + P'K'P, and its inverse is S -
+/// range, the rest of the area adds a slowly varying displacement, which is described by a kernel K' on blocks of
+/// points. Bilinear weights P connect the blocks to the points. So K is about S⁻¹ + P'K'P, and its inverse is S -
 /// SP'(K'⁻¹ + PSP')⁻¹PS. On periodic blocks K'⁻¹ is E*|k|/2, and the system in brackets is a half-space on an elastic
 /// foundation whose stiffness on each block is PS1. A few conjugate-gradient steps solve this system. The number of
 /// solver iterations then hardly depends on the grid size.
@@ -69,7 +69,7 @@ class Preconditioner {
   std::vector<float> foundation_;
   std::size_t foundation_points_ = 0;          // number of free points when the foundation was computed
   std::vector<std::vector<float>> task_sums_;  // block sums of each task
-  std::vector<float> loads_;                   // loads on the blocks; all members below are on the blocks, too
+  std::vector<float> loads_;                   // loads on the blocks; all members below refer to blocks as well
   std::vector<float> solution_;
   std::vector<float> preconditioned_;
   std::vector<float> direction_;

@@ -18,7 +18,7 @@ struct ProfileBatch {
   std::span<const HeightStatistics> statistics;
 };
 
-/// Amplitudes [µm] > 0 to which profiles are scaled by `scale_to_amplitude`, and the measure of amplitude.
+/// Amplitudes [µm] > 0 to which `scale_to_amplitude` scales profiles, and the amplitude measure.
 struct Amplitudes {
   Values values;
   AmplitudeMeasure measure;

@@ -63,14 +63,14 @@ class ProjectedCgSolver {
   /// valid until the next `update_free_points`. Returns whether the pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale the pressures below their bounds so that the sum is exact to within round-off. The potential must then be
-  /// recomputed.
+  /// Scale the pressures below their bounds, so that their sum is exact except for round-off. The potential must then
+  /// be recomputed.
   void rescale_to_total();
 
   /// Set a recomputed potential, and restart from steepest descent.
   void restart(std::vector<double> potential);
 
-  /// Return Σ pressure potential [GPa µm] after `update_free_points`. Without a gap this is twice the elastic energy
+  /// Return Σ pressure · potential [GPa µm] after `update_free_points`. Without a gap, this is twice the elastic energy
   /// divided by the area of a cell.
   double pressure_dot_potential() const;
 
@@ -88,7 +88,7 @@ class ProjectedCgSolver {
   struct Segment {
     std::int32_t first;
     std::int32_t count;
-    std::int32_t offset;  // number of constrained points of the same run before `first`
+    std::int32_t offset;  // number of constrained points before `first` in the same run
   };
 
   void check(std::span<const float> grid) const;
@@ -105,7 +105,7 @@ class ProjectedCgSolver {
   std::vector<double> pressure_;
   std::vector<double> potential_;
   double total_;
-  std::array<double, block> uniform_bound_{};  // the bound repeated, if all points share one bound
+  std::array<double, block> uniform_bound_{};  // the bound, repeated, if all points share one bound
   std::vector<double> bounds_;                 // bound of each point; empty if all points share one bound
   bool line_;
   std::vector<std::int32_t> free_points_;     // points where residual_ may differ from 0
@@ -115,7 +115,7 @@ class ProjectedCgSolver {
   std::vector<double> preconditioned_;        // preconditioned residual at free points
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
-  // K times the last step. The potential lacks pending_fraction_ times this response.
+  // K times the last step. The potential lacks `pending_fraction_` times this response.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
   std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task of a thread

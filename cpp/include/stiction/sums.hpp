@@ -106,7 +106,7 @@ enum class Status { ok, no_contact, self_locked };
 /// Return the status of the coefficient of friction for mu0 [-] and tau0 [GPa].
 Status status(const Sums& sums, double mu0, double tau0 = 0.0);
 
-/// Return F_T / F_N; NaN unless the status is `ok`.
+/// Return F_T / F_N, or NaN unless the status is `ok`.
 double friction_coefficient(const Sums& sums, double mu0, double tau0 = 0.0);
 
 // ---- Kernel, inlined because it dominates the cost per contact ------------------------------------------------------
@@ -126,7 +126,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
           along * (normal.z() / length)};
 }
 
-/// Largest overlap/radius at which Hertz theory, which assumes a << R, is trusted.
+/// Largest ratio overlap/radius at which Hertz theory, which assumes a << R, is trusted.
 inline constexpr double hertz_limit = 0.1;
 
 inline SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction) {
