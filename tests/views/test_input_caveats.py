@@ -47,7 +47,7 @@ def test_form_error_is_a_caveat_unless_it_is_removed(rough_profile):
     for curvature_height, has_caveat in ((1.0, True), (0.01, False)):
         curved_profile = Profile(rough_profile.heights + curvature_height * x**2, spacing=rough_profile.spacing)
         assert (
-            any("lower: form (a parabola) is" in text for text in caveat_texts(rough_profile, curved_profile))
+            any("lower: form (a parabola) contributes" in text for text in caveat_texts(rough_profile, curved_profile))
             == has_caveat
         )
     assert 0 < MAX_FORM_FRACTION < 1
