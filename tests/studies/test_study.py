@@ -103,7 +103,7 @@ class TestBuiltInStudies:
         assert set(tomllib.loads(study.to_toml())) == {"surfaces", "contact", "friction", "ensemble", "figures"}
 
     def test_unknown_study_name_lists_names(self):
-        with pytest.raises(StudyError, match=r"no built-in study 'figure66'; the studies are figure2, figure3, figure5"):
+        with pytest.raises(StudyError, match=r"no built-in study 'figure66'; the studies are figure2, figure3"):
             Study.named("figure66")
 
 
