@@ -1,5 +1,7 @@
 """Tests of caveats about inputs; each caveat has a case with it and a case without it."""
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 from stiction import Profile, Surface, instrument_limit, pair, self_affine
@@ -11,6 +13,8 @@ from stiction.studies.input_caveats import (
     find_input_caveats,
 )
 from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.surfaces.hidden_noise import find_hidden_noise
+from support.rough_surfaces import rough_maps
 from support.studies_of_files import pair_study
 from support.synthetic_results import measured_study
 
@@ -157,3 +161,61 @@ def test_wavelengths_below_the_tip_are_a_caveat():
     ] == ["caution", "fault"]
     with pytest.raises(ValueError, match="tip"):
         pair_study(scan, scan, tip="20", **options)
+
+
+class TestNoiseUnderRoughSurface:
+    """White noise of maps whose spectra have no flat end."""
+
+    options: ClassVar[dict[str, str]] = {"load": "10 MPa", "mu0": "0.2", "effective_modulus": "80 GPa"}
+
+    @staticmethod
+    def maps(noise, shortest=None):
+        """Return two maps with white noise, given relative to their rms roughness."""
+        maps = rough_maps(
+            1,
+            hurst_exponent=0.7,
+            rms=0.02,
+            points=96,
+            spacing=0.1,
+            longest_wavelength=9.6,
+            shortest_wavelength=shortest,
+        )
+        rng = np.random.default_rng(1)
+        return [Surface(each.heights + noise * 0.02 * rng.normal(size=(96, 96)), spacing=0.1) for each in maps]
+
+    def test_possible_noise_adds_a_reading_to_the_measured_one(self):
+        noisy_maps = self.maps(0.1)
+        assert [instrument_limit(noisy_map).reason for noisy_map in noisy_maps] == ["pixels", "pixels"]
+        study = pair_study(*noisy_maps, **self.options)
+        cutoff = max(find_hidden_noise(noisy_map).cut_off for noisy_map in noisy_maps)
+        assert study.surfaces.both_readings
+        assert study.surfaces.cells()["cut_off"].tolist() == [0.0, cutoff]
+        caveats = [caveat for caveat in find_input_caveats(*noisy_maps, study) if "may contribute" in caveat.text]
+        assert {caveat.severity for caveat in caveats} == {"caution"}
+        assert all(caveat.has_readings for caveat in caveats)
+        for changes in ({"cutoff": "none"}, {"texture": "ground"}):
+            study = pair_study(*noisy_maps, **self.options, **changes)
+            assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
+            assert find_input_caveats(*noisy_maps, study) == ()
+
+    def test_noise_of_one_scan_is_removed_from_both(self):
+        rough_map, smooth_map = self.maps(0.1)[0], self.maps(0.1, shortest=0.8)[1]
+        limits = instrument_limit(smooth_map), find_hidden_noise(rough_map)
+        assert limits[0].origin == "instrument"
+        study = pair_study(rough_map, smooth_map, **self.options)
+        assert study.surfaces.cells()["cut_off"].tolist() == [max(limit.cut_off for limit in limits), 0.0]
+        assert study.surfaces.upper.cut_off_at(np.inf) == pytest.approx(limits[1].cut_off, rel=1e-12)
+        assert study.surfaces.lower.cut_off_at(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
+
+    def test_clean_maps_have_one_reading(self):
+        study = pair_study(*self.maps(0.0), **self.options)
+        assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
+        assert study.surfaces.both_readings is None
+
+    def test_interval_covers_both_readings(self):
+        result = pair(*self.maps(0.1), **self.options, tau0="100 MPa", shifts=4, onset=0)
+        measured, filtered = result.summary().points
+        assert (measured.at["cut_off"], filtered.covered) == (0.0, True)
+        assert result.value == measured.value < filtered.value
+        assert result.interval[1] == pytest.approx(filtered.upper, rel=1e-9)
+        assert result.interval[1] > result.of_positions[1]

@@ -14,6 +14,7 @@ from stiction._number_format import format_percent, format_with_unit
 from stiction.studies.assessment import Caveat, Severity
 from stiction.studies.point import is_capped
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
+from stiction.surfaces.hidden_noise import find_hidden_noise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
@@ -53,9 +54,10 @@ The robust standard deviation is the median of the absolute second differences, 
 
 MAX_NOISE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope from the instrument above which there is a caveat
 MAX_PEAK_FRACTION = 0.1  # fraction of the fourth spectral moment in one peak above which there is a caveat
+REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
-    "the surface; two scans of one place show which (stiction characterise --repeated)"
+    f"the surface; {REPEATED_SCANS_REMEDY}"
 )
 MAX_SPECTRA_RATIO = 2.0  # ratio of two spectra of one surface above which there is a caveat
 MAX_PRESSURE_OVER_MODULUS = 0.1
@@ -220,6 +222,14 @@ def _of_instrument(
                 cure += "; --texture concerns lines and humps only"
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
         yield Caveat(text, cure, severity, limit.cut_off, has_readings and limit.matters)
+    hidden = None if limit.matters or textured else find_hidden_noise(body)
+    if hidden is not None:
+        text = (
+            f"noise or aliasing may contribute {100 * hidden.slope_fraction:.0f} % of the mean square slope: the "
+            "spectrum flattens at short wavelengths"
+        )
+        cure = f"--cutoff '{format_with_unit(hidden.cut_off, 'um')}' removes this fraction, --cutoff none keeps it"
+        yield Caveat(text, f"{cure}; {REPEATED_SCANS_REMEDY}", "caution", hidden.cut_off, has_readings)
     if blunt.reason == "tip" and blunt.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
         text = f"{_waves(blunt)}, which the tip does not resolve: the surface is steeper"
         # Without a hardness, steeper slopes reduce the true area without limit.

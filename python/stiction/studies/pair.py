@@ -52,6 +52,7 @@ from stiction.studies.pair_options import (
 )
 from stiction.studies.study import DEFAULT_SEED, Study
 from stiction.studies.values import StudyError, validated
+from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import DEFAULT_LINES, SIDES, Surrogates
 from stiction.surfaces.profile import Profile
@@ -465,10 +466,10 @@ class Pair:
         """Keys of the surfaces table if much of the slope is from wavelengths that may not belong to a surface.
 
         The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
-        come first, and so give the quoted result, if all these wavelengths are noise floors of an instrument. The
-        dictionary is empty if no scan needs a filter.
+        come first, and so give the quoted result, if the spectrum of one scan ends in a noise floor of an instrument,
+        and the other scans may contain only noise as well. The dictionary is empty if no scan needs a filter.
         """
-        limits = [[_find_instrument_limit(scan) for scan in file.scans] for file in self.files]
+        limits = [[_find_noise(scan) for scan in file.scans] for file in self.files]
         present_limits = [limit for part_limits in limits for limit in part_limits if limit is not None]
         extents = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
         longest_cutoff = max((limit.cut_off for limit in present_limits), default=0.0)
@@ -481,7 +482,8 @@ class Pair:
                 for scan, limit in zip(file.scans, part_limits, strict=True)
             )
             filtered_files.append(first.model_copy(update={"others": tuple(others) or None}))
-        are_noise_floors = all(limit.origin == "instrument" for limit in present_limits)
+        certain_limits = [limit for limit in present_limits if isinstance(limit, InstrumentLimit)]
+        are_noise_floors = bool(certain_limits) and all(limit.origin == "instrument" for limit in certain_limits)
         cut_offs = ["0 um", exact_text(longest_cutoff, "um")]
         return {
             "cut_off": cut_offs[::-1] if are_noise_floors else cut_offs, "both_readings": True,
@@ -734,13 +736,18 @@ def _list_scans(side: str, given: Any) -> list[Any]:
     return scans
 
 
-def _find_instrument_limit(scan: MeasuredFile) -> InstrumentLimit | None:
-    """Return the limit below which wavelengths may not belong to the surface; None if they hardly affect the slope."""
+def _find_noise(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
+    """Return the limit below which wavelengths may not belong to the surface, or else noise that a scan may hide.
+
+    Return None if these hardly affect the slope.
+    """
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None
     limit = instrument_limit(body, texture=scan.texture is not None)
-    return limit if limit.matters else None
+    if limit.matters:
+        return limit
+    return None if scan.texture is not None else find_hidden_noise(body)
 
 
 def _to_length(wavelength: float) -> Quantity:

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_bool, number
 from stiction._repr import TableRepr
+from stiction.surfaces.floor_fit import BinnedSpectrum, fit_floor
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.spectrum import areal_spectrum, in_band, profile_spectrum
+from stiction.surfaces.spectrum import HANN_CORRELATION, areal_spectrum, in_band, profile_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
@@ -23,9 +24,6 @@ _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or mor
 _TREND_ROUND_OFF = 1e-13  # residual of a subtracted straight line, relative to the largest height, that is round-off
 # Number of lowest harmonics that are excluded after a Hann window. They contain the mean and longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
-
-_HANN_CORRELATION = 35 / 18
-"""Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
 _BINS_PER_DECADE = 12
@@ -38,10 +36,8 @@ _PIECE_PENALTY = 10.0
 # lines.
 _MAX_DEVIANCE = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # narrowest accepted band in ln q, which is half a decade
-# Trial noise levels relative to the power law at the shortest wavelength.
-_TRIAL_NOISE_LEVELS = tuple(np.geomspace(0.01, 10, 13).tolist())
-# Minimum gain in log-likelihood for one additional parameter: a roll-off or noise.
-_PARAMETER_PENALTY = 2.0
+# Minimum gain in log-likelihood for a roll-off, which is one additional parameter.
+_ROLL_OFF_PENALTY = 2.0
 
 
 class PowerLaw:
@@ -255,7 +251,7 @@ def estimate_hurst_exponent(
         dimensions, (wave_number, power, scale) = 1, _fitted_harmonics(body, periodic)
     else:
         dimensions, (wave_number, power, scale) = 2, _fitted_wave_vectors(body, periodic)
-    variance_factor = 1.0 if periodic else _HANN_CORRELATION**dimensions
+    variance_factor = 1.0 if periodic else HANN_CORRELATION**dimensions
 
     selection: slice | NDArray[np.bool_]
     if band is None:
@@ -376,7 +372,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
                     roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.part(0, end), weight[:end])]
                     start = (
                         int(np.argmin(roll_off_losses))
-                        if min(roll_off_losses) < roll_off_losses[0] - _PARAMETER_PENALTY
+                        if min(roll_off_losses) < roll_off_losses[0] - _ROLL_OFF_PENALTY
                         else 0
                     )
                 else:
@@ -395,26 +391,11 @@ def _remove_noisy_end(
     q: Floats, power: Floats, variance_factor: float, selection: slice, piece: _SpectrumBins
 ) -> tuple[slice, _SpectrumBins]:
     """Remove the shortest wavelengths from a band if white noise flattens the spectrum there."""
-    from scipy.optimize import minimize_scalar
-
     bins = _SpectrumBins.of(q[selection], power[selection])
-    centred_index, weight = bins.log_q - bins.log_q[-1], bins.count / variance_factor
-
-    def loss(exponent: float, noise: float) -> float:
-        """Return the negative log-likelihood of a power law plus noise.
-
-        The noise is relative to the power law at the shortest wavelength.
-        """
-        shape = np.exp(-exponent * centred_index) + noise
-        return float(weight @ np.log(shape) + weight.sum() * math.log(weight @ (bins.power / shape)))
-
-    def best(noise: float) -> tuple[float, float, float]:
-        result = minimize_scalar(loss, bounds=(1.0, 5.0), args=(noise,), method="bounded", options={"xatol": 1e-3})
-        return float(result.fun), float(result.x), noise
-
-    min_noise_loss, exponent, noise = min(best(noise) for noise in _TRIAL_NOISE_LEVELS)
-    if min_noise_loss > best(0.0)[0] - _PARAMETER_PENALTY:
+    fit = fit_floor([BinnedSpectrum(bins.log_q, bins.power, bins.count / variance_factor)], exponents=(1.0, 5.0))
+    if not fit.is_significant:
         return selection, piece
+    (exponent,), (noise,) = fit.exponents, fit.ratios
     # The band ends where the noise reaches the accepted deviation from the power law.
     last = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise) / exponent)
     end = int(np.searchsorted(np.log(q), last, side="right"))

@@ -17,7 +17,7 @@ from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_h
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.spectrum import ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
+from stiction.surfaces.spectrum import HANN_CORRELATION, ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 # Constant c of `instrument_limit`: a tip of radius R resolves surfaces with an rms curvature below c/R.
@@ -409,7 +409,7 @@ def instrument_limit(
     radius = None if tip_radius is None else number("tip_radius", tip_radius, unit="µm", above=0)
     roughness = scale_dependent_roughness(body, periodic=periodic)
     spacing = max(body.spacings)
-    spectra = _line_spectra(body, periodic)
+    spectra = line_spectra(body, periodic)
     disturbances = [_find_disturbance(*item, periodic=periodic, textured=texture) for item in spectra]
     total_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
     # Along an axis without roughness, the spectrum contains only round-off.
@@ -446,7 +446,7 @@ def instrument_limit(
         is_noise = reason == kind
         fractions = fraction if is_noise else float(roughness.fraction_below(wave)), 1 - bent**2
         shortest = MIN_CUTOFF_POINTS * min(body.spacings)
-        cut = _equivalent_cutoff(roughness, fractions[0], np.nanmax(waves) if is_noise else wave, shortest)
+        cut = equivalent_cutoff(roughness, fractions[0], np.nanmax(waves) if is_noise else wave, shortest)
     along_x, along_y = waves if len(waves) == 2 else (math.nan, math.nan)
     axis: Axis = "" if reason != kind or is_common else "x" if first == 0 else "y"
     return InstrumentLimit(
@@ -461,7 +461,7 @@ def round_up_wavelength(wavelength: float) -> float:
     return round(math.ceil(wavelength / digit - 1e-9) * digit, 12)
 
 
-def _equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
+def equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
     """Return the cutoff between two wavelengths (µm) that removes a given fraction of the mean square slope."""
     q, slope = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
     low, high = math.log(lower), math.log(max(upper, lower))
@@ -473,7 +473,7 @@ def _equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, uppe
     return max(lower, float(f"{math.exp(high):.1e}"))
 
 
-def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
+def line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
     """Return the spectrum of a profile, or the mean spectra of the lines of a surface along x and along y."""
     if isinstance(body, Profile):
         line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
@@ -585,7 +585,7 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
     density = np.bincount(index, count * density) / number
     wave = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / number)
     density = np.maximum(density, 1e-12 * density.max())
-    chance = (1.0 if periodic else 35 / 18) / number
+    chance = (1.0 if periodic else HANN_CORRELATION) / number
     laws = [list(_exponents(-np.log(wave), np.log(density), chance, width)) for width in _WINDOW_OCTAVES]
     if _slope(-np.log(wave), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
         return float(wave[0]), "noise floor"

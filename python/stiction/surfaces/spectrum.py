@@ -26,6 +26,9 @@ ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off in ratios of len
 _PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
 _PEAK_WINDOW_BINS = 6  # number of bins on each side that contribute to the median level at a bin
 
+HANN_CORRELATION = 35 / 18
+"""Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PowerSpectrum(PlotRepr):

@@ -1,0 +1,75 @@
+"""Maximum-likelihood fit of power laws with a common noise floor to binned spectra."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stiction._checks import Floats
+
+MIN_FLOOR_GAIN = 2.0  # smallest gain in log-likelihood over power laws alone that makes a floor significant
+_START_LEVEL = 0.3  # first trial level, as a fraction of the highest level that the lowest density allows
+
+
+class BinnedSpectrum(NamedTuple):
+    """Spectrum in bins of the wave number."""
+
+    log_q: Floats  # logarithm of the wave number
+    density: Floats
+    weight: Floats  # shape parameters of the gamma distributions of the densities
+    floor: float = 1.0  # density of a floor of level 1, such as the spacing for white noise of variance 1
+
+
+class FloorFit(NamedTuple):
+    """Power laws with a noise floor, densities A q^-s + level * floor."""
+
+    level: float
+    gain: float  # gain in log-likelihood over the best power laws without a floor
+    exponents: tuple[float, ...]  # s of every spectrum
+    ratios: tuple[float, ...]  # floor relative to A q^-s at the largest wave number of every spectrum
+
+    @property
+    def is_significant(self) -> bool:
+        """True if the floor fits the spectra significantly better than power laws alone."""
+        return self.gain > MIN_FLOOR_GAIN
+
+
+def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> FloorFit:
+    """Fit power laws with exponents in a given range, and a common floor of level 0 or above, to spectra."""
+    from scipy.optimize import minimize
+
+    unit = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)
+    scaled = [
+        (log_q - log_q.max(), density / (unit * floor), weight / weight.sum(), float(weight.sum()))
+        for log_q, density, weight, floor in spectra
+    ]
+
+    def loss(parameters: Floats) -> tuple[float, Floats]:
+        """Return the negative log-likelihood, up to a constant, and its gradient."""
+        total, gradient = 0.0, np.zeros(parameters.size)
+        level = parameters[-1]
+        for index, (log_q, density, fraction, weight) in enumerate(scaled):
+            law = np.exp(parameters[2 * index] - parameters[2 * index + 1] * log_q)
+            model = law + level
+            total += weight * float(fraction @ (np.log(model) + density / model))
+            slope = weight * fraction * (1 - density / model) / model
+            gradient[2 * index : 2 * index + 2] = slope @ law, -(slope * law) @ log_q
+            gradient[-1] += slope.sum()
+        return total, gradient
+
+    start: list[float] = []
+    bounds: list[tuple[float | None, float | None]] = []
+    for log_q, density, fraction, _ in scaled:
+        exponent = float(np.clip(-np.polyfit(log_q, np.log(density), 1, w=np.sqrt(fraction))[0], *exponents))
+        start += [float(fraction @ (np.log(density) + exponent * log_q)), exponent]
+        bounds += [(None, None), exponents]
+    alone = minimize(loss, [*start, 0.0], jac=True, bounds=[*bounds, (0.0, 0.0)], method="L-BFGS-B")
+    first = [*alone.x[:-1], _START_LEVEL]
+    with_floor = minimize(loss, first, jac=True, bounds=[*bounds, (0.0, None)], method="L-BFGS-B")
+    best = with_floor if with_floor.fun < alone.fun else alone
+    *laws, level = best.x.tolist()
+    ratios = tuple(level * math.exp(-value) for value in laws[::2])
+    return FloorFit(unit * level, float(alone.fun - best.fun), tuple(laws[1::2]), ratios)

@@ -1,0 +1,85 @@
+"""White noise of an instrument under the spectrum of a rougher surface, where the spectrum has no flat end."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.surfaces.filters import MIN_CUTOFF_POINTS
+from stiction.surfaces.floor_fit import BinnedSpectrum, fit_floor
+from stiction.surfaces.harmonics import find_period
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.scale import (
+    MAX_UNKNOWN_FRACTION,
+    Spectrum,
+    equivalent_cutoff,
+    line_spectra,
+    scale_dependent_roughness,
+)
+from stiction.surfaces.spectrum import HANN_CORRELATION
+from stiction.surfaces.surface import Surface
+
+MAX_FITTED_POINTS = 16.0  # longest fitted wavelength, in points
+_BINS_PER_OCTAVE = 8
+_MIN_BINS = 8  # smallest number of bins for a fit
+_RELATIVE_MODEL_ERROR = 0.1  # relative error of a power law in a bin
+_EXPONENTS = (1.0, 5.0)  # exponents of the spectra of lines for Hurst exponents 0 and 2
+
+
+@dataclass(frozen=True)
+class HiddenNoise:
+    """White noise that a spectrum may contain."""
+
+    slope_fraction: float  # fraction of the mean square slope that the noise contributes
+    cut_off: float  # cutoff (µm) that removes this fraction of the mean square slope
+
+
+def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> HiddenNoise | None:
+    """Estimate the white noise under the spectrum of a scan.
+
+    The spectra of the lines, at wavelengths of 2 to 16 points, are fitted by power laws with a common floor. Aliased
+    roughness, of a surface sampled at points that are far apart, flattens a spectrum in the same way.
+
+    Returns
+    -------
+    noise : HiddenNoise or None
+        None if power laws alone fit as well, if the noise contributes less than a tenth of the mean square slope, or if
+        there is a periodic texture, whose aliased harmonics are no noise.
+    """
+    spectra = line_spectra(body, periodic)
+    if any(find_period(density)[0] > 0 for _, density, *_ in spectra):
+        return None
+    binned = [_bin_short_wavelengths(spectrum, periodic) for spectrum in spectra]
+    fitted = [spectrum for spectrum in binned if spectrum is not None]
+    if not fitted:
+        return None
+    fit = fit_floor(fitted, exponents=_EXPONENTS)
+    total = sum(float(np.square(q) @ density) * float(q[0]) for q, density, *_ in spectra)
+    noise = sum(float(np.square(q).sum()) * float(q[0]) * fit.level * step for q, _, _, step in spectra)
+    fraction = noise / total
+    if not fit.is_significant or fraction <= MAX_UNKNOWN_FRACTION:
+        return None
+    roughness = scale_dependent_roughness(body, periodic=periodic)
+    longest, shortest = MAX_FITTED_POINTS * max(body.spacings), MIN_CUTOFF_POINTS * min(body.spacings)
+    return HiddenNoise(fraction, equivalent_cutoff(roughness, fraction, longest, shortest))
+
+
+def _bin_short_wavelengths(spectrum: Spectrum, periodic: bool) -> BinnedSpectrum | None:
+    """Return the short wavelengths of a spectrum in bins, or None if there are too few bins."""
+    q, density, count, step = spectrum
+    if not periodic:  # the first two harmonics contain leakage of the window
+        q, density, count = q[2:], density[2:], count[2:]
+    selected = q * MAX_FITTED_POINTS * step * (1 + 1e-9) >= 2 * math.pi
+    q, density, count = q[selected], density[selected], count[selected]
+    if not q.size or not density.all():
+        return None
+    _, index = np.unique(np.floor(_BINS_PER_OCTAVE * np.log2(q[-1] / q) + 1e-9), return_inverse=True)
+    total = np.bincount(index, count)
+    if total.size < _MIN_BINS:
+        return None
+    log_q: Floats = np.bincount(index, count * np.log(q)) / total
+    variance = (1.0 if periodic else HANN_CORRELATION) / total + _RELATIVE_MODEL_ERROR**2
+    return BinnedSpectrum(log_q, np.bincount(index, count * density) / total, 1 / variance, step)

@@ -1,0 +1,113 @@
+"""Tests of fitted noise floors, and of white noise under the spectra of rough surfaces."""
+
+import math
+
+import numpy as np
+import pytest
+from stiction import Profile, Surface, cut_off, instrument_limit
+from stiction.surfaces.floor_fit import MIN_FLOOR_GAIN, BinnedSpectrum, fit_floor
+from stiction.surfaces.hidden_noise import find_hidden_noise
+from stiction.surfaces.scale import line_spectra
+from support.machined_surfaces import filtered_noise, turned_surface
+
+SPACING = 0.1
+NUM_SURFACES = 6
+
+
+def mean_square_slope(body):
+    return sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in line_spectra(body, False))
+
+
+def rough_heights(seed, hurst, shape=(128, 128)):
+    rng = np.random.default_rng([seed, int(100 * hurst)])
+    return filtered_noise(rng, shape, hurst, longest=60), rng
+
+
+class TestFloorFit:
+    log_q = np.log(np.geomspace(1.0, 8.0, 24))
+
+    def spectrum(self, exponent, level, floor=1.0, weight=1e4):
+        density = np.exp(3.0 - exponent * self.log_q) + level * floor
+        return BinnedSpectrum(self.log_q, density, np.full(self.log_q.size, weight), floor)
+
+    @pytest.mark.parametrize("level", [0.1, 1.0, 30.0])
+    def test_fit_returns_parameters_of_exact_spectra(self, level):
+        fit = fit_floor([self.spectrum(2.2, level), self.spectrum(3.1, level, floor=0.5)], exponents=(1.0, 5.0))
+        assert fit.level == pytest.approx(level, rel=0.01)
+        assert fit.exponents == pytest.approx((2.2, 3.1), rel=0.01)
+        end_density = [math.exp(3.0 - exponent * self.log_q[-1]) for exponent in (2.2, 3.1)]
+        assert fit.ratios == pytest.approx((level / end_density[0], 0.5 * level / end_density[1]), rel=0.02)
+        assert fit.is_significant
+
+    def test_power_law_alone_has_no_floor(self):
+        fit = fit_floor([self.spectrum(2.2, 0.0)], exponents=(1.0, 5.0))
+        assert not fit.is_significant
+        assert fit.gain == pytest.approx(0.0, abs=1e-3)
+        assert fit.exponents == pytest.approx((2.2,), rel=1e-3)
+
+    def test_gain_is_difference_of_log_likelihoods(self):
+        spectrum = self.spectrum(2.2, 1.0, weight=3.0)
+        fit = fit_floor([spectrum], exponents=(1.0, 5.0))
+
+        def loss(level):
+            exponents = np.linspace(1.0, 5.0, 401)[:, np.newaxis]
+            prefactors = np.linspace(1.0, 5.0, 401)[:, np.newaxis, np.newaxis]
+            model = np.exp(prefactors - exponents * self.log_q) + level
+            return 3.0 * (np.log(model) + spectrum.density / model).sum(axis=-1).min()
+
+        assert fit.gain == pytest.approx(loss(0.0) - loss(1.0), rel=0.01)
+        assert fit.is_significant == (fit.gain > MIN_FLOOR_GAIN)
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
+def test_surface_without_noise_hides_none(hurst):
+    surfaces = [Surface(rough_heights(seed, hurst)[0], spacing=SPACING) for seed in range(NUM_SURFACES)]
+    assert [find_hidden_noise(surface) for surface in surfaces] == [None] * NUM_SURFACES
+    profiles = [Profile(rough_heights(seed, hurst, (2048,))[0], spacing=SPACING) for seed in range(4 * NUM_SURFACES)]
+    assert sum(find_hidden_noise(profile) is not None for profile in profiles) <= 2  # a single line has much scatter
+
+
+@pytest.mark.parametrize(("hurst", "level"), [(0.6, 0.15), (0.7, 0.1), (0.8, 0.08)])
+def test_white_noise_without_flat_end_is_estimated(hurst, level):
+    for seed in range(NUM_SURFACES):
+        heights, rng = rough_heights(seed, hurst)
+        clean, noisy = (
+            Surface(z, spacing=SPACING) for z in (heights, heights + level * rng.normal(size=heights.shape))
+        )
+        assert instrument_limit(noisy).reason == "pixels"
+        noise = find_hidden_noise(noisy)
+        slopes = [mean_square_slope(body) for body in (clean, noisy, cut_off(noisy, noise.cut_off))]
+        assert slopes[1] > 1.25 * slopes[0]
+        assert noise.slope_fraction == pytest.approx(1 - slopes[0] / slopes[1], abs=0.09)
+        assert math.sqrt(slopes[2] / slopes[0]) == pytest.approx(1.0, abs=0.13)
+
+
+def test_noise_of_anisotropic_spacing_has_common_variance():
+    heights, rng = rough_heights(1, 0.5, (128, 256))
+    noisy = heights + 0.1 * rng.normal(size=heights.shape)
+    square, stretched = (find_hidden_noise(Surface(noisy, spacing=spacing)) for spacing in (0.1, (0.1, 0.1001)))
+    assert stretched.slope_fraction == pytest.approx(square.slope_fraction, rel=0.01)
+    total = mean_square_slope(Surface(noisy, spacing=(0.2, 0.1)))
+    fraction = 1 - mean_square_slope(Surface(heights, spacing=(0.2, 0.1))) / total
+    assert find_hidden_noise(Surface(noisy, spacing=(0.2, 0.1))).slope_fraction == pytest.approx(fraction, abs=0.08)
+
+
+def test_aliased_surface_may_hide_noise():
+    fine = filtered_noise(np.random.default_rng(1), (512, 512), 0.5, longest=240)
+    assert find_hidden_noise(Surface(fine[::4, ::4], spacing=SPACING)).slope_fraction > 0.2
+
+
+def test_surface_with_feed_marks_is_not_fitted():
+    heights = turned_surface(np.random.default_rng(1), 1, feed=(25, 25))
+    noisy = heights + 0.003 * heights.std() * np.random.default_rng(2).normal(size=heights.size)
+    assert find_hidden_noise(Profile(noisy, spacing=SPACING)) is None
+
+
+@pytest.mark.parametrize("shape", [(2, 2), (3, 5), (9, 12)])
+def test_small_surface_is_not_fitted(shape):
+    assert find_hidden_noise(Surface(np.random.default_rng(1).normal(size=shape), spacing=SPACING)) is None
+
+
+def test_straight_grooves_are_fitted_across_only():
+    line = filtered_noise(np.random.default_rng(3), (256,), 0.8, longest=60)
+    assert find_hidden_noise(Surface(np.tile(line, (64, 1)), spacing=SPACING)) is None
