@@ -140,8 +140,10 @@ class OnsetTable(Table):
         return self
 
 
-DIRECTION_DESCRIPTION = "Direction of motion of the upper body, instead of `shear`; "
-"areas also accept degrees from +x towards +y, or a list."
+DIRECTION_DESCRIPTION = (
+    "Direction of motion of the upper body, instead of `shear`. For height maps, it may be an angle in degrees from +x "
+    "towards +y, or a list of directions."
+)
 LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
 
 

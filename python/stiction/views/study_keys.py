@@ -88,13 +88,13 @@ def key_tables() -> list[tuple[str, str, list[Row]]]:
             text = (
                 ""
                 if len(owning_cases) == len(cases)
-                else f" Of {_join_with_and(_case_names(owning_cases, cases, shared))}."
+                else f" Only for {_join_with_and(_case_names(owning_cases, cases, shared))}."
             )
             rows.append((key, default, allowed, meaning + text))
         for case in cases:
             if issubclass(case, SelfAffineSurfaces):
                 others = case.other_keys.items()
-                rows += [(f"`{key}`", "none", allowed, f"{text} Of {case.place}.") for key, (allowed, text) in others]
+                rows += [(f"`{key}`", "none", allowed, f"{text} Only for {case.place}.") for key, (allowed, text) in others]
         tables.append((title, phrases, rows))
     return tables
 
