@@ -94,7 +94,9 @@ def key_tables() -> list[tuple[str, str, list[Row]]]:
         for case in cases:
             if issubclass(case, SelfAffineSurfaces):
                 others = case.other_keys.items()
-                rows += [(f"`{key}`", "none", allowed, f"{text} Only for {case.place}.") for key, (allowed, text) in others]
+                rows += [
+                    (f"`{key}`", "none", allowed, f"{text} Only for {case.place}.") for key, (allowed, text) in others
+                ]
         tables.append((title, phrases, rows))
     return tables
 
