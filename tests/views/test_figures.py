@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -175,10 +174,7 @@ def test_friction_and_area_figures_of_small_results_give_no_warning(generated_da
 
 def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
-    columns_by_name = zip(("friction_coefficient", "lower", "upper"), zip(*cells, strict=True), strict=True)
-    certain, partly_faded, fully_faded, without_interval, without_value = _compute_fading(
-        {name: SimpleNamespace(values=np.array(column)) for name, column in columns_by_name}
-    )
+    certain, partly_faded, fully_faded, without_interval, without_value = _compute_fading(np.array(cells))
     assert (certain, without_value) == (0, 0)
     assert fully_faded == without_interval == FADING_LIMITS[2]
     assert partly_faded == pytest.approx(

@@ -145,6 +145,19 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
     return read_companion(result.path / PICTURE_FILE, (*_CONTACT_VARIABLES, "lower_height", *body_variables))
 
 
+def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:
+    """Return the first pair of measured profiles that touch at a load (mN), their approach and offset (µm), or None."""
+    members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
+    touching = np.flatnonzero(np.isfinite(members["approach"].values) & (members["contact_count"].values > 0))
+    if not touching.size:
+        return None
+    first = members.isel(repetition=touching[0])
+    member = load_bodies(result.study).member(int(first["repetition"]), float(first["cut_off"]))
+    upper, lower = member.pair
+    assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
+    return upper, lower, float(first["approach"]), member.x
+
+
 def find_typical_index(area: Floats) -> int:
     """Return the index of the area nearest to the mean, ignoring NaN."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))

@@ -44,7 +44,7 @@ from stiction.mechanics.quantities import (
 from stiction.studies import intervals
 from stiction.studies.hardness import AreaInterpolator
 from stiction.studies.intervals import Crossing
-from stiction.studies.maps import CELLS, MOTIONS, cells_of, ensemble_map, material_of, means
+from stiction.studies.maps import CELLS, MOTIONS, cells_of, ensemble_map, material_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study, find_step_dimension, study_of
 
@@ -256,7 +256,7 @@ def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
 
 def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     """Return loads (mN) in equal ratios, from the largest load of any first step to the largest load of all cells."""
-    elastic = means(result, ["normal_elastic"])["normal_elastic"]
+    elastic = Result.of(result).means(["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
     if not highest > 0:
         raise ValueError("no pair of this result touches within its steps, so there is nothing to draw")

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -199,6 +199,19 @@ def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float
         if stored.count == expected.ensemble.repetitions and not _lacks_hardness(stored):
             studies[factor] = stored
     return dict(sorted(studies.items()))
+
+
+def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
+    """Return the stored factors of the heights of a result by scaled surfaces; empty if there are none besides 1."""
+    study = result.study
+    if not study.is_measured or result.count < study.ensemble.repetitions:
+        return {}
+    if not (result.path / HEIGHT_SCALE_FOLDER).is_dir():
+        return {}
+    factors: dict[ScaledSides, list[float]] = {
+        scaled: list(open_stored_factors(result, scaled)) for scaled in get_args(ScaledSides)
+    }
+    return {scaled: values for scaled, values in factors.items() if len(values) > 1}
 
 
 def _lacks_hardness(stored: StoredResult) -> bool:

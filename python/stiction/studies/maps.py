@@ -194,28 +194,6 @@ def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[An
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
-def means(result: Result | xarray.Dataset, names: Iterable[str] | None = None) -> xarray.Dataset:
-    """Average variables of a result over the members, by default all variables that depend on the member."""
-    import xarray
-
-    result = Result.of(result)
-    total: dict[str, xarray.Variable] = {}
-    count = 0
-    head = result.head
-    variable_names = [
-        str(name) for name in (head.data_vars if names is None else names) if "repetition" in head[name].dims
-    ]
-    for piece in result.pieces(variable_names):
-        count += piece.sizes["repetition"]
-        for name in variable_names:
-            dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
-            added = xarray.Variable(dims, repetitions_last(piece[name], dims).sum(axis=-1))
-            total[name] = added if name not in total else total[name] + added
-    coordinates = {name: variable for name, variable in head.coords.items() if "repetition" not in variable.dims}
-    variables = {name: (variable.dims, variable.values / count, head[name].attrs) for name, variable in total.items()}
-    return xarray.Dataset(variables, coordinates, head.attrs)
-
-
 def solved_pieces(
     result: Result, names: Iterable[str] | None = None, change: Change | None = None
 ) -> Iterator[xarray.Dataset]:

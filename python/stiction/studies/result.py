@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import check_bool, check_instance
 from stiction._repr import figure_html, preformatted_html, render_png
-from stiction._units import loads_to_core_units, to_core_units
+from stiction._units import loads_to_core_units, short_repr, to_core_units
+from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.layout import piece_length
 from stiction.studies.store import StoredResult, export, open_stored
 from stiction.studies.study import Study, study_of
@@ -24,8 +25,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stiction.studies.assessment import Caveat
+    from stiction.studies.height_scale import ScaledSides
     from stiction.studies.nodes import Nodes
     from stiction.studies.summary import PointSummary, Summary
+    from stiction.surfaces.profile import Profile
 
 # number of fractal dimensions in an overview, for studies with a range of fractal dimensions
 NUM_OVERVIEW_DIMENSIONS = 4
@@ -126,6 +129,30 @@ class Result:
         for first in range(0, count, step):
             yield some.isel(repetition=slice(first, first + step))
 
+    def means(self, names: Iterable[str]) -> xarray.Dataset:
+        """Average variables that depend on the member over all members. One piece is in memory at a time."""
+        import xarray
+
+        names, total, count = list(names), dict[str, xarray.Variable](), 0
+        for piece in self.pieces(names):
+            count += piece.sizes["repetition"]
+            for name in names:
+                dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
+                values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)  # for fast sums
+                added = xarray.Variable(dims, values.sum(axis=-1))
+                total[name] = added if name not in total else total[name] + added
+        head = self.head
+        coordinates = {name: variable for name, variable in head.coords.items() if "repetition" not in variable.dims}
+        variables = {name: (value.dims, value.values / count, head[name].attrs) for name, value in total.items()}
+        return xarray.Dataset(variables, coordinates, head.attrs)
+
+    @cached_property
+    def num_solved(self) -> int:
+        """Number of members that have a solution at every load or approach."""
+        from stiction.studies.maps import solved_pieces
+
+        return sum(piece.sizes["repetition"] for piece in solved_pieces(self, ["normal_elastic"]))
+
     def alongside(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
         """Call a function that reads from the directory of the result, and cache its value; None for results in memory.
 
@@ -168,6 +195,19 @@ class Result:
 
         return coming_and_going(self)
 
+    def find_touching_profiles(self, load: float) -> tuple[Profile, Profile, float, float] | None:
+        """Return the first pair of measured profiles that touch at a load, their approach and offset (µm), or None."""
+        from stiction.studies.contact_picture import find_touching_profiles
+
+        return find_touching_profiles(self, load)
+
+    @property
+    def height_factors(self) -> dict[ScaledSides, list[float]]:
+        """Stored factors of the heights by scaled surfaces; empty if there are none besides 1."""
+        from stiction.studies.height_scale import list_stored_factors
+
+        return {} if self.stored is None else list_stored_factors(self.stored)
+
     @cached_property
     def nodes(self) -> Nodes:
         """Values at nodes of mu0 and tau0, between which a report interpolates."""
@@ -183,6 +223,12 @@ class Result:
         return find_study_caveats(self.study)
 
     # ---- At a load ---------------------------------------------------------------------------------------------------
+
+    def reached_loads(self, steps: int = 80) -> NDArray[np.float64]:
+        """Return loads (mN) in equal ratios, up to the largest mean load; a `ValueError` if there is no contact."""
+        from stiction.studies.evaluation import reached_loads
+
+        return reached_loads(self, steps)
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
@@ -217,7 +263,7 @@ class Result:
 
     def at(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
-        reading: Any = None, per_member: bool = False, budget: bool = False,
+        reading: Any = None, quantities: Collection[str] | None = None, per_member: bool = False, budget: bool = False,
         height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
         compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
@@ -240,6 +286,8 @@ class Result:
             Such as "50 MPa".
         reading : {"mean", "elastic", "normal"}, optional
             Definition of the load, as for `at_load`.
+        quantities : collection of str, optional
+            Names of quantities to evaluate besides friction, such as ["contact_area"]; all by default.
         per_member : bool
             True to return the values of each member, as `member_values` does, instead of means and intervals.
         budget : bool
@@ -277,13 +325,21 @@ class Result:
             check_bool(name, value)
         if per_member and (budget or height_scale is not None):
             raise ValueError("per_member must be False with budget or height_scale")
+        if quantities is not None:
+            if per_member or budget or height_scale is not None:
+                raise ValueError("quantities must be None with per_member, budget or height_scale")
+            quantities = [quantities] if isinstance(quantities, str) else list(quantities)
+            if unknown := [name for name in quantities if name not in QUANTITIES]:
+                raise ValueError(f"quantities must be names of quantities, got {short_repr(unknown[0])}")
         if height_scale is not None:
             return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
         loads = self.default_loads if load is None else self._loads_of(load)
         strengths = to_core_units("tau0", tau0, "pressure")
         if per_member:
             return member_values(self, loads, mu0=mu0, tau0=strengths, reading=reading or "elastic")
-        return add_uncertainty(at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading), self, budget=budget)
+        return add_uncertainty(
+            at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading, names=quantities), self, budget=budget
+        )
 
     def _at_height_scale(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool

@@ -8,7 +8,6 @@ import numpy as np
 
 from stiction._number_format import choose_prefix, format_estimate, format_percent, format_significant, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
-from stiction.studies.height_scale import HEIGHT_SCALE_FOLDER, ScaledSides, open_stored_factors
 from stiction.studies.point import (
     MEAN_AND_ENDS,
     by_rule,
@@ -18,7 +17,6 @@ from stiction.studies.point import (
     points,
     value_of,
 )
-from stiction.studies.result import Result
 from stiction.views import rows
 from stiction.views.point import RULE_DESCRIPTIONS, load_text
 from stiction.views.text import format_table, wrap_text
@@ -26,6 +24,7 @@ from stiction.views.text import format_table, wrap_text
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.studies.height_scale import ScaledSides
     from stiction.studies.study import Study
 
 SCALED_SURFACE_TEXTS: dict[ScaledSides, str] = {
@@ -37,19 +36,6 @@ HEIGHT_SCALE_NOTE = (
     "Only the heights change. A surface finish that also adds or removes wavelengths needs its own scan, "
     "because a factor cannot describe it."
 )
-
-
-def stored_scale_factors(result: Result) -> dict[ScaledSides, list[float]]:
-    """Return the stored factors of the heights for each choice of scaled surfaces; empty if there are none."""
-    stored, study = result.stored, result.study
-    if stored is None or not study.is_measured or not (stored.path / HEIGHT_SCALE_FOLDER).is_dir():
-        return {}
-    if stored.count < study.ensemble.repetitions:
-        return {}
-    factors_by_surface: dict[ScaledSides, list[float]] = {
-        surfaces: list(open_stored_factors(stored, surfaces)) for surfaces in SCALED_SURFACE_TEXTS
-    }
-    return {surfaces: factors for surfaces, factors in factors_by_surface.items() if len(factors) > 1}
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:

@@ -24,10 +24,10 @@ from stiction._number_format import format_with_unit
 from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
-from stiction.studies.evaluation import reached_loads
-from stiction.studies.maps import area_map, friction_map, means
 from stiction.studies.members import generate_phases, pair_of, unscaled_profile
-from stiction.studies.study import Study, study_of
+from stiction.studies.point import MEAN_AND_ENDS
+from stiction.studies.result import Result
+from stiction.studies.study import Study
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.views.style import (
     FRICTION_MAP,
@@ -152,13 +152,15 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     model is not valid, and grey if the 95 % interval is wide. The load of the curves is the highest power of ten that
     is reached at nine of ten fractal dimensions.
     """
-    study = study_of(dataset)
+    result = Result.of(dataset)
+    study = result.study
     strengths = list(study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
-    load = _common_load(dataset)
-    loads = [*reached_loads(dataset), load]
-    maps = friction_map(dataset, loads, mu0=[mu0], tau0=[float(strength) for strength in strengths]).isel(mu0=0)
-    maps, curves = maps.isel(load=slice(-1)), maps.isel(load=-1)
+    loads = result.reached_loads()
+    load = _common_load(result, float(loads[0]))
+    values = result.at([*loads, load], mu0=mu0, tau0=[float(strength) for strength in strengths], quantities=())
+    values = values.isel(mu0=0)
+    maps, curves = values.sel(load=loads), values.sel(load=load)
     amplitudes = dataset["amplitude"].values
     lines = heading_lines(dataset, study)
     handles = _legend_handles(maps, asperities=not study.uses_half_space)
@@ -202,10 +204,10 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     return figure
 
 
-def _common_load(dataset: xarray.Dataset) -> float:
+def _common_load(result: Result, lowest: float) -> float:
     """Return the highest power of ten (mN) that nine of ten ensembles reach, or their highest load if there is none."""
-    elastic = means(dataset, ["normal_elastic"])["normal_elastic"].max(study_of(dataset).step).values
-    lowest, common = float(reached_loads(dataset)[0]), float(np.quantile(elastic[elastic > 0], 0.1))
+    elastic = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step).values
+    common = float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
     return float(power if power >= lowest else max(common, lowest))
 
@@ -223,8 +225,8 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
     """Draw curves with intervals for the lowest and the highest strength, dotted where the model is not valid."""
     dimension = curves["fractal_dimension"].values
-    is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # (fractal dimension, strength)
-    value, lower, upper = (curves[name].values for name in ("friction_coefficient", "lower", "upper"))
+    is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # (dimension, strength)
+    value, lower, upper = (curves["friction_coefficient"].sel(statistic=each).values for each in MEAN_AND_ENDS)
     for index, colour in zip(range(len(strengths)), STRENGTH_COLOURS, strict=False):
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
         marker = "o" if dimension.size == 1 else None
@@ -281,7 +283,7 @@ def _colour_bar(figure: Figure, position: tuple[float, float, float, float], nor
 
 def _colour_norm(maps: xarray.Dataset) -> Any:
     """Return a logarithmic colour scale for the valid values, or for all values if only few are valid."""
-    values = maps["friction_coefficient"].values
+    values = maps["friction_coefficient"].sel(statistic="mean").values
     finite = np.isfinite(values) & (values > 0)
     is_valid = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
     positive = values[is_valid if is_valid.sum() > 0.1 * finite.sum() else finite]
@@ -292,8 +294,9 @@ def _colour_norm(maps: xarray.Dataset) -> Any:
 
 
 def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -> None:
-    panel = panel.transpose("load", "fractal_dimension")
-    values, status = panel["friction_coefficient"].values, panel["status"].values
+    panel = panel.transpose("load", "fractal_dimension", "statistic")
+    friction, status = panel["friction_coefficient"].values, panel["status"].values
+    values = friction[..., 0]
     edges = _cell_edges(panel["fractal_dimension"].values), np.exp(_cell_edges(np.log(panel["load"].values)))
     axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
     set_log_ticks(axes)
@@ -301,7 +304,7 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     finite = np.isfinite(values)
     # A coefficient of 0 has no logarithm, and gets the colour of the lowest value.
     colours = colormaps[FRICTION_MAP](norm(np.where(finite, np.maximum(values, norm.vmin), norm.vmin)))
-    colours[..., :3] = _fade(colours[..., :3], _compute_fading(panel))
+    colours[..., :3] = _fade(colours[..., :3], _compute_fading(friction))
     colours[..., 3] = finite
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(SELF_LOCKED_COLOUR), 1)
     axes.pcolormesh(*edges, colours)
@@ -339,11 +342,11 @@ _HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\
 """Style of cells in which the model is not valid."""
 
 
-def _compute_fading(maps: xarray.Dataset) -> Floats:
+def _compute_fading(friction: Floats) -> Floats:
     """Return the fading of each cell from the width of its interval; a single repetition has no interval."""
-    values = maps["friction_coefficient"].values
+    values, lower, upper = np.moveaxis(friction, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        width = (maps["upper"].values - maps["lower"].values) / values
+        width = (upper - lower) / values
     min_width, max_width, max_fading = FADING_LIMITS
     width = np.where(np.isfinite(values), np.nan_to_num(width, nan=max_width, posinf=max_width), min_width)
     return np.asarray(max_fading * np.clip((width - min_width) / (max_width - min_width), 0, 1))
@@ -366,7 +369,8 @@ def _legend_handles(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
     if asperities and (maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION).any():
         invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
         handles.append(Patch(**_HATCH | {"facecolor": tuple(example_colour)}, label=invalid_label))
-    if (_compute_fading(maps)[~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)] > 0.1).any():
+    fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
+    if (fading[~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)] > 0.1).any():
         handles.append(
             Patch(facecolor=tuple(_fade(example_colour, np.array(FADING_LIMITS[2]))), label="grey: wide 95 % interval")
         )
@@ -390,11 +394,12 @@ def _cell_edges(centres: Floats) -> Floats:
 
 def area_figure(dataset: xarray.Dataset) -> Figure:
     """Draw true contact area, and its ratio to the load, against load with 95 % intervals; one row per amplitude."""
-    study = study_of(dataset)
+    result = Result.of(dataset)
+    study, loads = result.study, result.reached_loads()
     mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
     indices = evenly_spaced_indices(dataset.sizes["fractal_dimension"], MAX_CURVES)
-    areas = area_map(dataset.isel(fractal_dimension=indices), reached_loads(dataset), mu0=mu0, tau0=tau0)
-    areas = areas.isel(mu0=0, tau0=0)
+    drawn = Result(dataset.isel(fractal_dimension=indices))
+    areas = drawn.at(loads, mu0=mu0, tau0=tau0, quantities=["contact_area"]).isel(mu0=0, tau0=0)
     amplitudes = areas["amplitude"].values
     lines = heading_lines(dataset, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
@@ -439,8 +444,8 @@ def _area_curves(
 ) -> None:
     """Draw the area and its ratio to the load for each fractal dimension, with labels at the starts of the curves."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
-    areas = areas.transpose("fractal_dimension", "load")
-    area, lower, upper = (areas[name].values for name in ("contact_area", "lower", "upper"))
+    areas = areas.transpose("fractal_dimension", "load", ...)
+    area, lower, upper = (areas["contact_area"].sel(statistic=each).values for each in MEAN_AND_ENDS)
     is_valid = has_no_validity_limit | (areas["share_beyond_hertz"].values <= MAX_AFFECTED_FRACTION)
     positive = area[area > 0]
     for ax, scale in zip(axes, (np.ones(load.size), 1 / load), strict=True):

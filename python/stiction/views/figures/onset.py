@@ -18,9 +18,8 @@ from stiction._number_format import format_with_unit
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.contact_picture import MIN_ZOOM_SIZE, ZOOM_DIVISOR
 from stiction.studies.contact_tables import AsperityContactTable
-from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.point import MEAN_AND_ENDS
-from stiction.studies.study import study_of
+from stiction.studies.result import Result
 from stiction.views.figures.contact import draw_frame, draw_heights, map_extent
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,
@@ -220,13 +219,14 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
 
     Bands are 95 % intervals. Curves are dotted where the model is not valid.
     """
-    study = study_of(dataset)
+    result = Result.of(dataset)
+    study = result.study
     assert isinstance(study.contact, AsperityContactTable)
     settings = study.contact.onset
     assert settings is not None
-    ends = np.log(reached_loads(dataset, 2))
+    ends = np.log(result.reached_loads(2))
     loads = np.unique([float(f"{np.exp(ends[0] + fraction * (ends[1] - ends[0])):.0e}") for fraction in LOAD_FRACTIONS])
-    dataset_at_loads = at_load(dataset, loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
+    dataset_at_loads = result.at(loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
     amplitudes = dataset["amplitude"].values
     lines = heading_lines(dataset, study)
     figure, height, axes_at = create_axes_rows(

@@ -6,19 +6,15 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from stiction.studies.evaluation import member_values
-from stiction.studies.height_scale import ScaledSides, evaluate_height_scale
-from stiction.studies.members import load_bodies
 from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.surfaces.profile import Profile
 from stiction.views.figures.budget import budget_figure, dwell_time_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import MIN_DIRECTIONS, compass_figure, positions_figure, sizes_figure
@@ -32,9 +28,11 @@ from stiction.views.figures.ensemble import (
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, load_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
-from stiction.views.height_scale import stored_scale_factors
 from stiction.views.resolution import resolution_limits
 from stiction.views.style import MATPLOTLIB_STYLE, parse_formats, save_figure
+
+if TYPE_CHECKING:
+    from stiction.studies.height_scale import ScaledSides
 
 
 def draw_figures(
@@ -145,11 +143,11 @@ def _measured_figures(
         if cutoff_dataset is not None:
             dataset = cutoff_dataset.isel(mu0=m, tau0=t).sel(load=first_load, method="nearest")
             yield f"cut_off{suffix}", partial(_cut_off, dataset, study, title=title)
-    for surfaces in stored_scale_factors(result):
-        name = "height_scale" if surfaces == "both" else f"height_scale_{surfaces}"
+    for scaled, factors in result.height_factors.items():
+        name = "height_scale" if scaled == "both" else f"height_scale_{scaled}"
         for number, indices in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
             suffix = "" if number == 1 else f"-{number}"
-            yield name + suffix, partial(draw_height_scale, result, surfaces, indices, title=title)
+            yield name + suffix, partial(draw_height_scale, result, scaled, factors, indices, title=title)
     if study.is_areal:
         yield "closure", partial(closure_figure, unfiltered.sel(load=slice(max(study_loads))), title=title)
     yield "budget", lambda: budget_figure(result.summary().first, title=title)
@@ -178,21 +176,19 @@ def _cut_off(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
 
 
 def draw_height_scale(
-    result: Result, surfaces: ScaledSides, indices: tuple[int, ...] = (0, 0), *, title: str
+    result: Result, scaled: ScaledSides, factors: list[float], indices: tuple[int, ...] = (0, 0), *, title: str
 ) -> Figure:
     """Draw a result against the stored factors of the heights, at its first load and for one pair of mu0 and tau0."""
     friction = result.study.friction
-    mu0, tau0 = [friction.mu0[indices[0]]], [float(friction.tau0[indices[1]])]
-    factors, load = stored_scale_factors(result)[surfaces], [float(friction.load[0])]
-    assert result.stored is not None, "factors are stored alongside"
-    dataset = evaluate_height_scale(result.stored, factors, load, mu0=mu0, tau0=tau0, scaled=surfaces)
+    mu0, tau0 = friction.mu0[indices[0]], float(friction.tau0[indices[1]])
+    dataset = result.at(float(friction.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled)
     return height_scale_figure(dataset.isel(load=0, mu0=0, tau0=0), title=title)
 
 
 def draw_positions(result: Result, dataset: xarray.Dataset, *, title: str) -> Figure:
     """Draw the friction of each member of a result, at one point of `at_load`."""
-    material: dict[str, Any] = {name: [float(dataset[name])] for name in ("mu0", "tau0")}
-    members = member_values(result, [float(dataset["load"])], **material)
+    load, mu0, tau0 = (float(dataset[name]) for name in ("load", "mu0", "tau0"))
+    members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)
     values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
     return positions_figure(values.transpose("repetition", "direction", ...), dataset, title=title)
 
@@ -206,26 +202,10 @@ def _profile_figures(
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """Yield the figure of the first pair of profiles that supports a load."""
     contact: Any = study.contact
-    wavelength = float(study.surfaces.cells()["cut_off"][0])
-    members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
-    indices_with_load = np.flatnonzero(np.isfinite(members["approach"].values) & (members["contact_count"].values > 0))
-    if not indices_with_load.size:
+    if (touching := result.find_touching_profiles(load)) is None:
         return
-    member = load_bodies(study).member(int(members["repetition"][indices_with_load[0]]), wavelength)
-    upper, lower = member.pair
-    assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
-    yield (
-        "contact",
-        partial(
-            contact_figure,
-            upper,
-            lower,
-            float(members["approach"].values[indices_with_load[0]]),
-            mu0=float(point["mu0"]),
-            tau0=float(point["tau0"]),
-            load=load,
-            offset=member.x,
-            title=format_print_title(study),
-            model=contact.model(contact.rules()[0]),
-        ),
-    )
+    upper, lower, approach, offset = touching
+    mu0, tau0 = float(point["mu0"]), float(point["tau0"])
+    options: dict[str, Any] = {"mu0": mu0, "tau0": tau0, "load": load, "offset": offset}
+    options |= {"title": format_print_title(study), "model": contact.model(contact.rules()[0])}
+    yield "contact", partial(contact_figure, upper, lower, approach, **options)

@@ -22,7 +22,6 @@ from stiction.studies.assessment import (
     VERDICTS,
     list_ensemble_checks,
 )
-from stiction.studies.maps import means, solved_pieces
 from stiction.studies.nodes import Axis, Nodes
 from stiction.studies.point import rules_of
 from stiction.studies.result import Result
@@ -46,12 +45,9 @@ def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
     Raises a `ReportError` if it is too large for a page or has no members.
     """
     head, num_members = result.head, result.members.size
-    members = (
-        sum(piece.sizes["repetition"] for piece in solved_pieces(result, ["normal_elastic"])) if num_members else 0
-    )
-    if not members:
+    if not num_members or not (members := result.num_solved):
         raise ReportError("no member of the result has a solution at every load")
-    counts = means(result, ["contact_count"])["contact_count"].transpose(*SHAPE_DIMENSIONS, study.step).values
+    counts = result.means(["contact_count"])["contact_count"].transpose(*SHAPE_DIMENSIONS, study.step).values
     tables, loads = Tables(), result.nodes.loads
     facts = _study_facts(head, study, loads) | {"name": name or _study_name(study), "repetitions": members}
     facts |= {

@@ -22,7 +22,7 @@ from stiction.views.figures.contact import contact_figure, contact_map_figure, f
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.figures.standard import draw_height_scale, draw_positions
-from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS, stored_scale_factors
+from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
 from stiction.views.point import motion_text
 from stiction.views.report.page import counted
 from stiction.views.style import MATPLOTLIB_STYLE
@@ -67,14 +67,14 @@ def height_scale_panels(result: Result, title: str) -> str:
     The panels show the first load, mu0 and tau0.
     """
     panels = []
-    for scaled, factors in stored_scale_factors(result).items():
+    for scaled, factors in result.height_factors.items():
         caption = (
             f"Heights of {SCALED_SURFACE_TEXTS[scaled]} times {factors[0]:g} to {factors[-1]:g}, each solved again; "
             f"dashed: as measured. {HEIGHT_SCALE_NOTE} The load, μ0 and τ0 are the first values of the study; the "
             "sliders do not change this figure."
         )
         description = "Friction coefficient and true contact area over the rms gradient of the gap."
-        draw = partial(draw_height_scale, result, scaled, title=title)
+        draw = partial(draw_height_scale, result, scaled, factors, title=title)
         panels.append(_panel(f"Another finish of {SCALED_SURFACE_TEXTS[scaled]}", description, caption, draw))
     return "".join(panels)
 
