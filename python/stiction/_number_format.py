@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from typing import Any
 
 MAX_DIGITS = 4  # maximum number of significant digits of a value, however narrow its interval
 UNBOUNDED_END = "\N{INFINITY}"  # text that stands for the upper end of an unbounded interval
@@ -124,6 +126,16 @@ def _format_decimals(value: float, digits: int) -> str:
     return text.removeprefix("-") if float(text) == 0 else text
 
 
-def finite_or_none(value: float | None) -> float | None:
+def to_json(record: Any, **options: Any) -> str:
     """Return a number for JSON, in which None stands for NaN, for infinity, and for None itself."""
-    return float(value) if value is not None and math.isfinite(value) else None
+    return json.dumps(_with_null(record), allow_nan=False, **options)
+
+
+def _with_null(value: Any) -> Any:
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {name: _with_null(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_with_null(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from stiction._number_format import to_json
 from stiction.app.jobs import REPORTED_ERRORS, remove_paths
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import PAIR_OPTIONS, format_command_line_name
@@ -43,7 +44,7 @@ def main() -> None:
             result = None if study is None else preview_result(study)
         else:
             result = open_result(request["folder"])
-        print(json.dumps(None if result is None else _write_files(result, request)))
+        print(to_json(None if result is None else _write_files(result, request)))
     except REPORTED_ERRORS as error:
         sys.exit(f"stiction: {error or 'not enough memory for this result'}")
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._checks import check_instance
-from stiction._number_format import finite_or_none, format_percent, format_with_interval, format_with_unit
+from stiction._number_format import format_percent, format_with_interval, format_with_unit
 from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_VARIATION
 from stiction.studies.interfaces import EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY, Fit, Interface
@@ -107,11 +107,11 @@ def calibration_record(interface: Interface) -> str:
     fits = [
         {
             "sliding": fit.sliding,
-            "chi_squared": finite_or_none(fit.chi_squared),
+            "chi_squared": fit.chi_squared,
             "freedom": fit.freedom,
-            "probability": finite_or_none(fit.probability),
+            "probability": fit.probability,
             "errors_multiplied_by": fit.scale,
-            "trend": finite_or_none(fit.trend),
+            "trend": fit.trend,
         }
         for fit in interface.fits
     ]

@@ -9,7 +9,6 @@ import numpy as np
 
 from stiction._number_format import (
     choose_prefix,
-    finite_or_none,
     format_estimate,
     format_percent,
     format_with_interval,
@@ -105,10 +104,7 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     """Return the curve, its characteristic values and the fitted model parameters as a JSON record (mN, µm, GPa)."""
 
     def records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
-        return {
-            name: dict(zip(MEAN_AND_ENDS, map(finite_or_none, _interval_ends(dataset[name])), strict=True))
-            for name in names
-        }
+        return {name: dict(zip(MEAN_AND_ENDS, _interval_ends(dataset[name]), strict=True)) for name in names}
 
     numbers = records(onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
     curve_names = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction._number_format import choose_prefix, finite_or_none, format_with_interval, format_with_unit
+from stiction._number_format import choose_prefix, format_with_interval, format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, ValueWithInterval
 
@@ -37,7 +37,7 @@ def pull_off_record(estimate: Sticking) -> dict[str, Any]:
         "friction_at_no_load": estimate.friction,
     }
     names = ("value", "lower", "upper")
-    values = {key: dict(zip(names, map(finite_or_none, interval), strict=True)) for key, interval in intervals.items()}
+    values = {key: dict(zip(names, interval, strict=True)) for key, interval in intervals.items()}
     return {"sticks": estimate.sticks, "pull_off_is_bound": estimate.is_bound, **values}
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._number_format import finite_or_none, format_estimate, format_percent, format_with_unit
+from stiction._number_format import format_estimate, format_percent, format_with_unit
 from stiction.mechanics.brackets import friction_stretch, interface_stretch
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
@@ -96,7 +96,7 @@ def cut_off_records(dataset: xarray.Dataset, study: Study) -> list[dict[str, Any
         for rule in rules_of(study):
             numbers[f"friction_{rule}"] = value_of(point.sel(sliding=rule), "friction_all_round")
         coordinates: dict[str, Any] = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
-        records.append(coordinates | {name: finite_or_none(value) for name, value in numbers.items()})
+        records.append(coordinates | numbers)
     return records
 
 
@@ -161,9 +161,9 @@ def yield_records(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) 
             "mu0": float(point["mu0"]),
             "tau0": float(point["tau0"]),
             "hardness": hardness,
-            "reached_at_um": finite_or_none(wave),
-            "lower": finite_or_none(low),
-            "upper": finite_or_none(high),
+            "reached_at_um": wave,
+            "lower": low,
+            "upper": high,
             "friction_all_at_least": limit,
         }
         for hardness, wave, low, high, limit in yield_estimates(point, study, scan)
@@ -185,9 +185,9 @@ def resolution_record(
         record["waves"] = {
             "shortest_um": scan.shortest,
             "longest_um": scan.longest,
-            "rms_gradient": finite_or_none(scan.gradient),
-            "fraction_of_mean_square_slope_in_shortest_octave": finite_or_none(scan.fraction_below(2 * scan.shortest)),
-            "hurst_exponent": finite_or_none(None if scan.estimate is None else scan.estimate.value),
+            "rms_gradient": scan.gradient,
+            "fraction_of_mean_square_slope_in_shortest_octave": scan.fraction_below(2 * scan.shortest),
+            "hurst_exponent": None if scan.estimate is None else scan.estimate.value,
         }
         if study.uses_half_space and study.contact.hardness is None:
             unfiltered = dataset.isel(cut_off=[0]) if "cut_off" in dataset.dims else dataset

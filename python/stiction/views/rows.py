@@ -9,7 +9,6 @@ for each point, with their caveats. Missing values are null.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -17,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._core import __version__
-from stiction._number_format import finite_or_none, format_estimate, format_time
+from stiction._number_format import format_estimate, format_time, to_json
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_of, shown_in
 from stiction.studies.point import CELL_DIMENSIONS, rules_of
@@ -237,7 +236,7 @@ def _assessment_table(
 def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> str:
     """Return a record as a JSON text."""
     record = {"schema": SCHEMA_VERSION, "stiction": __version__, "command": command, **fields, "values": values}
-    return json.dumps(record, ensure_ascii=False, allow_nan=False, indent=1)
+    return to_json(record, ensure_ascii=False, indent=1)
 
 
 def entry(
@@ -247,10 +246,10 @@ def entry(
     """Return a value with its name, unit, interval, coordinates and status, for JSON."""
     return {
         "name": name,
-        "value": finite_or_none(value),
+        "value": float(value),
         "unit": unit,
-        "lower": finite_or_none(lower),
-        "upper": finite_or_none(upper),
+        "lower": lower,
+        "upper": upper,
         **({} if interval is None else {"interval": interval}),
         "at": coordinates or {},
         "status": status,
@@ -292,51 +291,36 @@ def point_record(point: PointSummary) -> dict[str, Any]:
             {
                 "rule": rule.rule,
                 "text": format_estimate(rule.value, rule.lower, rule.upper),
-                "value": finite_or_none(rule.value),
-                "lower": finite_or_none(rule.lower),
-                "upper": finite_or_none(rule.upper),
-                "members_from": finite_or_none(rule.low),
-                "members_to": finite_or_none(rule.high),
-                "by_slopes_alone": finite_or_none(rule.slopes),
+                "value": rule.value,
+                "lower": rule.lower,
+                "upper": rule.upper,
+                "members_from": rule.low,
+                "members_to": rule.high,
+                "by_slopes_alone": rule.slopes,
                 **{
-                    name: {"lower": finite_or_none(low), "upper": finite_or_none(high)}
+                    name: {"lower": low, "upper": high}
                     for name, (low, high) in (("of_positions", rule.positions), ("next_test", rule.next_test))
                 },
             }
             for rule in point.rules
         ],
-        "parts": None
-        if point.parts is None
-        else dict(zip(("mu0", "adhesion", "slopes"), map(finite_or_none, point.parts), strict=True)),
+        "parts": None if point.parts is None else dict(zip(("mu0", "adhesion", "slopes"), point.parts, strict=True)),
         "budget": [
-            {
-                "if_known": remaining.words,
-                "lower": finite_or_none(remaining.lower),
-                "upper": finite_or_none(remaining.upper),
-                "width": finite_or_none(remaining.width),
-            }
+            {"if_known": remaining.words, "lower": remaining.lower, "upper": remaining.upper, "width": remaining.width}
             for remaining in point.budget
         ],
-        "waited": [
-            {name: finite_or_none(value) for name, value in vars(aged_estimate).items()}
-            for aged_estimate in point.waited
-        ],
+        "waited": [vars(aged_estimate) for aged_estimate in point.waited],
         "scans": dict(zip(("upper", "lower"), point.scans, strict=True)),
         "contact_status": point.contact_status,
         "sticking": None if point.sticking is None else pull_off_record(point.sticking),
         "verdict": point.verdict,
         "sentence": sentence_text(point),
-        "from_roughness": finite_or_none(point.from_roughness),
+        "from_roughness": point.from_roughness,
         "assumptions": list(list_assumptions(point.study)),
         "interval_covers": covers_text(point),
         "finer_scans": None
         if point.bracket is None
-        else {
-            "from": finite_or_none(point.bracket[0]),
-            "to": finite_or_none(point.bracket[1]),
-            "rule": "all",
-            "hardness": point.hardness,
-        },
+        else {"from": point.bracket[0], "to": point.bracket[1], "rule": "all", "hardness": point.hardness},
         "caveats": [
             {"text": caveat.text, "cure": caveat.cure, "severity": caveat.severity} for caveat in point.caveats
         ],

@@ -34,7 +34,6 @@ from stiction.views.report.page import (
     axes_facts,
     counted,
     escaped,
-    listed,
     motions_of,
 )
 from stiction.views.report.pictures import (
@@ -288,7 +287,7 @@ def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
         points = factor * means
         decimals, upper_decimals = decimals_of(*np.moveaxis(points, -1, 0))
         records.append({
-            "name": name, "words": quantity.short[0].upper() + quantity.short[1:], "points": listed(points),
+            "name": name, "words": quantity.short[0].upper() + quantity.short[1:], "points": points,
             "decimals": decimals.tolist(), "upperDecimals": upper_decimals.tolist(), "texts": texts,
             "isBeyond": (means[..., 0] > (np.inf if limit is None else limit)).tolist(),
         })  # fmt: skip
@@ -325,9 +324,4 @@ def _contributions(answer: PointSummary) -> dict[str, Any] | None:
     for index, (contribution, label) in enumerate(zip(answer.parts, _CONTRIBUTION_LABELS, strict=True)):
         sign = (" \N{MINUS SIGN} " if contribution <= -0.0005 else " + ") if index else ""
         texts.append(f"{sign}{abs(contribution):.3f} ({label})")
-    return {
-        "parts": listed(answer.parts),
-        "ends": listed([estimate.lower, estimate.upper]),
-        "value": estimate.value,
-        "texts": texts,
-    }
+    return {"parts": answer.parts, "ends": [estimate.lower, estimate.upper], "value": estimate.value, "texts": texts}

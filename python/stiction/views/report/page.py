@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import datetime
 import html
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import metadata, resources
@@ -19,10 +18,10 @@ from string import Template
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from stiction._core import __version__
 from stiction._files import replaced_file
+from stiction._number_format import to_json
 from stiction._text import printable
 from stiction.studies.nodes import Axis
 from stiction.studies.study import Study, find_differences
@@ -74,8 +73,8 @@ def part(name: str) -> str:
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
     """Return the markup of scripts with a result, its facts, and the numbers of `packed`."""
-    # Without "<", a text can neither end its element nor start another one.
-    facts_json = json.dumps(facts, allow_nan=False).replace("<", "\\u003c")
+    # Without "<", a text cannot end the element or start another one.
+    facts_json = to_json(facts).replace("<", "\\u003c")
     element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(element.format(*item) for item in numbers.items())
     text = "\n".join(map(part, SCRIPTS))
@@ -95,12 +94,6 @@ def escaped(text: object) -> str:
 def counted(count: int, singular: str, plural: str | None = None) -> str:
     """Return a number with its noun in the singular or plural."""
     return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
-
-
-def listed(values: ArrayLike) -> Any:
-    """Return numbers for JSON, with None instead of NaN."""
-    array = np.asarray(values, dtype=np.float64)
-    return np.where(np.isfinite(array), array, np.asarray(None)).tolist()
 
 
 def panel(name: str, title: str, description: str, *, more: str, kind: str = "plot") -> str:
