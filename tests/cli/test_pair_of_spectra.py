@@ -18,10 +18,9 @@ from stiction import (
     write_spectrum,
     write_surface,
 )
-from stiction.studies.resolution import evaluate_cutoffs
+from stiction.studies.resolution import evaluate_cutoffs, resolution_limits
 from stiction.studies.store import open_stored
 from stiction.surfaces.pairing import SpectrumPairs
-from stiction.views.resolution import resolution_limits
 from support.command import assert_rejected, call_stiction, check_stiction
 
 SPACING, POINTS = 0.02, 256

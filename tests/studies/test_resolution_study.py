@@ -10,12 +10,15 @@ from stiction.studies.resolution import (
     build_cutoff_study,
     evaluate_cutoffs,
     find_resolved_roughness,
+    plastic_limit,
+    resolution_limits,
+    yield_estimates,
 )
 from stiction.studies.runner import compute_missing
 from stiction.studies.store import open_stored
 from stiction.surfaces.scale import scale_dependent_roughness
 from stiction.surfaces.surface import Surface
-from stiction.views.resolution import cut_off_rows, plastic_limit, resolution_limits, wavelengths_text, yield_estimates
+from stiction.views.resolution import cut_off_rows, wavelengths_text
 from support.studies_of_files import study_of_files, write_maps, write_profiles
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,12 +13,16 @@ import numpy as np
 from stiction._checks import Floats
 from stiction._units import exact_text
 from stiction.mechanics import brackets
+from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import body_attributes, load_bodies
+from stiction.studies.point import hardness_of, modulus_of, plastic_adhesion, pressure_of, value_of
 from stiction.studies.result import Result
 from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_stored
 from stiction.studies.study import Study, find_member_differences
 from stiction.surfaces.hurst import HurstEstimate
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.pairing import to_joined_spectrum
 from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
 
 if TYPE_CHECKING:
@@ -167,4 +172,85 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
         shortest=max(2 * max(steps), wavelength), longest=float(np.max(gap.extent)),
         gradient=brackets.rms_gradient(gap, periodic=False), roughness=roughness,
         estimate=brackets.gap_exponent(gap, periodic=False),
+    )  # fmt: skip
+
+
+# ---- Limits of finer scans -----------------------------------------------------------------------------------------
+
+
+def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
+    """Return mu0 + tau0/H', the lower bound for finer scans with friction at all contacts; None without a hardness."""
+    adhesion = plastic_adhesion(point, study)
+    return None if adhesion is None else float(point["mu0"]) + adhesion
+
+
+def yield_estimates(
+    point: xarray.Dataset, study: Study, scan: ResolvedRoughness
+) -> list[tuple[float, float, float, float, float]]:
+    """Estimate at which wavelength the pressure reaches typical hardnesses H; also return mu0 + tau0/H.
+
+    The wavelength (µm) is where the elastic mean pressure E* h'(λ)/κ, with κ of this result, equals the hardness (GPa).
+    It is NaN if the slope never becomes large enough.
+    """
+    modulus, pressure = modulus_of(point, study), pressure_of(point)
+    if not pressure > 0:
+        return []
+    count = value_of(point, "contact_count")
+    mu0, tau0 = float(point["mu0"]), float(point["tau0"])
+    return [
+        (hardness, *scan.find_plastic_wavelength(hardness / pressure, count), mu0 + tau0 / hardness)
+        for hardness in TYPICAL_HARDNESSES
+        if hardness < modulus / 2
+    ]
+
+
+def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
+    """Return the limits for the figure of results against cutoff, as arrays.
+
+    `dataset` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``, the
+    plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files are
+    missing); ``wavelength`` (µm), ``finer_area_fraction`` and ``finer_friction`` (rule "all"), arrays (n, 3) of value,
+    lower and upper end of the elastic result, extrapolated with the Hurst exponent (empty with a hardness);
+    ``spectral``, the result of `spectral_resolution` for joined spectra of several scans (None for single scans).
+    """
+    limit, scan = plastic_limit(dataset, study), find_resolved_roughness(study)
+    table: dict[str, Any] = {
+        "friction": limit,
+        "area_fraction": None,
+        "shortest": None if scan is None else scan.shortest,
+        "wavelength": np.empty(0),
+        "finer_area_fraction": np.empty((0, 3)),
+        "finer_friction": np.empty((0, 3)),
+        "spectral": _spectral_estimate(dataset, study),
+    }
+    area, load = float(dataset["nominal_area"]), float(dataset["load"])
+    if limit is not None:
+        hardness = hardness_of(study)
+        return table | {"area_fraction": load / hardness / area}
+    fraction = value_of(dataset.isel(cut_off=0), "contact_area_fraction")
+    if scan is None or not fraction > 0 or not study.uses_half_space:
+        return table
+    wavelengths, gradients, fractions = scan.extrapolate(fraction, value_of(dataset.isel(cut_off=0), "contact_count"))
+    steepness = gradients[:, :1]
+    friction = (
+        float(dataset["mu0"]) + float(dataset["tau0"]) * fractions / brackets.interface_stretch(steepness) * area / load
+    )
+    friction *= brackets.friction_stretch(steepness, scan.roughness.dimensions)
+    return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": friction}
+
+
+def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
+    """Return the closed-form estimate for two spectra, at least one of which joins several scans."""
+    files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
+    try:
+        bodies = [file.read() for file in files if file is not None]
+    except (ValueError, OSError):
+        return None
+    pressure, hardness = float(dataset["load"]) / float(dataset["nominal_area"]), hardness_of(study)
+    if not any(isinstance(body, JoinedSpectrum) for body in bodies) or hardness <= pressure:
+        return None
+    upper, lower = (to_joined_spectrum(body).roughness() for body in bodies)
+    return spectral_resolution(
+        upper, lower, pressure=pressure, hardness=None if math.isnan(hardness) else hardness, mu0=float(dataset["mu0"]),
+        tau0=float(dataset["tau0"]), effective_modulus=modulus_of(dataset, study),
     )  # fmt: skip

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,7 @@ from stiction.studies.pull_off import Sticking, find_sticking
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.studies.resolution import ResolvedRoughness
     from stiction.studies.study import Study
 
 WAVELENGTHS_INPUT = "waves of unknown origin"  # name of this contribution to the uncertainty
@@ -211,6 +213,13 @@ class Summary:
     points: tuple[PointSummary, ...]
     onset: xarray.Dataset | None = None
     over_cut_offs: xarray.Dataset | None = None
+
+    @cached_property
+    def resolved_roughness(self) -> ResolvedRoughness | None:
+        """Roughness of the gap at the resolved wavelengths; None if generated, or if files are missing."""
+        from stiction.studies.resolution import find_resolved_roughness
+
+        return find_resolved_roughness(self.study)
 
     @property
     def headlines(self) -> list[PointSummary]:

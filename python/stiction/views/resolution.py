@@ -5,30 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from stiction._number_format import format_estimate, format_percent, format_with_unit
-from stiction.mechanics.brackets import friction_stretch, interface_stretch
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
-from stiction.studies.point import (
-    contact_status_of,
-    hardness_of,
-    modulus_of,
-    plastic_adhesion,
-    points,
-    pressure_of,
-    rules_of,
-    value_of,
-)
-from stiction.studies.resolution import ResolvedRoughness, find_resolved_roughness
-from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.pairing import to_joined_spectrum
+from stiction.studies.point import contact_status_of, hardness_of, points, pressure_of, rules_of, value_of
+from stiction.studies.resolution import ResolvedRoughness, plastic_limit, yield_estimates
 
 if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.study import Study
+    from stiction.studies.summary import Summary
 
 Rows = list[list[str]]
 RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
@@ -81,12 +67,6 @@ def _coefficient(value: float) -> str:
     return f"{value:.3f}" if math.isfinite(value) else "none"
 
 
-def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
-    """Return mu0 + tau0/H', the lower bound for finer scans with friction at all contacts; None without a hardness."""
-    adhesion = plastic_adhesion(point, study)
-    return None if adhesion is None else float(point["mu0"]) + adhesion
-
-
 def cut_off_records(dataset: xarray.Dataset, study: Study) -> list[dict[str, Any]]:
     """Return the results at each cutoff as JSON records, in µm and GPa."""
     records = []
@@ -110,26 +90,6 @@ def cut_off_note(dataset: xarray.Dataset, study: Study) -> str:
 
 
 # ---- Without a hardness ----------------------------------------------------------------------------------------------
-
-
-def yield_estimates(
-    point: xarray.Dataset, study: Study, scan: ResolvedRoughness
-) -> list[tuple[float, float, float, float, float]]:
-    """Estimate the wavelength at which the pressure reaches each of the typical hardnesses H, and mu0 + tau0/H.
-
-    At this wavelength (µm), the elastic mean pressure E* h'(λ)/κ, with κ of this result, equals the hardness (GPa). The
-    wavelength is NaN if the slope never becomes large enough.
-    """
-    modulus, pressure = modulus_of(point, study), pressure_of(point)
-    if not pressure > 0:
-        return []
-    count = value_of(point, "contact_count")
-    mu0, tau0 = float(point["mu0"]), float(point["tau0"])
-    return [
-        (hardness, *scan.find_plastic_wavelength(hardness / pressure, count), mu0 + tau0 / hardness)
-        for hardness in TYPICAL_HARDNESSES
-        if hardness < modulus / 2
-    ]
 
 
 def yield_rows(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> Rows:
@@ -173,11 +133,10 @@ def yield_records(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) 
 # ---- Whole record ------------------------------------------------------------------------------------------------
 
 
-def resolution_record(
-    dataset: xarray.Dataset, study: Study, cutoff_dataset: xarray.Dataset | None
-) -> dict[str, Any] | None:
+def resolution_record(summary: Summary) -> dict[str, Any] | None:
     """Return a JSON record of the resolution: wavelengths, cutoffs and, without a hardness, yield estimates."""
-    scan = find_resolved_roughness(study)
+    dataset, study, cutoff_dataset = summary.at, summary.study, summary.over_cut_offs
+    scan = summary.resolved_roughness
     if scan is None and cutoff_dataset is None:
         return None
     record: dict[str, Any] = {}
@@ -197,53 +156,3 @@ def resolution_record(
     if cutoff_dataset is not None:
         record["cut_offs"] = cut_off_records(cutoff_dataset, study)
     return record
-
-
-def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return the limits for the figure of results against cutoff, as a dictionary of arrays.
-
-    `dataset` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``, the
-    plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if files are
-    missing); ``wavelength`` (µm), ``finer_area_fraction`` and ``finer_friction`` (rule "all"), arrays (n, 3) with
-    value, lower and upper end of the elastic result extrapolated by the Hurst exponent (empty with a hardness);
-    ``spectral``, the result of `spectral_resolution` for joined spectra of several scans (None for single scans).
-    """
-    limit, scan = plastic_limit(dataset, study), find_resolved_roughness(study)
-    table: dict[str, Any] = {
-        "friction": limit,
-        "area_fraction": None,
-        "shortest": None if scan is None else scan.shortest,
-        "wavelength": np.empty(0),
-        "finer_area_fraction": np.empty((0, 3)),
-        "finer_friction": np.empty((0, 3)),
-        "spectral": _spectral_estimate(dataset, study),
-    }
-    area, load = float(dataset["nominal_area"]), float(dataset["load"])
-    if limit is not None:
-        hardness = hardness_of(study)
-        return table | {"area_fraction": load / hardness / area}
-    fraction = value_of(dataset.isel(cut_off=0), "contact_area_fraction")
-    if scan is None or not fraction > 0 or not study.uses_half_space:
-        return table
-    wavelengths, gradients, fractions = scan.extrapolate(fraction, value_of(dataset.isel(cut_off=0), "contact_count"))
-    steepness = gradients[:, :1]
-    friction = float(dataset["mu0"]) + float(dataset["tau0"]) * fractions / interface_stretch(steepness) * area / load
-    friction *= friction_stretch(steepness, scan.roughness.dimensions)
-    return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": friction}
-
-
-def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Return the closed-form estimate for two spectra, if at least one of them joins several scans."""
-    files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
-    try:
-        bodies = [file.read() for file in files if file is not None]
-    except (ValueError, OSError):
-        return None
-    pressure, hardness = float(dataset["load"]) / float(dataset["nominal_area"]), hardness_of(study)
-    if not any(isinstance(body, JoinedSpectrum) for body in bodies) or hardness <= pressure:
-        return None
-    upper, lower = (to_joined_spectrum(body).roughness() for body in bodies)
-    return spectral_resolution(
-        upper, lower, pressure=pressure, hardness=None if math.isnan(hardness) else hardness, mu0=float(dataset["mu0"]),
-        tau0=float(dataset["tau0"]), effective_modulus=modulus_of(dataset, study),
-    )  # fmt: skip

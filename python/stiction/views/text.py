@@ -38,7 +38,6 @@ from stiction.studies.point import (
     shape_coordinate,
     value_of,
 )
-from stiction.studies.resolution import find_resolved_roughness
 from stiction.studies.summary import WAVELENGTHS_INPUT, PointSummary, Summary
 from stiction.views.onset import onset_note, onset_rows, onset_text, quantity_label
 from stiction.views.point import RULE_DESCRIPTIONS, load_text, motion_text
@@ -203,17 +202,11 @@ def values_text(
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
     """Return the cutoff study and the onset of sliding as a text after an empty line; empty if there are none."""
-    dataset, study, cutoff_dataset, onset = summary.at, summary.study, summary.over_cut_offs, summary.onset
+    onset = summary.onset
     paragraphs = []
-    has_cutoffs = dataset.sizes.get("cut_off", 0) > 1
     if any(math.isfinite(point.value) for point in summary.points):
         if verbose:
-            first_cell = dataset.isel({name: 0 for name in CELL_DIMENSIONS if name in dataset.dims})
-            paragraphs.append(
-                resolution_text(
-                    first_cell, study, dataset if cutoff_dataset is None and has_cutoffs else cutoff_dataset
-                )
-            )
+            paragraphs.append(resolution_text(summary))
         if onset is not None and verbose:
             text = f"{onset_text(onset)} {onset_note(onset)}"
             paragraphs.append(f"{wrap_text(text)}\n{format_table(onset_rows(onset))}")
@@ -602,12 +595,11 @@ def directions_text(values: xarray.Dataset) -> str:
     return _rules_table("μ_s, upper body", values["friction_coefficient"], "direction", motion_text)
 
 
-def resolution_text(dataset: xarray.Dataset, study: Study, cutoff_dataset: xarray.Dataset | None) -> str:
-    """Format the resolved wavelengths, the cutoff study of the first point, and the effect of a hardness.
-
-    `dataset` is a result of `at_load`, and `cutoff_dataset` is a result of `evaluate_cutoffs`.
-    """
-    scan, paragraphs = find_resolved_roughness(study), []
+def resolution_text(summary: Summary) -> str:
+    """Format the resolved wavelengths, the cutoff study of the first point, and the effect of a hardness."""
+    study, scan, paragraphs = summary.study, summary.resolved_roughness, []
+    has_cutoffs = summary.over_cut_offs is None and summary.at.sizes.get("cut_off", 0) > 1
+    cutoff_dataset = summary.at if has_cutoffs else summary.over_cut_offs
     if scan is not None:
         paragraphs.append(wrap_text(wavelengths_text(scan)))
     if cutoff_dataset is not None:
@@ -618,7 +610,7 @@ def resolution_text(dataset: xarray.Dataset, study: Study, cutoff_dataset: xarra
             + wrap_text(cut_off_note(first_point, study), indent="  ")
         )
     has_hardness_limit = is_capped(study) or not study.uses_half_space
-    if scan is not None and not has_hardness_limit and (rows := yield_rows(next(points(dataset)), study, scan)):
+    if scan is not None and not has_hardness_limit and (rows := yield_rows(next(points(summary.at)), study, scan)):
         paragraphs.append(wrap_text(ELASTIC_CAVEAT) + "\n" + format_table(rows))
     return "\n\n".join(paragraphs)
 

@@ -13,6 +13,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
+from stiction.studies.resolution import resolution_limits
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.views.figures.budget import budget_figure, dwell_time_figure
@@ -28,7 +29,6 @@ from stiction.views.figures.ensemble import (
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, load_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
-from stiction.views.resolution import resolution_limits
 from stiction.views.style import MATPLOTLIB_STYLE, parse_formats, save_figure
 
 if TYPE_CHECKING:

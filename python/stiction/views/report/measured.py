@@ -18,7 +18,6 @@ from stiction.mechanics.quantities import QUANTITIES, shown_in
 from stiction.studies.assessment import find_smallest_limit
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.nodes import Nodes
-from stiction.studies.resolution import find_resolved_roughness
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.studies.summary import PointSummary
@@ -71,7 +70,7 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.onset
-    lines = [wavelengths_text(found)] if (found := find_resolved_roughness(study)) is not None else []
+    lines = [wavelengths_text(found)] if (found := result.summary().resolved_roughness) is not None else []
     lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
     text = "".join(f"<p>{escaped(line)}</p>" for line in (*lines, *_pull_off_lines(result, study)))
     details = text + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
