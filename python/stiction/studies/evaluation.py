@@ -46,7 +46,7 @@ from stiction.studies.hardness import AreaInterpolator
 from stiction.studies.intervals import Crossing
 from stiction.studies.maps import CELLS, MOTIONS, cells_of, ensemble_map, material_of
 from stiction.studies.result import Result
-from stiction.studies.study import Study, find_step_dimension, study_of
+from stiction.studies.study import Study, find_step_dimension
 
 if TYPE_CHECKING:
     import xarray
@@ -116,7 +116,7 @@ def at_load(
         values = np.unique(np.where(values == 0, unloaded_load(result), values))
     if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
-    material = material_of(result.head, mu0, tau0)
+    material = material_of(result, mu0, tau0)
     areas = None
     if reading == "mean":
         point = _evaluate_ensemble(result, values, *material, names)
@@ -430,7 +430,7 @@ def member_values(
         raise ValueError("reading must be 'elastic' or 'normal': members have no mean load")
     result = Result.of(result)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
-    material = material_of(result.head, mu0, tau0)
+    material = material_of(result, mu0, tau0)
     members = _members_before_growth(result, values, *material, reading, of)
     if result.study.contact.junction_growth:
         members = _with_growth(members, result, _areas_of_members(members, result), of)
@@ -450,7 +450,7 @@ def _members_before_growth(
     """Return `member_values` without junction growth."""
 
     def read(piece: xarray.Dataset) -> xarray.Dataset:
-        return evaluate_piece(piece, loads, mu0, tau0, reading, ratio=find_step_dimension(piece) == "load", names=names)
+        return _evaluate_piece(piece, result.study, loads, mu0, tau0, reading, names)
 
     return _evaluate_pieces(result, of, read)
 
@@ -549,16 +549,19 @@ def member_sums(
     """
     import xarray
 
+    result = Result.of(result)
+    study = result.study
+
     def read(piece: xarray.Dataset) -> xarray.Dataset:
-        sums, off = _curves(piece, loads, names, ratio=find_step_dimension(piece) == "load")
+        sums, off = _curves(piece, loads, names)
         dims = (*cells_of(piece), "repetition", *MOTIONS, "load")
         values = np.broadcast_arrays(*map(off.at, sums.values()))
         kept = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
         return xarray.Dataset(
-            {name: (dims, each) for name, each in zip(sums, values, strict=True)}, _motions_of(piece) | kept
+            {name: (dims, each) for name, each in zip(sums, values, strict=True)}, _motions_of(piece, study) | kept
         )
 
-    return _evaluate_pieces(Result.of(result), of, read)
+    return _evaluate_pieces(result, of, read)
 
 
 def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
@@ -632,21 +635,21 @@ _FRICTION = ("friction_coefficient", "normal_load", "tangential_load", "status",
 """Quantities that are always evaluated: intervals of friction need the true area and the slopes of the gap."""
 
 
-def evaluate_piece(
-    piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, *, ratio: bool,
-    names: Collection[str] | None = None,
+def _evaluate_piece(
+    piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading,
+    names: Collection[str] | None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate members in memory, as `member_values` does for a result.
 
-    With `ratio`, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate besides
-    `_FRICTION`; all by default.
+    If the steps are loads, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate
+    besides `_FRICTION`; None stands for all.
     """
     import xarray
 
     cells, step = cells_of(piece), find_step_dimension(piece)
     lead = (*cells, "repetition")
     there = piece.variables
-    sums, off = _curves(piece, loads, ratio=ratio)
+    sums, off = _curves(piece, loads)
     motions = [name for name in MOTIONS if name in piece.dims]
     six = {name: off.at(values) for name, values in sums.items()} if reading == "elastic" else {}
     if reading == "elastic":
@@ -657,8 +660,8 @@ def evaluate_piece(
         normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
-            carried = np.where(normal > 0, normal, np.nan) if ratio else normal
-        own = Crossing.of(carried, loads, ratio=ratio).without_gaps(normal, loads)
+            carried = np.where(normal > 0, normal, np.nan) if step == "load" else normal
+        own = Crossing.of(carried, loads, ratio=step == "load").without_gaps(normal, loads)
         reached, below = (np.moveaxis(each, -1, -3) for each in (own.reached, own.below))
         normal, tangential = (np.moveaxis(own.at(each), -1, -3) for each in (normal, tangential))
     status = _status(piece, loads, normal, reached, below)
@@ -706,14 +709,16 @@ def evaluate_piece(
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
     }
     parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
-    coordinates |= _motions_of(piece) | {name: (name, each, attributes_of(name)) for name, each in parameters.items()}
+    coordinates |= _motions_of(piece, study) | {
+        name: (name, each, attributes_of(name)) for name, each in parameters.items()
+    }
     variables = _add_ratios(variables, piece.coords.get("nominal_area"))
     variables = {name: each for name, each in variables.items() if _is_requested(name, wanted)}
     return xarray.Dataset(variables, coordinates, piece.attrs)
 
 
 def _curves(
-    piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, ratio: bool
+    piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS
 ) -> tuple[dict[str, Floats], Crossing]:
     """Return the sums of the members, and the crossings of their elastic loads with the given loads."""
     step = find_step_dimension(piece)
@@ -723,16 +728,13 @@ def _curves(
     elastic = _over(there["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
     sums = {name: _over(there[name], (*lead, *MOTIONS, step), missing=True) for name in names}
-    return sums, Crossing.of(curve, loads, ratio=ratio).without_gaps(curve, loads)
+    return sums, Crossing.of(curve, loads, ratio=step == "load").without_gaps(curve, loads)
 
 
-def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
-    """Return coordinates for a single sliding rule or direction, which is not a dimension of the result."""
-    one: dict[str, Callable[[], Any]] = {
-        "sliding": lambda: study_of(piece).contact.rules(),
-        "direction": lambda: study_of(piece).contact.degrees(),
-    }
-    return {name: ((name,), list(one[name]()[:1]), attributes_of(name)) for name in MOTIONS if name not in piece.dims}
+def _motions_of(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
+    """Return coordinates for the sliding rule and the direction, if the result has a single rule or direction."""
+    values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.degrees())}
+    return {name: ((name,), values[name][:1], attributes_of(name)) for name in MOTIONS if name not in piece.dims}
 
 
 def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from stiction.studies import intervals
 from stiction.studies.evaluation import ensemble_friction
 from stiction.studies.maps import material_of
 from stiction.studies.result import Result
-from stiction.studies.study import Study, study_of
+from stiction.studies.study import Study
 from stiction.studies.values import validated
 
 if TYPE_CHECKING:
@@ -194,11 +194,11 @@ def friction_table(
     """
     import xarray
 
-    dataset = Result.of(result).dataset
-    study = study_of(dataset)
+    result = Result.of(result)
+    dataset, study = result.dataset, result.study
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
         raise ValueError("result must be of a study of surfaces by the half-space, with loads")
-    material = material_of(dataset, mu0, tau0)
+    material = material_of(result, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
     steps = dataset["load"].values / area
     approach, touching = (dataset[name].transpose(*_DIMENSION_ORDER).values for name in ("approach", "contact_area"))

@@ -21,7 +21,7 @@ from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes
 from stiction.studies import intervals
 from stiction.studies.executors import enter_executor
 from stiction.studies.result import Result
-from stiction.studies.study import find_step_dimension, study_of
+from stiction.studies.study import find_step_dimension
 
 if TYPE_CHECKING:
     import xarray
@@ -217,7 +217,7 @@ def ensemble_map(
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     dataset = result.head
-    material = material_of(dataset, mu0, tau0)
+    material = material_of(result, mu0, tau0)
     missing = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
     missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]
     if missing or not cells_of(dataset):
@@ -384,10 +384,10 @@ def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str,
     return sums, others, count
 
 
-def material_of(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
+def material_of(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
     """Return the given mu0 and tau0 (GPa); the defaults are the values of the study."""
-    if mu0 is None or tau0 is None or "study" in dataset.attrs:
-        study = study_of(dataset)
+    if mu0 is None or tau0 is None or "study" in result.head.attrs:
+        study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0
         tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0
         friction.check_shear_strength(friction.friction_parameter("tau0", tau0), float(study.contact.effective_modulus))
