@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from stiction._number_format import format_percent, format_significant, format_with_unit
 from stiction.mechanics import friction
@@ -106,9 +107,14 @@ class Check(NamedTuple):
     shown: str = "digits"  # format of the number: "digit" for one digit, "digits" for two, "percent", or a unit
     about: str = ""  # name of the number in the text; by default the number that is compared with the limit
 
-    def to_caveat(self, numbers: Mapping[str, float]) -> Caveat:
+    @property
+    def shown_name(self) -> str:
+        """Name of the number in the text."""
+        return self.about or self.name
+
+    def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
         """Return the caveat for a point at which the checked number exceeds the limit."""
-        value = numbers[self.about or self.name]
+        value, checked = (float(numbers[name]) for name in (self.shown_name, self.name))
         if self.shown in ("digits", "digit"):
             number_text = format_significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
                 "-", "\N{MINUS SIGN}"
@@ -116,7 +122,7 @@ class Check(NamedTuple):
         else:
             number_text = format_percent(value) if self.shown == "percent" else format_with_unit(value, self.shown)
         return Caveat(
-            self.text.replace("{}", number_text), self.cure, self.severity, name=self.name, value=numbers[self.name],
+            self.text.replace("{}", number_text), self.cure, self.severity, name=self.name, value=checked,
             limit=self.limit,
         )  # fmt: skip
 
@@ -280,15 +286,42 @@ def find_smallest_limit(name: str) -> float | None:
     )
 
 
-def apply_checks(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Caveat]:
+def apply_checks(checks: Checks, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
     """Yield the first failed check of each group as a caveat; a check passes if its number is missing."""
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
         yield from (check.to_caveat(numbers) for check in itertools.islice(failed, 1))
 
 
-def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, float]:
-    width = value.upper - value.lower
+def compute_value_numbers(
+    value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
+    contact_count: ArrayLike, members: float, is_merged: ArrayLike,
+) -> dict[str, Any]:  # fmt: skip
+    """Return the checked numbers that follow from coefficients and contact counts, at one point or at arrays of points.
+
+    `is_merged` is True where contacts have merged over much of the nominal area. They are few, but each averages over
+    many asperities.
+    """
+    value, lower, upper, mu0, count = (np.asarray(each, float) for each in (value, lower, upper, mu0, contact_count))
+    separate = np.where(is_merged, np.nan, count)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio_to_mu0 = np.where((mu0 > 0) & (np.asarray(tau0) == 0), value / mu0, np.nan)
+        half_width = (upper - lower) / (2 * value)
+    return {
+        "deficit": -value,
+        "missing_interval": (np.isnan(lower) | np.isnan(upper)).astype(float),
+        "half_width": half_width,
+        "mean_pressure": pressure,
+        "contact_count": count,
+        "contacts_missing_of_all": MIN_TOTAL_CONTACTS - count * members,
+        "contacts_missing": MIN_CONTACTS_PER_MEMBER - separate,
+        "contacts_wanting": CAUTION_CONTACTS_PER_MEMBER - separate,
+        "share_of_mu0": 1 - np.abs(ratio_to_mu0 - 1),
+        "beyond_mu0": value - mu0,
+    }
+
+
+def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, Any]:
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan  # for maps
@@ -298,23 +331,19 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
         for check in group
     }
     is_merged = _area_fraction(point, study) > MERGED_AREA_FRACTION
-    mu0, members = float(point["mu0"]), float(point["ok"].min() if "ok" in point else value_of(point, "members"))
-    ratio_to_mu0 = value.value / mu0 if mu0 > 0 and float(point["tau0"]) == 0 else math.nan
-    return checked | {
-        "deficit": -value.value,
-        "missing_interval": float(math.isnan(value.lower) or math.isnan(value.upper)),
-        "half_width": width / (2 * value.value) if value.value else math.inf * width,
-        "mean_pressure": pressure_of(point),
-        # Contacts that have merged over much of the nominal area are few, but each averages over many asperities.
-        "contact_count": count,
-        "contacts_missing_of_all": MIN_TOTAL_CONTACTS - count * members,
-        "contacts_missing": math.nan if is_merged else MIN_CONTACTS_PER_MEMBER - count,
-        "contacts_wanting": math.nan if is_merged else CAUTION_CONTACTS_PER_MEMBER - count,
-        "share_of_mu0": 1 - abs(ratio_to_mu0 - 1),
-        "beyond_mu0": value.value - mu0,
-        "share_on_separate": math.nan if is_merged else checked["share_on_largest"],
-        "single_cells": float(count > 0 and area / count <= cell_area),
-    }
+    members = float(point["ok"].min()) if "ok" in point else value_of(point, "members")
+    numbers = compute_value_numbers(
+        value.value, value.lower, value.upper, mu0=float(point["mu0"]), tau0=float(point["tau0"]),
+        pressure=pressure_of(point), contact_count=count, members=members, is_merged=is_merged,
+    )  # fmt: skip
+    return (
+        checked
+        | numbers
+        | {
+            "share_on_separate": math.nan if is_merged else checked["share_on_largest"],
+            "single_cells": float(count > 0 and area / count <= cell_area),
+        }
+    )
 
 
 def list_pressure_checks(study: Study, modulus: float) -> Checks:
@@ -348,18 +377,40 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
     return ((check(highest, text, "use lower heights, a lower D, or a hardness", "caution"),),)
 
 
-CONTACT_COUNT_LIMITS = {
-    "of_all": MIN_TOTAL_CONTACTS, "least": MIN_CONTACTS_PER_MEMBER, "few": CAUTION_CONTACTS_PER_MEMBER,
-    "merged": MERGED_AREA_FRACTION,
-}  # fmt: skip
-"""Limits on the number of contacts. The report applies the limits in the same way as `_compute_checked_numbers`."""
+def assess_ensemble(
+    study: Study, status: NDArray[Any], numbers: Mapping[str, Any]
+) -> tuple[list[list[Caveat | Check]], NDArray[np.intp]]:
+    """Assess many points of generated bodies by their statuses and checked numbers (...).
 
-
-def list_ensemble_checks(study: Study) -> list[list[dict[str, Any]]]:
-    """Return the checks for points of generated bodies as dictionaries, for the script of the report."""
+    Returns the distinct lists of reasons, faults first, and the index of the list of each point. A reason is a failed
+    check, or a caveat about a status.
+    """
+    reasons: list[Caveat | Check] = []
+    failed = []
+    is_ok = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"])
+    for name in np.unique(np.where(is_ok, friction.STATUS_OK, status)).tolist():
+        mask = ~is_ok & (status == name)
+        if mask.any():
+            reasons.append(Caveat(*STATUS_EXPLANATIONS.get(name, STATUS_EXPLANATIONS[""]), "fault"))
+            failed.append(np.where(mask, len(reasons), 0))
     pressures = list_pressure_checks(study, float(study.contact.effective_modulus))
-    groups = (VALUE_CHECKS, *pressures, [EQUALS_MU0_CHECK], CONTACT_COUNT_CHECKS, *ASPERITY_CHECKS)
-    return [[check._asdict() for check in group] for group in groups]
+    for group in (VALUE_CHECKS, *pressures, [EQUALS_MU0_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS):
+        indices = np.zeros(status.shape, np.intp)
+        for check in (check for check in group if check.name in numbers):
+            mask = is_ok & (indices == 0) & (numbers[check.name] > check.limit)
+            if mask.any():
+                reasons.append(check)
+                indices[mask] = len(reasons)
+        failed.append(indices)
+    rows, places = np.unique(np.stack(failed).reshape(len(failed), -1), axis=1, return_inverse=True)
+    lists = [[reasons[index - 1] for index in row if index] for row in rows.T.tolist()]
+    return [sorted(row, key=lambda reason: reason.severity != "fault") for row in lists], places.reshape(status.shape)
+
+
+def find_verdict(reasons: Iterable[Caveat | Check]) -> str:
+    """Return the text of the assessment by the worst severity of caveats or failed checks."""
+    severities = {reason.severity for reason in reasons}
+    return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
 
 def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:

@@ -17,7 +17,7 @@ import numpy as np
 from stiction._number_format import format_estimate
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_bracket
-from stiction.studies.assessment import MORE_CONTACTS_REMEDY, VERDICTS, Caveat, find_point_caveats
+from stiction.studies.assessment import MORE_CONTACTS_REMEDY, Caveat, find_point_caveats, find_verdict
 from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_ENDS,
@@ -187,8 +187,7 @@ class PointSummary:
     @property
     def verdict(self) -> str:
         """Assessment: "Quote it", "Quote with care" or "Do not quote"."""
-        severities = {caveat.severity for caveat in self.caveats}
-        return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
+        return find_verdict(self.caveats)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,11 +16,13 @@ from stiction._number_format import choose_prefix, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import AREAL_VALIDITY, AT_HARDNESS, ONSET, QUANTITIES, VALIDITY
 from stiction.studies.assessment import (
-    CONTACT_COUNT_LIMITS,
     MAX_AFFECTED_FRACTION,
-    STATUS_EXPLANATIONS,
-    VERDICTS,
-    list_ensemble_checks,
+    MERGED_AREA_FRACTION,
+    Caveat,
+    Check,
+    assess_ensemble,
+    compute_value_numbers,
+    find_verdict,
 )
 from stiction.studies.nodes import Axis, Nodes
 from stiction.studies.point import rules_of
@@ -155,15 +157,16 @@ def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, ta
         (is_resolved & nodes.is_interpolated(points[..., 0]) & nodes.is_interpolated(areas[..., 0])).astype(np.int8),
     )
     rule = rules.index(rules_of(study)[0])
-    numbers = {name: values[:, :, rule] for name, values in validity.items()}
-    numbers |= check_numbers(
-        points[:, :, rule], areas[:, :, rule, ..., 0], contacts[:, :, rule], study, loads, axes, members
-    )
-    judgements, indices = assess_points(study, status[:, :, rule], numbers)
+    numbers = validity | _checked_numbers(node_values, points, areas[..., 0], contacts, study, members)
+    numbers = {name: values[:, :, rule] for name, values in numbers.items()}
+    assessments, indices = assess_ensemble(study, status[:, :, rule], numbers)
     tables.add("judgement", indices.astype(float))
-    for name in sorted(
-        {caveat["number"]["table"] for item in judgements for caveat in item["caveats"] if caveat["number"]}
-    ):
+    judgements = [
+        {"verdict": find_verdict(reasons), "caveats": [_reason_record(reason) for reason in reasons]}
+        for reasons in assessments
+    ]
+    checks = {reason for reasons in assessments for reason in reasons if isinstance(reason, Check)}
+    for name in sorted({check.shown_name for check in checks if "{}" in check.text}):
         tables.add(f"number_{name}", numbers[name])
     is_valid = codes == 0
     for figure, values in zip(figures, validity.values(), strict=True):
@@ -245,84 +248,38 @@ def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], st
 # ---- The assessment --------------------------------------------------------------------------------------------------
 
 
-def check_numbers(
-    points: Floats, area: Floats, contacts: Floats, study: Study, loads: Floats, axes: tuple[Axis, Axis], members: int
-) -> dict[str, Floats]:
-    """Return the numbers of generated surfaces that checks compare with limits, over (..., load, mu0, tau0).
-
-    `stiction.studies.assessment` compares the same numbers for single points.
-    """
-    value, lower, upper = np.moveaxis(points, -1, 0)
-    mu0, tau0 = np.meshgrid(axes[0].values, axes[1].values, indexing="ij")
+def _checked_numbers(
+    node_values: xarray.Dataset, points: Floats, area: Floats, contacts: Floats, study: Study, members: int
+) -> dict[str, Any]:
+    """Return the numbers that checks of generated surfaces compare with their limits, at all nodes."""
+    load, mu0, tau0 = (to_leading_order(node_values[name]) for name in ("load", "mu0", "tau0"))
+    carried = to_leading_order(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
     surfaces: Any = study.surfaces
-    limits, nominal = CONTACT_COUNT_LIMITS, float(np.prod(surfaces.extents())) if study.is_areal else math.inf
+    nominal_area = float(np.prod(surfaces.extents())) if study.is_areal else math.inf
     with np.errstate(divide="ignore", invalid="ignore"):
-        few = np.where(area / nominal > limits["merged"], np.nan, contacts)
-        relative = np.where((mu0 > 0) & (tau0 == 0), value / mu0, np.nan)
-        return {
-            "deficit": -value,
-            "missing_interval": (np.isnan(lower) | np.isnan(upper)).astype(float),
-            "half_width": (upper - lower) / (2 * value),
-            "mean_pressure": np.where(area > 0, loads[:, np.newaxis, np.newaxis] / area, np.nan),
-            "contact_count": contacts,
-            "contacts_missing_of_all": limits["of_all"] - contacts * members,
-            "contacts_missing": limits["least"] - few,
-            "contacts_wanting": limits["few"] - few,
-            "share_of_mu0": 1 - np.abs(relative - 1),
-            "beyond_mu0": value - mu0,
-        }
+        pressure = np.where(area > 0, carried / area, np.nan)
+    value, lower, upper = np.moveaxis(points, -1, 0)
+    return compute_value_numbers(
+        value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure, contact_count=contacts, members=members,
+        is_merged=area / nominal_area > MERGED_AREA_FRACTION,
+    )  # fmt: skip
 
 
-def assess_points(
-    study: Study, status: NDArray[Any], numbers: dict[str, Floats]
-) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
-    """Return the different assessments by status and numbers (...), and the index of the assessment of each point."""
-    reasons: list[dict[str, Any]] = []
-    failed = []
-    is_ok = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"])
-    for name in np.unique(np.where(is_ok, friction.STATUS_OK, status)).tolist():
-        text, cure = STATUS_EXPLANATIONS.get(name, STATUS_EXPLANATIONS[""])
-        mask = ~is_ok & (status == name)
-        if mask.any():
-            reasons.append({"text": text, "cure": cure, "severity": "fault", "number": None})
-            failed.append(np.where(mask, len(reasons), 0))
-    for group in list_ensemble_checks(study):
-        reason_indices = np.zeros(status.shape, np.intp)
-        for check in group:
-            number = numbers.get(check["name"])
-            mask = (
-                np.zeros(status.shape, bool)
-                if number is None
-                else is_ok & (reason_indices == 0) & (number > check["limit"])
-            )
-            if mask.any():
-                reasons.append(
-                    {**{key: check[key] for key in ("text", "cure", "severity")}, "number": _number_format(check)}
-                )
-                reason_indices[mask] = len(reasons)
-        failed.append(reason_indices)
-    rows, indices = np.unique(np.stack(failed).reshape(len(failed), -1), axis=1, return_inverse=True)
-    judgements = []
-    for row in rows.T.tolist():
-        caveats = [reasons[index - 1] for index in row if index]
-        caveats.sort(key=lambda caveat: caveat["severity"] != "fault")
-        severities = {caveat["severity"] for caveat in caveats}
-        verdict = VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
-        judgements.append({"verdict": verdict, "caveats": caveats})
-    return judgements, indices.reshape(status.shape)
+def _reason_record(reason: Caveat | Check) -> dict[str, Any]:
+    """Return the text, remedy, severity and number of a reason for a page."""
+    number = _number_format(reason) if isinstance(reason, Check) and "{}" in reason.text else None
+    return {"text": reason.text, "cure": reason.cure, "severity": reason.severity, "number": number}
 
 
-def _number_format(check: dict[str, Any]) -> dict[str, Any] | None:
-    """Return table, factor, decimals and unit for the number in the text of a check; None without a number."""
-    if "{}" not in check["text"]:
-        return None
-    name, format_name = check["about"] or check["name"], check["shown"]
+def _number_format(check: Check) -> dict[str, Any]:
+    """Return table, factor, decimals and unit of the number in the text of a check."""
+    name, format_name = check.shown_name, check.shown
     if format_name == "percent":
         return {"table": name, "factor": 100, "decimals": 0, "unit": " %"}
     if format_name in ("digits", "digit"):
         return {"table": name, "factor": 1, "decimals": 1 if format_name == "digits" else 3, "unit": ""}
-    factor, unit = choose_prefix(check["limit"], format_name)
-    decimals = max(0, 1 - math.floor(math.log10(check["limit"] / factor)))
+    factor, unit = choose_prefix(check.limit, format_name)
+    decimals = max(0, 1 - math.floor(math.log10(check.limit / factor)))
     return {"table": name, "factor": 1 / factor, "decimals": decimals, "unit": f" {unit}"}
 
 
