@@ -9,6 +9,7 @@ from stiction.studies.resolution import (
     CUTOFF_STUDY_FOLDER,
     build_cutoff_study,
     evaluate_cutoffs,
+    find_resolution,
     find_resolved_roughness,
     plastic_limit,
     resolution_limits,
@@ -68,7 +69,7 @@ def test_resolution_at_ignores_resolution_of_another_hardness(study, tmp_path):
     expected = at_load(run(cutoff_study), [2.0])
     np.testing.assert_array_equal(result["friction_all_round"].values, expected["friction_all_round"].values)
     point = result.isel(load=0, mu0=0, tau0=1)
-    rows = cut_off_rows(point, small_study)
+    rows = cut_off_rows(find_resolution(result, small_study, result.isel(tau0=[1])), 4.0)
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
     assert plastic_limit(point, small_study) == pytest.approx(0.3 + 0.05 / 4)
@@ -119,13 +120,13 @@ def test_yield_estimates_list_plastic_wavelengths_by_hardness(tmp_path):
     point = at_load(run(elastic_study), [2.0]).isel(cut_off=0, load=0, mu0=0, tau0=1)
     table = yield_estimates(point, elastic_study, find_resolved_roughness(elastic_study))
     pressure = float(point["mean_pressure"].sel(statistic="mean"))
-    assert [row[0] for row in table] == [0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0]
-    assert [row[4] for row in table] == pytest.approx([0.3 + 0.05 / row[0] for row in table])
-    for hardness, wavelength, *_ in table:
-        if hardness < 0.9 * pressure:
-            assert wavelength > 0.2  # above the shortest wavelength of the scan
-        elif hardness > 1.1 * pressure:
-            assert not wavelength > 0.5
+    assert [estimate.hardness for estimate in table] == [0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0]
+    assert [estimate.friction for estimate in table] == pytest.approx([0.3 + 0.05 / row.hardness for row in table])
+    for estimate in table:
+        if estimate.hardness < 0.9 * pressure:
+            assert estimate.wavelength > 0.2  # above the shortest wavelength of the scan
+        elif estimate.hardness > 1.1 * pressure:
+            assert not estimate.wavelength > 0.5
     limits = resolution_limits(point.expand_dims("cut_off"), elastic_study)
     assert np.all(np.diff(limits["finer_area_fraction"][:, 0]) < 0)
 

@@ -16,7 +16,16 @@ from stiction.mechanics import brackets
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import body_attributes, load_bodies
-from stiction.studies.point import hardness_of, modulus_of, plastic_adhesion, pressure_of, value_of
+from stiction.studies.point import (
+    contact_status_of,
+    hardness_of,
+    modulus_of,
+    plastic_adhesion,
+    points,
+    pressure_of,
+    rules_of,
+    value_of,
+)
 from stiction.studies.result import Result
 from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_stored
 from stiction.studies.study import Study, find_member_differences
@@ -184,24 +193,99 @@ def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
     return None if adhesion is None else float(point["mu0"]) + adhesion
 
 
-def yield_estimates(
-    point: xarray.Dataset, study: Study, scan: ResolvedRoughness
-) -> list[tuple[float, float, float, float, float]]:
-    """Estimate at which wavelength the pressure reaches typical hardnesses H; also return mu0 + tau0/H.
+@dataclass(frozen=True)
+class YieldEstimate:
+    """Wavelength (µm) at which the pressure reaches a hardness (GPa), and mu0 + tau0/H."""
 
-    The wavelength (µm) is where the elastic mean pressure E* h'(λ)/κ, with κ of this result, equals the hardness (GPa).
-    It is NaN if the slope never becomes large enough.
+    hardness: float
+    wavelength: float  # NaN if the slope never becomes large enough
+    lower: float
+    upper: float
+    friction: float
+
+
+@dataclass(frozen=True)
+class CutoffPoint:
+    """Values at one cutoff, load, mu0 and tau0."""
+
+    at: dict[str, float]
+    values: dict[str, float]  # friction by rule, gradient, area fraction and pressure
+    contact_status: str
+
+
+@dataclass(frozen=True, eq=False)
+class Resolution:
+    """Effect of the scan resolution on a result.
+
+    Attributes
+    ----------
+    roughness : ResolvedRoughness, optional
+    cutoffs : tuple of CutoffPoint
+        Means over a few members at several cutoffs; empty without a cutoff study.
+    members : float
+        Number of members of the cutoff study.
+    plastic_limit : (float, float), optional
+        Lower bound of the coefficient of finer scans with friction at all contacts, and area fraction, at the first
+        load, mu0 and tau0. It requires a hardness.
+    yielding : tuple of (dict, tuple of YieldEstimate)
+        Estimates for typical hardnesses at the load, mu0 and tau0 of each point; empty with a hardness.
+    """
+
+    roughness: ResolvedRoughness | None
+    cutoffs: tuple[CutoffPoint, ...] = ()
+    members: float = math.nan
+    plastic_limit: tuple[float, float] | None = None
+    yielding: tuple[tuple[dict[str, float], tuple[YieldEstimate, ...]], ...] = ()
+
+
+def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> Resolution | None:
+    """Return the effect of the scan resolution on a dataset of `Result.at`; None if nothing is known about it.
+
+    `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
+    """
+    roughness = find_resolved_roughness(study)
+    if roughness is None and cutoffs is None:
+        return None
+    yielding: list[tuple[dict[str, float], tuple[YieldEstimate, ...]]] = []
+    if roughness is not None and study.uses_half_space and study.contact.hardness is None:
+        for point in points(at.isel(cut_off=[0]) if "cut_off" in at.dims else at):
+            place = {name: float(point[name]) for name in ("load", "mu0", "tau0")}
+            yielding.append((place, yield_estimates(point, study, roughness)))
+    if cutoffs is None:
+        return Resolution(roughness, yielding=tuple(yielding))
+    first = cutoffs.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
+    limit, area = plastic_limit(first, study), hardness_of(study) * float(first["nominal_area"])
+    return Resolution(
+        roughness=roughness, cutoffs=tuple(_cutoff_point(point, study) for point in points(cutoffs)),
+        members=value_of(cutoffs, "members"),
+        plastic_limit=None if limit is None else (limit, float(first["load"]) / area), yielding=tuple(yielding),
+    )  # fmt: skip
+
+
+def _cutoff_point(point: xarray.Dataset, study: Study) -> CutoffPoint:
+    values = {name: value_of(point, name) for name in ("rms_gradient", "contact_area_fraction")}
+    values["mean_pressure"] = pressure_of(point)
+    for rule in rules_of(study):
+        values[f"friction_{rule}"] = value_of(point.sel(sliding=rule), "friction_all_round")
+    at = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
+    return CutoffPoint(at, values, contact_status_of(point, study))
+
+
+def yield_estimates(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> tuple[YieldEstimate, ...]:
+    """Estimate at which wavelength the pressure reaches typical hardnesses.
+
+    The wavelength is where the elastic mean pressure E* h'(λ)/κ, with κ of this result, equals the hardness.
     """
     modulus, pressure = modulus_of(point, study), pressure_of(point)
     if not pressure > 0:
-        return []
+        return ()
     count = value_of(point, "contact_count")
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
-    return [
-        (hardness, *scan.find_plastic_wavelength(hardness / pressure, count), mu0 + tau0 / hardness)
+    return tuple(
+        YieldEstimate(hardness, *scan.find_plastic_wavelength(hardness / pressure, count), mu0 + tau0 / hardness)
         for hardness in TYPICAL_HARDNESSES
         if hardness < modulus / 2
-    ]
+    )
 
 
 def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:

@@ -36,7 +36,7 @@ from stiction.studies.pull_off import Sticking, find_sticking
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.resolution import ResolvedRoughness
+    from stiction.studies.resolution import Resolution
     from stiction.studies.study import Study
 
 WAVELENGTHS_INPUT = "waves of unknown origin"  # name of this contribution to the uncertainty
@@ -214,11 +214,12 @@ class Summary:
     over_cut_offs: xarray.Dataset | None = None
 
     @cached_property
-    def resolved_roughness(self) -> ResolvedRoughness | None:
-        """Roughness of the gap at the resolved wavelengths; None if generated, or if files are missing."""
-        from stiction.studies.resolution import find_resolved_roughness
+    def resolution(self) -> Resolution | None:
+        """Effect of the scan resolution; None of generated surfaces, and if files are missing."""
+        from stiction.studies.resolution import find_resolution
 
-        return find_resolved_roughness(self.study)
+        has_cutoffs = self.over_cut_offs is None and self.at.sizes.get("cut_off", 0) > 1
+        return find_resolution(self.at, self.study, self.at if has_cutoffs else self.over_cut_offs)
 
     @property
     def headlines(self) -> list[PointSummary]:

@@ -264,8 +264,7 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
     for name in ("effective_modulus", "nominal_area"):
         if name in dataset.coords:
             fields[name] = float(dataset[name])
-    resolution = resolution_record(summary)
-    fields |= {} if resolution is None else {"resolution": resolution}
+    fields |= {} if summary.resolution is None else {"resolution": resolution_record(summary.resolution)}
     fields |= {} if summary.onset is None else {"onset": onset_record(summary.onset)}
     fields["answers"] = [point_record(point) for point in summary.points]
     return record_json(command, value_records(values_frame(dataset)), **fields)

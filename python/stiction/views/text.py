@@ -31,7 +31,6 @@ from stiction.studies.point import (
     by_rule,
     contact_status_of,
     has_nominal_area,
-    is_capped,
     is_unloaded,
     points,
     rules_of,
@@ -597,20 +596,15 @@ def directions_text(values: xarray.Dataset) -> str:
 
 def resolution_text(summary: Summary) -> str:
     """Format the resolved wavelengths, the cutoff study of the first point, and the effect of a hardness."""
-    study, scan, paragraphs = summary.study, summary.resolved_roughness, []
-    has_cutoffs = summary.over_cut_offs is None and summary.at.sizes.get("cut_off", 0) > 1
-    cutoff_dataset = summary.at if has_cutoffs else summary.over_cut_offs
-    if scan is not None:
+    paragraphs: list[str] = []
+    if (resolution := summary.resolution) is None:
+        return ""
+    if (scan := resolution.roughness) is not None:
         paragraphs.append(wrap_text(wavelengths_text(scan)))
-    if cutoff_dataset is not None:
-        first_point = cutoff_dataset.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
-        paragraphs.append(
-            format_table(cut_off_rows(first_point, study))
-            + "\n"
-            + wrap_text(cut_off_note(first_point, study), indent="  ")
-        )
-    has_hardness_limit = is_capped(study) or not study.uses_half_space
-    if scan is not None and not has_hardness_limit and (rows := yield_rows(next(points(summary.at)), study, scan)):
+    if resolution.cutoffs:
+        table = format_table(cut_off_rows(resolution, summary.points[0].hardness))
+        paragraphs.append(table + "\n" + wrap_text(cut_off_note(resolution), indent="  "))
+    if scan is not None and resolution.yielding and (rows := yield_rows(resolution.yielding[0][1], scan)):
         paragraphs.append(wrap_text(ELASTIC_CAVEAT) + "\n" + format_table(rows))
     return "\n\n".join(paragraphs)
 

@@ -70,7 +70,8 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.onset
-    lines = [wavelengths_text(found)] if (found := result.summary().resolved_roughness) is not None else []
+    resolution = result.summary().resolution
+    lines = [] if resolution is None or resolution.roughness is None else [wavelengths_text(resolution.roughness)]
     lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
     text = "".join(f"<p>{escaped(line)}</p>" for line in (*lines, *_pull_off_lines(result, study)))
     details = text + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
