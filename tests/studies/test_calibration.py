@@ -23,6 +23,7 @@ from stiction import (
 )
 from stiction.studies.hardness import find_inputs, load_areas_over_hardness
 from stiction.studies.interfaces import GROWTH_ENTRY, HARDNESS_ENTRY, credible_interval
+from stiction.views.calibration import calibration_text
 from support.rough_surfaces import rough_maps
 
 BALL = Ball("5 mm", "3 GPa")
@@ -621,3 +622,19 @@ def test_calibrate_intervals_agree_with_minos() -> None:
         value = minuit.values[name]
         expected = value, value + minuit.merrors[name].lower, value + minuit.merrors[name].upper
         assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * width)
+
+
+@pytest.mark.parametrize(("modulus", "has_interval"), [("3 GPa", False), ("2..4 GPa", True)])
+def test_text_gives_interval_of_uncertain_area_per_load(modulus, has_interval):
+    ball = Ball("5 mm", modulus)
+    tests = [
+        FrictionTest(ball, float(load), coefficient=MU0 + TAU0 * BALL.area_per_load(load), uncertainty=0.003)
+        for load in LOADS
+    ]
+    interface = calibrate(tests)
+    condition = calibration_text(interface).partition("at the A/F of the tests, ")[2].partition("/GPa")[0]
+    numbers = [float(word.strip("[],")) for word in condition.split()]
+    assert numbers[0] == pytest.approx(interface.area_per_load, rel=0.01)
+    assert len(numbers) == (3 if has_interval else 1)
+    if has_interval:  # A/F is proportional to E* to the power of -2/3
+        assert numbers[2] / numbers[1] == pytest.approx(2 ** (2 / 3), rel=0.05)

@@ -23,13 +23,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+AREA_ROUND_OFF = 1e-6  # relative range of A/F above which A/F is uncertain
 MAX_SHOWN_SAMPLES = 800  # number of samples of the joint distribution that the figure shows
 
 
 def calibration_text(interface: Interface) -> str:
     """Format the fitted combination of mu0 and tau0, the single values if they are determined, and each rule's fit."""
     first_fit = interface.fits[0]
-    condition = f"at A/F = {interface.area_per_load:.3g} /GPa, {RULE_DESCRIPTIONS[first_fit.sliding]}"
+    condition = f"at the A/F of the tests, {_area_per_load_text(interface)}, {RULE_DESCRIPTIONS[first_fit.sliding]}"
     lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hang="  ")]
     if interface.separated:
         tau0 = (1e3 * item for item in interface.tau0)
@@ -44,6 +45,15 @@ def calibration_text(interface: Interface) -> str:
         table += [[text, f"{mu0:.2g}", format_with_unit(tau0, "GPa")] for text, mu0, tau0 in interface.advice]
         lines += ["", format_table(table)]
     return "\n".join(lines)
+
+
+def _area_per_load_text(interface: Interface) -> str:
+    """Format the A/F of the tests, with its interval if it is uncertain."""
+    ratio = interface.fits[0].area_per_load
+    if not np.isfinite(ratio).all() or np.ptp(ratio) <= AREA_ROUND_OFF * np.median(ratio):
+        return f"{interface.area_per_load:.3g} /GPa"
+    low, high = np.quantile(ratio, [0.025, 0.975])
+    return f"{format_with_interval(interface.area_per_load, float(low), float(high))} /GPa"
 
 
 def _not_separated_lines(interface: Interface) -> Iterator[str]:
