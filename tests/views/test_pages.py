@@ -425,7 +425,7 @@ def test_report_states_missing_results(driver, tmp_path, generated_dataset):
         (generated_dataset.isel(repetition=[0]), ["is unfinished: 1 of 12 repetitions", "there is one repetition"]),
         (
             generated_dataset.isel(fractal_dimension=[0], amplitude=[0], approach=[-1]),
-            ["one approach", "no value in this range"],
+            ["a single approach", "no value in this range"],
         ),
         (dataset_without_solution, ["1 repetition without a solution"]),
     ):
