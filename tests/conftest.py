@@ -24,7 +24,7 @@ def measured():
 
     def path(name):
         if not (folder / name).exists():
-            pytest.skip(f"the measured file {name} is not here")
+            pytest.skip(f"the measured file {name} is not in this tree")
         return folder / name
 
     return path

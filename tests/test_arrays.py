@@ -69,7 +69,7 @@ def test_half_space_and_pair_accept_arrays():
     (lambda: Surface(MAPS[0], spacing="39 mN"), "spacing has the unit 'mN'"),
     (lambda: half_space(UPPER, LOWER, [1e-3], spacing=0.1), "spacing must be omitted"),
 ])  # fmt: skip
-def test_array_that_does_not_fit_is_rejected(function, words):
+def test_array_with_missing_or_contradictory_arguments_is_rejected(function, words):
     with pytest.raises(ValueError, match=words):
         function()
 

@@ -1,4 +1,4 @@
-"""Test `./dev claims`: each part of a claim is judged on data for which it is true and data for which it is false."""
+"""Tests of `./dev claims`; for each part of a claim, data are created for which the part is true or false."""
 
 import importlib.util
 import math
@@ -12,7 +12,7 @@ from support.generated_studies import empty_dataset
 
 SCRIPT = Path(__file__).parents[1] / "docs/scripts/claims.py"
 if not SCRIPT.exists():
-    pytest.skip("the documents are not here", allow_module_level=True)
+    pytest.skip("the folder docs is not in this tree", allow_module_level=True)
 pytestmark = pytest.mark.docs
 _SPEC = importlib.util.spec_from_file_location("claims", SCRIPT)
 claims = sys.modules["claims"] = importlib.util.module_from_spec(_SPEC)
@@ -80,7 +80,8 @@ def test_loads_of_claims_are_reached_at_every_dimension(result, resampled):
     elastic = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
     assert float(elastic.isel(approach=0).max()) < resampled.light < resampled.middle < resampled.heavy
     assert resampled.heavy < float(elastic.max("approach").min())
-    assert resampled.middle**2 == pytest.approx((resampled.light * resampled.heavy), rel=1e-9)  # the middle in ratio
+    # The middle load is the geometric mean of the other two.
+    assert resampled.middle**2 == pytest.approx((resampled.light * resampled.heavy), rel=1e-9)
 
 
 def judge_values(values, least, most):
@@ -123,7 +124,10 @@ def test_claims_have_parts_with_unique_names():
 
 
 def create_result(**worlds):
-    """Return a result with equal loads at every dimension D and amplitude a, and given sums over (D, a, load)."""
+    """Return a result with equal loads at every dimension D and amplitude a.
+
+    Functions of (D, a, load) may replace the sums.
+    """
     study = SMALL_CLAIMS_STUDY.with_changes({"ensemble.repetitions": 40})
     result = empty_dataset(study)
     factor = np.random.default_rng(3).lognormal(0, 0.02, size=40)[:, np.newaxis]
@@ -153,7 +157,7 @@ def sums_with_adhesion(coefficient):
     return {"tangential_adhesive": lambda d, a, f: coefficient(d, a, f) * f}
 
 
-# Sums for which each part is true, and sums for which it is false.
+# For each part, the data contain sums for which it is true and sums for which it is false.
 TRUE_AND_FALSE_DATA = {
     "1a": ({}, {"contact_area": lambda d, a, f: np.sqrt(f)}),
     "1b": ({}, {"contact_area": lambda d, a, f: f**0.7}),
@@ -198,7 +202,7 @@ def test_verdict_of_part_is_true_for_true_data_and_false_for_false_data(name):
     assert [(judge_values.verdict, judge_values.left_out) for judge_values in computed] == [("true", ()), ("false", ())]
 
 
-def test_values_of_parts_equal_values_of_the_data():
+def test_computed_value_of_a_part_equals_the_value_in_its_data():
     def number(name, **world):
         return judge_part(name, create_result(**world)).value
 
@@ -212,11 +216,11 @@ def test_values_of_parts_equal_values_of_the_data():
     assert number("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_true_and_false_data_exist_for_every_part():
+def test_claims_have_data_for_which_each_part_is_true_and_false():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in PARTS]
 
 
-def test_bands_contain_extremes_that_percentiles_miss():
+def test_bands_are_wider_than_percentiles_for_the_smallest_value_of_noisy_data():
     # The friction is independent of D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
     result = create_result(**sums_with_friction(lambda d, a, f: 0.2 * noise))
@@ -266,13 +270,14 @@ def test_part_is_undefined_if_its_range_has_one_dimension():
 
 
 def test_bands_reject_self_locked_dimensions():
-    assert judge_part("3b", create_result(), ruling="bands").verdict == "undefined"  # one D is left from 1.6 on
+    # Above D = 1.6, only one dimension is not self-locked.
+    assert judge_part("3b", create_result(), ruling="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="ruling"):
         judge(create_result(), ruling="means")
 
 
-def test_part_is_undefined_over_less_than_half_of_its_range():
-    # Friction locks where the normal load is negative: at all D above 1.45.
+def test_part_is_undefined_if_less_than_half_of_its_range_has_values():
+    # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
     world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
     computed = {judge_values.part.name: judge_values for judge_values in judge(create_result(**world))}
     assert computed["5"].verdict == "undefined"
@@ -309,6 +314,7 @@ def test_tables_are_written_from_stored_results(tmp_path):
     claims.write_tables(tmp_path, tmp_path, changes=small | {"ensemble.repetitions": 20})
     text = (tmp_path / "claims.md").read_text(encoding="utf-8")
     assert text.count("| **") == 2 * len(CLAIMS)
-    claims.write_tables(tmp_path, tmp_path)  # of what is there, nothing is computed again
+    # Without changes, the tables are written from the stored results, and nothing is computed.
+    claims.write_tables(tmp_path, tmp_path)
     assert (tmp_path / "claims.md").read_text(encoding="utf-8") == text
     assert "| amplitude 0.05 µm |" in (tmp_path / "variants.md").read_text(encoding="utf-8").splitlines()[0]

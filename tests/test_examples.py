@@ -69,7 +69,7 @@ PAGES = [
 ]
 
 PAGES_RUN_BY_TESTS = {"python", "sh"}
-PAGES_RUN_BY_DOCS_BUILD = {"{code-cell} ipython3"}  # `./dev docs` runs them, and ends where one fails
+PAGES_RUN_BY_DOCS_BUILD = {"{code-cell} ipython3"}  # `./dev docs` runs these cells and fails if a cell fails.
 LANGUAGES_WITHOUT_CODE = {
     "text",
     "{eval-rst}",
@@ -80,7 +80,7 @@ LANGUAGES_WITHOUT_CODE = {
     "{toctree}",
     "{glossary}",
 }
-"""What a page of another file shows is that file's business; text is a diagram."""
+"""Languages of blocks that are not run: included pages and files, which other tests check, and output and diagrams."""
 
 
 class CodeBlock(NamedTuple):
@@ -111,11 +111,11 @@ def test_page_has_only_blocks_that_are_run(page):
         for block in blocks(page)
         if block.kind not in PAGES_RUN_BY_TESTS | PAGES_RUN_BY_DOCS_BUILD | LANGUAGES_WITHOUT_CODE
     ]
-    assert not unknown, f"nothing runs these blocks of {page.name}; make them python, sh or code cells"
+    assert not unknown, f"no test runs these blocks of {page.name}; use python, sh or {{code-cell}} blocks"
     if any(block.kind in PAGES_RUN_BY_DOCS_BUILD for block in blocks(page)):
         assert page.is_relative_to(ROOT / "docs")
         assert "file_format: mystnb" in page.read_text(encoding="utf-8").split("---")[1], (
-            "its cells would only be shown"
+            "without this header, the code cells of the page would be shown but not run"
         )
 
 
@@ -148,10 +148,11 @@ def run_command(line, cwd):
     line = line.split(" #")[0].strip()
     match shlex.split(line):
         case ["stiction", "app", *_]:
-            pass  # tests/app drives it, and it would wait here for somebody to close its window
+            pass  # The tests of the app start this command. Here it would wait until somebody closes its window.
         case ["stiction", *_]:
             words, _, to = reduce_study(line).partition(" > ")
-            if re.search("--(cluster|scheduler)", words):  # processes of its own begin from an interpreter of its own
+            # Commands that start processes on a cluster need a Python interpreter of their own.
+            if re.search("--(cluster|scheduler)", words):
                 completed = subprocess.run(
                     [sys.executable, "-m", *shlex.split(words)], cwd=cwd, capture_output=True, text=True, timeout=240,
                     check=False,
@@ -171,16 +172,16 @@ def run_command(line, cwd):
             project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
             assert set((package[1] or "").split(",")) <= {"", *project["optional-dependencies"]}
         case ["cmake" | "build/rough", *_]:
-            pass  # ctest installs the library, and builds and runs the program of the page against it
+            pass  # ctest installs the library, and builds and runs the program of the page with it.
         case _:
-            raise AssertionError(f"nothing tests the command {line!r}")
+            raise AssertionError(f"no test runs the command {line!r}; add a case for it")
 
 
 DEV_SCRIPT = ROOT / "dev"
 
 
 def dev_commands():
-    """Return the commands in the usage of `dev`; none if the file is absent, as in an installed package."""
+    """Return the commands in the usage of `dev`, or an empty set if the file is absent, as in an installed package."""
     usage = ast.get_docstring(ast.parse(DEV_SCRIPT.read_text(encoding="utf-8"))) if DEV_SCRIPT.exists() else ""
     return set(re.findall(r"^\./dev (\w+)", usage, re.MULTILINE))
 
@@ -207,7 +208,7 @@ def has_code(page):
 @named([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
 def test_code_of_page_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("upper", "lower", "lapped"):  # files that the reader has
+    for name in ("upper", "lower", "lapped"):  # Create the files that the pages take for granted.
         side = "lower" if name == "lapped" else name
         scan = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05, side=side)
         stiction.write_profile(scan, tmp_path / f"{name}.csv")
@@ -216,13 +217,14 @@ def test_code_of_page_runs(page, tmp_path, monkeypatch):
     stiction.write_profile(stiction.Profile(fine.heights[::4], spacing=0.2), tmp_path / "coarse.csv")
     shutil.copytree(ROOT / "examples/scans", tmp_path / "examples/scans")
     np.save(tmp_path / "map.npy", np.random.default_rng(1).normal(size=(30, 60)))
-    for side in ("upper", "lower"):  # one surface by two instruments
+    for side in ("upper", "lower"):  # Create scans of one surface by two instruments.
         fine = stiction.self_affine_surface(
             1, hurst_exponent=0.8, rms=0.1, shape=(128, 128), spacing=0.2, longest_wavelength=8, side=side
         )
         stiction.write_surface(stiction.Surface(fine.heights[::4, ::4], spacing=0.8), tmp_path / f"{side}_scope.csv")
         stiction.write_surface(stiction.Surface(fine.heights[:48, :48], spacing=0.2), tmp_path / f"{side}_probe.csv")
-    if page.name == "pair.md":  # whose cells, which the documents run, leave a result
+    # The code cells of this page, which the documentation build runs, create a result that later commands read.
+    if page.name == "pair.md":
         run_command(
             "stiction pair upper.csv lower.csv --effective-modulus '115 GPa' --mu0 0.2 --load '10 mN'", tmp_path
         )
@@ -230,15 +232,15 @@ def test_code_of_page_runs(page, tmp_path, monkeypatch):
 
 
 @pytest.mark.docs
-@pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the documents are not here")
+@pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the folder docs is not in this tree")
 def test_page_on_measured_surfaces_shows_output_of_its_example(script_output):
     table = script_output(ROOT / "examples/characterise_profile.py")
     shown = [block.text for block in blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
-    # The command prints one line before the table: how it read the file.
+    # Before the table, the command prints a line about how it read the file.
     assert table in [text.partition("\n")[2] for text in shown]
 
 
-@pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="./dev is not here")
+@pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="the script dev is not in this tree")
 def test_dev_usage_lists_its_commands():
     commands = set(re.findall(r'^    "(\w+)": ', DEV_SCRIPT.read_text(encoding="utf-8"), re.MULTILINE))
     assert commands == dev_commands()
@@ -255,12 +257,13 @@ kill -- "-$1"
 
 
 SLURM_TASK = {"SLURM_CPUS_PER_TASK": "1", "SLURM_ARRAY_TASK_ID": "2", "SLURM_ARRAY_TASK_COUNT": "2", "SHARED": "shared"}
-"""Environment variables of an array task in Slurm."""
+"""Environment variables that Slurm sets in each task of an array job."""
 
 
 @pytest.mark.docs
 @named([page for page in PAGES if page.name == "cluster.md"])
-@pytest.mark.filterwarnings("ignore")  # distributed closes sockets and event loops late
+# The package distributed closes sockets and event loops late, so pytest would report resource warnings.
+@pytest.mark.filterwarnings("ignore")
 def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
     """Run the page with a local Dask scheduler, and with a stand-in for Slurm that starts jobs on this machine."""
     distributed = pytest.importorskip("distributed")
@@ -273,7 +276,7 @@ def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
 
         def replace_paths(text):
             text = text.replace("tcp://head-node:8786", cluster.scheduler_address).replace("16GB", "1GB")
-            for name, value in SLURM_TASK.items():  # as the shell would
+            for name, value in SLURM_TASK.items():  # The shell would replace these variables.
                 text = text.replace(f"${name}", value)
             return re.sub(r"\b(cores|processes|jobs)=\d+", r"\1=1", text)
 
@@ -290,7 +293,8 @@ def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
                     assert completed.returncode == 0, completed.stderr
                 if (tmp_path / "big").exists():
                     assert store.info(tmp_path / "big").finished == 2
-                    shutil.rmtree(tmp_path / "big")  # or the next would find nothing to compute
+                    # Remove the result, because otherwise the next command would have nothing to compute.
+                    shutil.rmtree(tmp_path / "big")
                     computed += 1
     assert computed == 3
 
@@ -298,7 +302,7 @@ def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
 def test_reference_lists_every_public_name():
     pages = sorted((ROOT / "docs/reference").glob("api_*.md"))
     if not pages:
-        pytest.skip("the documents are not here")
+        pytest.skip("the folder docs is not in this tree")
     entry = re.compile(r"^\.\. (?:autoclass|autofunction):: (\S+)$", re.MULTILINE)
     listed = [name for page in pages for name in entry.findall(page.read_text(encoding="utf-8"))]
     assert len(listed) == len(set(listed))
@@ -309,7 +313,7 @@ def script(name):
     """Return a script of the documentation as a module."""
     path = ROOT / f"docs/scripts/{name}.py"
     if not path.exists():
-        pytest.skip("the documents are not here")
+        pytest.skip("the folder docs is not in this tree")
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -317,18 +321,18 @@ def script(name):
 
 
 MAX_GREY_DIFFERENCE = 5.0
-"""Largest rms difference of grey levels (0 to 255); a change of the approach by 10 nm gives 13."""
+"""Largest rms difference of grey levels (0 to 255). A change of the approach by 10 nm gives a difference of 13."""
 
 
 @pytest.mark.docs
 @pytest.mark.parametrize("name", ["conventions", "conventions_areas"])
 def test_drawings_of_conventions_match_the_library(tmp_path, name):
     if not (ROOT / "docs/images").exists():
-        pytest.skip("the pictures are not here")
+        pytest.skip("the folder of pictures is not in this tree")
     drawing = script(name)
     drawing.save_figure(tmp_path / "now.png")
     difference = compare_images(str(drawing.IMAGE), str(tmp_path / "now.png"), MAX_GREY_DIFFERENCE)
-    assert difference is None, f"run docs/scripts/{name}.py and look at it: {difference}"
+    assert difference is None, f"{difference}; run docs/scripts/{name}.py and check the new drawing"
 
 
 def test_reference_lists_every_key_option_and_study():
@@ -339,7 +343,7 @@ def test_reference_lists_every_key_option_and_study():
     ]
     for table in tables:
         for key, entry in table.model_fields.items():
-            assert entry.description, f"{key} needs a description: the reference of study files is made from it"
+            assert entry.description, f"{key} needs a description, which is printed in the reference of study files"
             assert f"| `{key}` |" in study_keys()
     written = ROOT / "docs/generated/study_keys.md"
     assert written.read_text("utf-8") == study_keys(), "write stiction.views.study_keys.study_keys() to this file"

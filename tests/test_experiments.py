@@ -1,4 +1,4 @@
-"""Tests of the script of docs/explanation/experiments.md on generated surfaces, and on the data if present."""
+"""Tests of the script of docs/explanation/experiments.md with generated surfaces, and with measured data if present."""
 
 import os
 import runpy
@@ -10,12 +10,12 @@ from stiction import Surface, self_affine_surface
 
 pytestmark = pytest.mark.docs
 FRACTURES_SCRIPT = runpy.run_path(str(Path(__file__).parents[1] / "docs/scripts/fractures.py"))
-DATA_FOLDER = os.environ.get("STICTION_FRACTURES")  # folder with the data of the script
+DATA_FOLDER = os.environ.get("STICTION_FRACTURES")  # folder with the measured data that the script reads
 EXPONENT_TOLERANCE = 0.15
 DOCUMENTED_STIFFNESS = {
     "vd1": ((37, 116), (48, 122)),
     "vd2": ((25, 127), (50, 131)),
-}  # MPa/mm at 1 to 2 and 5 to 10 MPa: computed, measured
+}  # computed and measured stiffness in MPa/mm, from 1 to 2 MPa and from 5 to 10 MPa
 
 
 def test_load_gap_and_load_test_read_files_of_the_experiment(tmp_path):
@@ -42,7 +42,7 @@ def test_random_roughness_has_the_estimated_spectrum(hurst):
 
 
 @pytest.mark.skipif(
-    DATA_FOLDER is None, reason="STICTION_FRACTURES names no folder with the data, which have no licence"
+    DATA_FOLDER is None, reason="the measured data are not available; STICTION_FRACTURES may name their folder"
 )
 @pytest.mark.parametrize("name", list(DOCUMENTED_STIFFNESS))
 def test_fixed_settings_reproduce_documented_numbers(name):

@@ -13,19 +13,19 @@ from stiction.cli import application
 
 PACKAGE = Path(stiction.__file__).parent
 LAYERS = ("surfaces", "mechanics", "studies", "views", "app", "cli")
-"""Layers from low to high; each may import from itself and from lower layers."""
+"""Layers from low to high. Each layer may import from itself and from lower layers."""
 
 MODULE_WITH_VIEWS = "studies/result.py"
-"""Module below the views that may import views in methods, for figures and reports of a result."""
+"""Module below the views whose methods may import views, because a result draws figures and writes reports."""
 
 LOADED_DEPENDENCIES = {
     "numpy",
     "pydantic", "pydantic_core", "annotated_types", "typing_extensions", "typing_inspection",
 }  # fmt: skip
-"""Dependencies that loading all public names imports; plots, files and clusters are not among them."""
+"""Dependencies that an import of all public names loads; packages for plots, files and clusters must be absent."""
 
 DEPENDENCIES_OF_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_extensions"}
-"""Dependencies that `stiction --help` imports; numeric packages are not among them."""
+"""Dependencies that `stiction --help` imports. Numeric packages must not be among them."""
 
 
 def imported_names(source):
@@ -35,9 +35,11 @@ def imported_names(source):
         if isinstance(node, ast.Import):
             names = [name.name for name in node.names]
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{source} does not say from where it imports {node.module}"
-            # What the package re-exports is there when all of it is imported: too late for its own modules.
-            assert node.module != "stiction", f"{source}, line {node.lineno}: import it from where it is made"
+            assert node.level == 0, f"{source} imports {node.module} relatively; write the full name"
+            # The package defines its public names last, which is too late for imports of its own modules.
+            assert node.module != "stiction", (
+                f"{source}, line {node.lineno}: import names from the module that defines them"
+            )
             names = [f"{node.module}.{name.name}" for name in node.names]
         assert "stiction" not in names
         yield from (name for name in names if name.split(".")[0] == "stiction")
@@ -45,7 +47,7 @@ def imported_names(source):
 
 @pytest.mark.parametrize("room", ["", *LAYERS])
 def test_layers_import_only_from_lower_layers(room):
-    """Modules that all layers use must not import from a layer."""
+    """Check also that modules which all layers use do not import from any layer."""
     paths = (PACKAGE / room).rglob("*.py") if room else PACKAGE.glob("_*.py")
     allowed = LAYERS[: LAYERS.index(room) + 1] if room else ()
     for source in sorted(path.relative_to(PACKAGE) for path in paths):
@@ -60,7 +62,7 @@ COMPUTING_MODULES = {
     "budget", "contact_picture", "evaluation", "height_scale", "intervals", "maps", "member_solution", "members",
     "nodes", "onset", "pipeline", "runner", "store",
 }  # fmt: skip
-"""Modules of studies that read stored results and files, evaluate, compute statistics or solve.
+"""Modules of studies that read stored results and files, evaluate results, compute statistics or solve contacts.
 
 Views use `Result` and `Summary` instead, and import only constants from these modules.
 """
@@ -69,14 +71,14 @@ OTHER_IMPORTS_OF_VIEWS = {
     "height_scale.ScaledSides", "nodes.Axis", "nodes.Nodes",
     "members.generate_pairs", "members.generate_phases", "members.pair_of", "members.unscaled_profile",
 }  # fmt: skip
-"""Types, and functions that generate the surfaces of a study for its figures."""
+"""Other names that views may import: types, and functions that generate the surfaces of a study for its figures."""
 
 
 def test_views_import_no_store_no_readers_and_no_statistics():
     modules = {path.stem for path in (PACKAGE / "studies").glob("*.py")}
     assert modules >= COMPUTING_MODULES
     for source in sorted(path.relative_to(PACKAGE) for path in (PACKAGE / "views").rglob("*.py")):
-        if source.as_posix() == "views/pair.py":  # `stiction.pair` is no view
+        if source.as_posix() == "views/pair.py":  # The module of `stiction.pair` is not a view.
             continue
         for name in imported_names(source):
             *layers, module, imported = name.split(".")
@@ -97,7 +99,7 @@ def test_import_loads_no_dependencies():
 
 
 def test_package_imports_nothing_before_the_command():
-    """Importing the package before the command starts would delay its handling of Ctrl-C."""
+    """Check this because importing anything before the command starts would delay its handling of Ctrl-C."""
     body = ast.parse(Path(stiction.__file__).read_text("utf-8")).body
     assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
 
@@ -146,6 +148,6 @@ def test_help_lists_every_command_with_its_module():
 
 @pytest.mark.parametrize("folder", ["python", "tests", "benchmarks", "docs", "examples"])
 def test_docstrings_do_not_begin_with_of(folder):
-    """Docstrings must be understandable without the line above them."""
+    """Check this because a docstring must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / folder).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

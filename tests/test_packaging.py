@@ -33,7 +33,7 @@ def release(monkeypatch):
 
 def read_file(name):
     if not (ROOT / name).exists():
-        pytest.skip(f"{name} is not here")
+        pytest.skip(f"{name} is not in this tree")
     return (ROOT / name).read_text(encoding="utf-8")
 
 

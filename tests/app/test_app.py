@@ -54,7 +54,7 @@ def driver(app, tmp_path_factory):
 @pytest.fixture
 def empty_page(driver, app):
     """Page of the app without inputs; after the test, no unexpected error may be in the log of the browser."""
-    driver.get(f"{app.origin}/app.css")  # a page without scripts, which would write to the storage again
+    driver.get(f"{app.origin}/app.css")  # This page has no scripts, which would write to the storage again.
     driver.execute_script("sessionStorage.clear()")
     driver.get(app.origin)
     driver.get_log("browser")
@@ -127,7 +127,8 @@ def wait_until_finished(driver):
     """Wait until the job ends, and return its final state and its error message."""
     wait_until(lambda: job_state(driver), lambda current_state: current_state not in (None, "waiting", "running"))
     activity_script = "return jobs.find(({number}) => number === current).words"
-    wait_until(lambda: driver.execute_script(activity_script), lambda text: not text)  # reads a stopped job's result
+    # The app reads the result of a stopped job before it clears this text.
+    wait_until(lambda: driver.execute_script(activity_script), lambda text: not text)
     return " ".join([job_state(driver), driver.find_element("id", "job-wrong").text]).strip()
 
 
@@ -226,7 +227,7 @@ def test_accept_field_removes_the_caveat_of_a_file(empty_page, tmp_path):
     )
 
 
-def test_preview_is_that_of_the_latest_options_if_answers_arrive_in_another_order(empty_page, tmp_path):
+def test_preview_shows_the_latest_options_if_an_older_answer_arrives_last(empty_page, tmp_path):
     rows = np.column_stack([0.5 * np.arange(64), 7.0 * np.ones(64), np.random.default_rng(0).standard_normal(64)])
     np.savetxt(tmp_path / "three.txt", rows)
     assert "columns" in choose_scan(empty_page, "upper", tmp_path / "three.txt")["wrong"]
@@ -323,7 +324,7 @@ def test_result_of_maps_equals_the_command_after_each_step(app, empty_page, maps
 
     assert (
         app.request("GET", f"/jobs/{job}/at?load=1&mu0=0.2&tau0=0&d=1.2")[0] == 400
-    )  # measured surfaces have no fractal dimension
+    )  # Measured surfaces have no fractal dimension.
 
     empty_page.refresh()
     assert wait_until_finished(empty_page) == "done"
@@ -362,7 +363,7 @@ def test_stopped_job_is_stored_and_resumed(empty_page, tmp_path, app):
 
 
 def check_second_window(empty_page, app):
-    """Start a job in a second window, which waits for the job of the first window, and stop both."""
+    """Start a job in a second window while the first window computes one, wait until it is queued, and stop both."""
     first_window = empty_page.current_window_handle
     empty_page.switch_to.new_window("tab")
     try:
@@ -429,7 +430,7 @@ def test_error_of_the_command_is_shown_at_its_field(empty_page, maps, tmp_path, 
 
 
 def test_preview_has_at_most_the_requested_positions(app, empty_page):
-    """The sample surfaces can be saved, too, so that the command line can be repeated."""
+    """Check also that the sample surfaces can be saved, so that the command line can be repeated."""
     empty_page.find_element("id", "demo").click()
     for side in ("upper", "lower"):
         assert "128 × 128" in wait_until(
@@ -439,7 +440,7 @@ def test_preview_has_at_most_the_requested_positions(app, empty_page):
         _, headers, body = app.request("GET", link.removeprefix(app.origin))
         assert headers["Content-Disposition"] == f'attachment; filename="{side}.csv"'
         assert body.count(b"\n") >= 128
-    wait_until(lambda: job_state(empty_page), bool)  # the sample surfaces are computed without a click
+    wait_until(lambda: job_state(empty_page), bool)  # The page computes the sample surfaces without a click.
     empty_page.execute_script("postJson(`/jobs/${current}/stop`)")
     assert wait_until_finished(empty_page) in ("stopped", "done")
     fill_fields(empty_page, {"shifts": "2"})
@@ -544,7 +545,7 @@ def test_app_has_no_accessibility_violations(empty_page, maps):
         set_window_size(empty_page)
 
     try:
-        for section in ("#made", "#there", "details[name=what]"):  # opened by the keyboard
+        for section in ("#made", "#there", "details[name=what]"):  # Open each section with the Enter key.
             empty_page.find_element("css selector", f"{section} > summary").send_keys("\n")
             check_accessibility()
         for side, path in zip(("upper", "lower"), maps, strict=True):
@@ -566,7 +567,7 @@ def test_server_is_not_abandoned_before_its_first_window():
 
 
 def test_server_ends_after_its_last_window_is_closed(tmp_path, tmp_path_factory):
-    """The page that is closed here has sent only one request about open windows."""
+    """Close a page that has sent only one request about open windows."""
     code = "from stiction.app import run; from stiction.cli.application import print_message; "
     code += "run.MAX_WINDOW_ABSENCE = 1.5; run.run(print_message=print_message)"
     with (

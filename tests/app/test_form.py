@@ -14,7 +14,7 @@ def test_reading_fields_are_options_of_file_readers():
 
 
 @pytest.mark.parametrize("flag", FIELDS)
-def test_form_contains_each_field_at_its_place_only(flag):
+def test_form_shows_each_field_in_one_section_only(flag):
     places = [place for place in ("scan", "more") if f'name="{flag}"' in fields_html(place)]
     assert places == ([FIELDS[flag].place] if FIELDS[flag].place in ("scan", "more") else [])
 

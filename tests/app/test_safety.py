@@ -52,8 +52,8 @@ def test_requests_without_cookie_are_rejected(app, path, cookie):
 
 
 @pytest.mark.parametrize("host", ["evil.example", "localhost:{port}", "127.0.0.1", "127.0.0.1:1", "", None])
-def test_requests_with_other_host_names_are_rejected(app, host):
-    """A hostile page can make its host name resolve to 127.0.0.1."""
+def test_requests_with_foreign_host_names_are_rejected(app, host):
+    """Check that access is refused if a hostile page makes its host name resolve to 127.0.0.1."""
     status, _, _ = app.request("GET", "/", Host=host and host.format(port=app.port))
     assert status in (400, 421)
 
@@ -240,7 +240,7 @@ def test_unfinished_uploads_count_towards_the_storage_limit(app):
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )
     (private_folder,) = app.find_private_folders()
-    for _ in range(2):  # the second round needs the space that the first round has released
+    for _ in range(2):  # The second round can only succeed if the first round has released its storage.
         with ExitStack() as stack:
             for _ in range(6):
                 client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))

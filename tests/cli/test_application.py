@@ -28,7 +28,7 @@ def test_run_completes_after_the_reader_of_its_output_ends(tmp_path):
     assert completed.returncode == 0
     assert all(
         line.startswith("repetitions ") for line in completed.stderr.splitlines()
-    )  # a slow machine prints its progress
+    )  # On a slow machine, the command also prints its progress.
     assert (tmp_path / "quick" / "area.png").exists()
     completed = run_shell_script('"$@" | true', "studies", "figure6", cwd=tmp_path)
     assert (completed.returncode, completed.stderr) == (0, "")
@@ -77,7 +77,7 @@ def test_interrupt_during_import_gives_no_traceback(monkeypatch):
 
 
 def test_failed_thread_start_is_reported_in_one_message(tmp_path, monkeypatch):
-    """If no thread can be started, the command ends before it creates a result."""
+    """Check that a command that cannot start a thread ends before it creates a result."""
 
     def fail_to_start(_):
         raise RuntimeError("can't start new thread")
@@ -111,7 +111,7 @@ def test_hostile_study_file_is_rejected_in_short_printable_lines(tmp_path, study
 
 def test_input_file_must_not_be_a_pipe_or_device(tmp_path):
     for name in ("fifo.toml", "fifo.csv"):
-        os.mkfifo(tmp_path / name)  # a program that opens a pipe waits for another one that writes
+        os.mkfifo(tmp_path / name)  # Opening a pipe for reading blocks until another program opens it for writing.
     for name in ("fifo.toml", "/dev/zero"):
         assert_rejected(call_stiction("run", name, "-o", "o", cwd=tmp_path), f"{name}: is not a regular file")
     assert_rejected(call_stiction("characterise", "fifo.csv", cwd=tmp_path), "fifo.csv: is not a file")

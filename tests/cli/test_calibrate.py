@@ -72,7 +72,8 @@ def test_calibrate_with_ball_stores_true_mu0_and_tau0(tmp_path):
     assert first_line.startswith("μ0 + τ0 A/F = ")
     assert other_lines[0].startswith("μ0 = 0.1")
     assert float(other_lines[1].removeprefix("τ0 = ").split()[0]) == pytest.approx(12, rel=0.01)
-    assert completed.stdout.count("χ²") == 1  # a smooth ball has the same area by both sliding rules
+    # The area of a smooth ball is equal for both sliding rules, so the result has only one χ².
+    assert completed.stdout.count("χ²") == 1
     stored_interface = read_interface(tmp_path / "film")
     assert stored_interface.separated
     assert stored_interface.about["surfaces"] == "ball"

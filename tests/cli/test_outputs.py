@@ -62,7 +62,7 @@ def test_command_does_not_replace_foreign_file(scans_folder, arguments, name, ki
         path.symlink_to(target)
     completed = call_stiction(*arguments, cwd=scans_folder)
     assert_rejected(completed, f"{path.name}: exists already")
-    assert completed.stdout == ""  # the file is checked before the computation
+    assert completed.stdout == ""  # The command checks the file before it computes, so it prints no result.
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
@@ -130,7 +130,8 @@ def test_csv_escapes_file_names_that_start_like_formulas(scans_folder, first_cha
     with (scans_folder / "t.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["file"] for row in rows] == [f"'{name}", "lower.csv"]
-    assert np.isfinite(float(rows[0]["Ssk"]))  # negative numbers are not quoted
+    # Negative numbers start with a minus sign like formulas, but they are not escaped.
+    assert np.isfinite(float(rows[0]["Ssk"]))
 
 
 def test_pair_prints_estimated_time_of_long_computations(scans_folder, monkeypatch):

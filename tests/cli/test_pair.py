@@ -163,7 +163,7 @@ def test_pair_option_sets_key_of_study(scans_folder, files, options, values):
         assert read_key(study, key) == value
 
 
-def test_gap_map_is_used_unchanged_at_one_position(scans_folder):
+def test_gap_map_is_only_levelled_and_used_at_one_position(scans_folder):
     study = parse_study(scans_folder, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "fixed")
     assert study.surfaces.level == "mean"
     study = parse_study(
@@ -732,7 +732,7 @@ def test_pair_in_two_parts_completes_result(scans_folder):
         check_stiction(*arguments, "--part", part, cwd=scans_folder)
     assert store.open_stored(scans_folder / "parts").finished.size == 4
     completed = check_stiction(*arguments, cwd=scans_folder)
-    assert "not in per cent" in completed.stdout  # a caveat about mu0 = 30
+    assert "not in per cent" in completed.stdout  # mu0 = 30 gives a caveat.
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -846,7 +846,7 @@ def test_scan_with_noise_band_is_computed_with_and_without_filter(tmp_path):
     assert (cutoffs["clean"], cutoffs["vouched"], cutoffs["cut"]) == ([0.0], [0.0], [0.3])
     assert cutoffs["noisy"] == [0.0, stiction.instrument_limit(noisy).cut_off]
     (fault,) = [value for value in find_input_caveats(noisy, noisy, studies["cut"]) if value.severity == "fault"]
-    assert fault.cut_off < 0.3  # the result that is filtered at 0.3 µm has no such caveat
+    assert fault.cut_off < 0.3  # A result filtered at 0.3 µm would have no such caveat.
 
 
 def create_noisy_and_clean_profiles():

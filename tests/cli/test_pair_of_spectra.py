@@ -118,7 +118,7 @@ def test_pair_of_joined_spectra_gives_friction_of_full_surfaces(spectra, surface
         assert low < truth < high
     assert abs(coarse_mean - truth) > 2 * abs(
         mean - truth
-    )  # a coarse scan misses the short wavelengths, which determine the area
+    )  # A coarse scan lacks the short wavelengths, which determine the area.
 
 
 def test_result_of_spectra_supports_other_commands(spectra_folder):
@@ -143,7 +143,7 @@ def test_result_of_spectra_supports_other_commands(spectra_folder):
     dataset = evaluate_cutoffs(open_stored(spectra_folder / "pair")).isel(load=0, mu0=0, tau0=0)
     spectral_estimate = resolution_limits(dataset, study)[
         "spectral"
-    ]  # drawn in the figure of results against the cutoff
+    ]  # The figure of results against the cutoff shows this estimate.
     assert float(spectral_estimate.mean_pressure.max()) == pytest.approx(4.0)
     assert float(spectral_estimate.wavelength.max()) > 1.0
     cutoffs = [entry["cut_off"] for entry in record["resolution"]["cut_offs"]]

@@ -33,7 +33,7 @@ POINT_FRACTION_TOLERANCE = 1e-3
 """Fraction of the grid points, with almost zero pressure, at which two solvers may differ."""
 
 ROUND_OFF = 1e-12
-MAX_BOUNDS = 2  # maximum number of 200 random pairs with only a lower bound of the pull-off force
+MAX_BOUNDS = 2  # Of 200 random pairs, at most this number may have only a lower bound of the pull-off force.
 
 PERIOD_TOLERANCE = 0.02
 """Relative difference between the pull-off forces of a ball with a period of 20 contact radii and of an isolated
@@ -90,7 +90,7 @@ SPACING_TOLERANCE = 0.03
     ],
     ids=["hard ball", "ball", "smooth", "rough", "silicone", "complete"],
 )
-def test_adhesive_contact_minimises_energy_and_separates_where_the_minimum_does(case):
+def test_adhesive_contact_is_a_minimum_of_energy_up_to_the_pull_off_force(case):
     bodies, adhesive = case
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     gap, area = -bodies[1].heights, bodies[0].heights.size * bodies[0].spacing[0] ** 2
@@ -150,14 +150,14 @@ def test_sphere_has_pull_off_of_maugis_for_any_period(tabor):
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
 def test_sphere_with_dugdale_attraction_equals_maugis_on_any_grid(tabor, monkeypatch):
-    """Differences of an exponential attraction are then due to the law, not to the grid or the edge."""
+    """Check that the law of an exponential attraction, not the grid or the edge, causes differences from Maugis."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
         half_space(*bodies, [0.0], **adhesive).pull_off
         for bodies, adhesive in (ball(tabor, points=n, length=c * length) for n, c in ((64, 1), (128, 1), (96, 1.5)))
     ]
     assert exponential[1:] == pytest.approx(exponential[:1] * 2, rel=GRID_TOLERANCE)
-    edge = 0.05  # fraction of the range in which the attraction decreases to zero
+    edge = 0.05  # The attraction decreases to zero over this fraction of its range.
 
     def ends(self, gap):
         return self.max_attraction / (1 + np.exp(np.minimum((np.maximum(gap, 0) / self.range - 1) / edge, 500)))
@@ -170,14 +170,14 @@ def test_sphere_with_dugdale_attraction_equals_maugis_on_any_grid(tabor, monkeyp
     assert np.sqrt(curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=MAUGIS_TOLERANCE)
 
 
-def test_cylinder_equals_barquins():
-    """Barquins, The Journal of Adhesion 26 (1988) 1: F = π E* a²/(4R) - (2π E* w a)^(1/2) of each µm."""
+def test_adhesive_cylinder_equals_solution_of_barquins():
+    """Check F = π E* a²/(4R) - (2π E* w a)^(1/2) per µm of length (Barquins, The Journal of Adhesion 26 (1988) 1)."""
     work, length = 1e-6, 1024
     radius = (2 * work / np.pi) ** (1 / 3)  # at pull-off
     spacing = 12 * radius / length
     x = (np.arange(length) - length // 2) * spacing
     bodies = Profile(np.zeros(length), spacing=spacing), Profile(-(x**2) / 2, spacing=spacing)
-    adhesion_range = work ** (2 / 3) / 5  # Tabor's parameter is 5
+    adhesion_range = work ** (2 / 3) / 5  # Tabor's parameter is then 5.
     curve = half_space(*bodies, [0.0], effective_modulus=1.0, work_of_adhesion=work, adhesion_range=adhesion_range)
     assert curve.adhesion_range == adhesion_range
     assert curve.pull_off == pytest.approx(0.75 * np.pi * radius**2, rel=CLOSED_FORM_TOLERANCE)
@@ -185,8 +185,11 @@ def test_cylinder_equals_barquins():
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.6])
-def test_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
-    """Johnson, International Journal of Solids and Structures 32 (1995) 423: p/p* = sin²s - α (tan s)^(1/2), s = πa/λ.
+def test_adhesive_sinusoid_follows_johnson_and_jumps_into_full_contact(alpha):
+    """Check p/p* = sin²s - α (tan s)^(1/2), s = πa/λ (Johnson, Int. J. Solids Structures 32 (1995) 423).
+
+    Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it at a smaller
+    load.
 
     Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it earlier.
     """
@@ -200,7 +203,7 @@ def test_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
     if alpha > 0.57:
         assert (curve.contact_area > 1 - 1 / points).all()
         return
-    angle = np.linspace(1e-4, 1.2, 100_001)  # the unstable branch starts at a larger angle
+    angle = np.linspace(1e-4, 1.2, 100_001)  # The unstable branch starts at a larger angle.
     johnson = np.sin(angle) ** 2 - alpha * np.sqrt(np.tan(angle))
     rising = slice(np.argmin(johnson), np.argmin(johnson) + np.argmax(johnson[np.argmin(johnson) :]))
     expected = 2 / np.pi * np.interp(loads / full, johnson[rising], angle[rising])
@@ -219,7 +222,8 @@ def test_pull_off_from_full_contact_of_sinusoid_equals_opening_load(tension):
     points, height = 512, 0.005
     x, full = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
-    work = 2.001 * (tension * full) ** 2 / points  # with this work of adhesion the grid resolves the range
+    # With this work of adhesion, the grid resolves the range of the attraction.
+    work = 2.001 * (tension * full) ** 2 / points
     adhesive = {"work_of_adhesion": work, "adhesion_range": work / (tension * full), "effective_modulus": 1.0}
     curve = half_space(*bodies, [1.2 * full, 0.05 * full], boundary="periodic", **adhesive)
     assert curve.contact(1).pressure.all()
@@ -250,7 +254,7 @@ def test_pull_off_of_rough_surfaces_is_the_largest_local_maximum():
         states.append(attraction.settle(states[-1], 0.98 * states[-1].contact, before=states[0]))
     loads = np.array([state.load for state in states])
     first = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
-    assert first > 0.9 * loads.min()  # the state is a local minimum that is not the global minimum
+    assert first > 0.9 * loads.min()  # This state is a local minimum of the energy, but not the global minimum.
     largest = attraction.force(-loads.min())
     assert curve.pull_off == pytest.approx(largest, rel=PULL_OFF_TOLERANCE)
     borne = half_space(*bodies, [0.0, -0.95 * largest], **adhesive)
@@ -263,7 +267,7 @@ def soft_in_complete_contact():
     return rough(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
 
 
-def test_attraction_decreases_everywhere_under_smaller_load_until_bodies_part():
+def test_attraction_decreases_at_all_points_as_the_load_decreases_to_pull_off():
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     attraction = Attraction(curve._problem, tolerance=1e-6, report=None)
@@ -303,7 +307,7 @@ def test_pull_off_is_lower_bound_if_load_is_undecided(monkeypatch):
 
 @pytest.mark.parametrize("case", [rough(1e-3, 5e-5), rough(3e-3, 5e-5, modulus=2.0, length=2e-3)], ids=["hard", "soft"])
 def test_work_of_loading_and_unloading_equals_change_of_energy(case):
-    """The work over a closed loop is the energy lost in jumps, and 0 without jumps."""
+    """Check that the work over a closed loop is the energy lost in jumps, which is 0 without jumps."""
     bodies, adhesive = case
     area, free = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     loads = np.linspace(0, 0.001 * adhesive["effective_modulus"] * area, 41)
@@ -325,7 +329,10 @@ def test_work_of_loading_and_unloading_equals_change_of_energy(case):
 
 @pytest.mark.soak
 def test_random_problems_are_solved_and_most_pull_off_forces_are_certain():
-    """200 bodies, E* 1 MPa to 200 GPa, w 1 mJ/m² to 1 J/m², with and without hardness."""
+    """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
+
+    Some of them have a hardness.
+    """
     draw, bounds = np.random.default_rng(5), 0
     for _ in range(200):
         modulus, work = 10 ** draw.uniform(-3, 2.3), 10 ** draw.uniform(-6, -3)
@@ -400,8 +407,8 @@ def test_zero_work_of_adhesion_changes_no_bits():
     assert little.contact_area == pytest.approx(plain.contact_area, rel=1e-6)
 
 
-def test_pull_off_is_found_if_repetitions_change_nothing():
-    """Two consecutive repetitions change nothing here, and their ratio is 0/0."""
+def test_pull_off_is_found_if_two_iterations_change_nothing():
+    """Solve a case in which two consecutive iterations change nothing, so that the ratio of their changes is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
     heights = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]
     upper, lower = (

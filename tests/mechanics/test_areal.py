@@ -22,8 +22,8 @@ from stiction import (
 )
 from support.rough_surfaces import rough_maps
 
-# Tolerance for an independent evaluation of the same heights, with other splines, another search and another solution
-# for the ellipse.
+# Tolerance for the slow reference, which computes the same heights with other splines, another search and another
+# solution for the ellipse.
 INDEPENDENT_TOLERANCE = 1e-8
 # The curvature error of a spline is of second order in spacing / radius, which is at most 1e-3 here.
 SPLINE_TOLERANCE = 1e-6
@@ -210,7 +210,8 @@ class TestArealExact:
         theta = math.atan(0.4)
         force = curve.normal_elastic / math.cos(theta)
         assert_close(curve.tangential_load(mu0=0.3), 0.3 * force, ROUND_OFF)
-        assert_close(curve.lateral_load(mu0=0.3), -force * math.sin(theta), ROUND_OFF)  # left of +y is -x
+        # The lateral load is positive to the left of the motion. Left of +y is -x, so the sign changes.
+        assert_close(curve.lateral_load(mu0=0.3), -force * math.sin(theta), ROUND_OFF)
 
     def test_extruded_profiles_have_contacts_of_the_profiles(self):
         upper, lower = (

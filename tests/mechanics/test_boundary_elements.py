@@ -14,7 +14,8 @@ from stiction import westergaard_contact_fraction
 
 pytestmark = pytest.mark.docs
 WAVELENGTH, AMPLITUDE = 1.0, 0.01
-FULL_CONTACT = np.pi * EFFECTIVE_MODULUS * AMPLITUDE / WAVELENGTH  # p* of Westergaard
+# full contact of a sinusoid needs this mean pressure (Westergaard's p*)
+FULL_CONTACT = np.pi * EFFECTIVE_MODULUS * AMPLITUDE / WAVELENGTH
 FRACTION_INDEX, COUNT_INDEX, STIFFNESS_INDEX = range(3)
 
 
@@ -35,7 +36,7 @@ def exact_fraction(pressure):
 
 @pytest.mark.parametrize("relative", [0.02, 0.1, 0.3, 0.5])
 def test_boundary_elements_equal_westergaard(relative):
-    """Check area, mean gap and stiffness, which depend on the modulus, the point count and the sign of the gap."""
+    """Check area, mean gap and stiffness, to detect errors of the modulus, the point count and the sign of the gap."""
     random, pressure = np.random.default_rng(7), relative * FULL_CONTACT
     solid = [PeriodicHalfSpace(sinusoid(256, shift), WAVELENGTH) for shift in random.random(20)]
     fraction, _, gap = np.mean([one.solve(pressure) for one in solid], axis=0)
@@ -48,7 +49,7 @@ def test_boundary_elements_equal_westergaard(relative):
 
 @pytest.mark.parametrize("relative", [0.01, 0.3, 0.9])
 def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
-    """Relative to Westergaard, the area is √r / arcsin √r and the stiffness ln(1/r)/4."""
+    """Compare with closed forms: relative to Westergaard, the area is √r / arcsin √r and the stiffness is ln(1/r)/4."""
     asperities, pressure = PeriodicAsperities(sinusoid(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
     fraction, count, stiffness = asperities.measure(pressure)
     assert count == 1
@@ -61,7 +62,7 @@ def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
 
 
 def test_periodic_asperity_model_is_invariant_under_shift():
-    """Check that a contact across the seam, or among the wrapped points, counts once."""
+    """Check that a contact across the seam, or among the points that are added by wrapping, is counted once."""
     heights = band_limited_profile(np.random.default_rng(3), 0.5, 8, 32)
     pressure = 0.1 * EFFECTIVE_MODULUS * RMS_SLOPE
     expected = PeriodicAsperities(heights, PERIOD).measure(pressure)
@@ -73,7 +74,11 @@ def test_periodic_asperity_model_is_invariant_under_shift():
 
 
 def test_interaction_explains_difference_to_boundary_elements():
-    """The case is H = 0.75, bandwidth 32, p̄ = 0.02 E* h'rms, on half of the points of the published table.
+    """Compare both asperity models with boundary elements for H = 0.75, bandwidth 32 and p̄ = 0.02 E* h'rms.
+
+    The profile has half of the points of the published table. Another law or detection, and lost or doubly counted
+    contacts, would change the ratios of the model without interaction by more than the 2 % that the grid causes. The
+    ratios of the model with interaction are near 1, so interaction explains the difference.
 
     Another law or detection, and lost or doubly counted contacts, would change the first pair of ratios by more than
     the 2 % due to the grid. The second pair is near 1: interaction explains the difference.

@@ -25,7 +25,7 @@ from stiction.mechanics.law import LAWS, LAWS_BY_NAME, LawName
 from stiction.mechanics.model import ContactKeywords
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
 
-# relative difference from a spline of another solver
+# relative difference between the splines of two solvers
 SPLINE_TOLERANCE = 1e-9
 # Seconds of processor time. Other jobs do not affect this time.
 SIGNAL_DELAY = 0.2
@@ -132,7 +132,7 @@ def test_quantities_and_laws_have_unique_names():
             stiction._core.force_and_area(law.name, {}, overlap=0.1, radius=1.0)
 
 
-def test_status_of_returns_first_failed_condition():
+def test_combined_status_is_the_first_failed_condition():
     arguments = [
         (False, False, False, False), (True, True, False, False), (True, False, True, False),
         (True, False, False, True), (True, False, False, False),

@@ -27,7 +27,7 @@ from stiction import (
     westergaard_contact_fraction,
 )
 
-# Tolerance of the same formula in another order of operations.
+# Tolerance for two evaluations of one formula that differ in the order of operations.
 REORDERING_TOLERANCE = 1e-13
 lengths = st.floats(1e-4, 1e3)
 moduli = st.floats(1e-2, 1e3)
@@ -52,8 +52,9 @@ def test_jackson_green_equals_published_fit(ratio, radius, modulus, strain, pois
     critical, force, area = elastic_plastic.jackson_green(ratio, radius, modulus, strength, poisson)
     law = JacksonGreen(yield_strength=strength, poisson_ratio=poisson)
     actual = force_and_area(law, overlap=ratio * critical, radius=radius, effective_modulus=modulus)
-    if abs(ratio / 1.9 - 1) > 1e-9:  # round-off selects the branch at this ratio
-        assert actual == pytest.approx((force, area), rel=1e-10)  # the tolerance allows for powers of powers of ratios
+    if abs(ratio / 1.9 - 1) > 1e-9:  # At this ratio, round-off decides which branch applies.
+        # The tolerance is larger because the formula raises powers of ratios to further powers.
+        assert actual == pytest.approx((force, area), rel=1e-10)
 
 
 @pytest.fixture(scope="session")
@@ -191,7 +192,7 @@ CLOSED_FORMS = (
 
 @pytest.mark.parametrize(("name", "positional", "named"), CLOSED_FORMS, ids=[form[0] for form in CLOSED_FORMS])
 def test_closed_form_of_extreme_arguments_is_a_number_or_raises_value_error(name, positional, named):
-    """Replace one argument at a time; NumPy's warnings are errors."""
+    """Replace one argument at a time by an extreme value, with NumPy's warnings as errors."""
     function = getattr(stiction, name)
     function(*positional, **named)
     messages = set()

@@ -23,13 +23,13 @@ SUM_NAMES = (
     "normal_frictional", "tangential_frictional", "normal_adhesive", "tangential_adhesive",
 )  # fmt: skip
 
-# Independent evaluation of the same heights: another spline solver and order of operations. Round-off moves a minimum
-# of the gap, most where the gap is flat.
+# Tolerances for a reference that evaluates the same heights with another spline solver and order of operations.
+# Round-off moves the minima of the gap, most where the gap is flat.
 INDEPENDENT_TOLERANCES = {"cell": 1e-9, "gap-minimum": 1e-7}
 REFERENCE_FUNCTIONS = {"cell": pressing.find_contacts, "gap-minimum": pressing.find_contacts_at_minima}
-# The curvature error of a spline on a circle is of second order in spacing / radius (1e-3 here).
+# The curvature of a spline on a circle has an error of second order in spacing / radius, which is 1e-3 here.
 CIRCLE_TOLERANCE = 1e-6
-# Identities that only change the order of operations.
+# Tolerances of identities that only change the order of operations.
 MIRROR_TOLERANCE = 1e-9
 EXCHANGE_TOLERANCE = 1e-8
 SCALING_TOLERANCE = 1e-8
@@ -95,8 +95,8 @@ class TestProfileExact:
             lower = circular_arc(apexes[1], radii[1], spacing, points, "lower")
             touch = (upper.heights - lower.heights).min()
             for approach in (1e-4, 1e-3, 1e-2):
-                # The lower apex is at height 0, and the upper apex is lowered beyond first contact. This is the vector
-                # between the centres.
+                # The lower apex is at height 0, and the upper apex is lowered beyond first contact. These are the
+                # components of the vector between the centres.
                 apart = np.array([apexes[0] - apexes[1], radii[0] + radii[1] - touch - approach])
                 overlap = sum(radii) - np.hypot(*apart)
                 radius = radii[0] * radii[1] / sum(radii)
@@ -342,7 +342,7 @@ class TestProfileIdentities:
 
 
 class TestGapMinimum:
-    """Tests of results that do not depend on the grid, unlike those of the cell detection."""
+    """Tests of results that do not depend on the grid with detection="gap-minimum", unlike with detection="cell"."""
 
     POINT_COUNTS = (37_500, 75_000, 150_000, 300_000, 600_000)
     # First contact is defined by grid points, which adds up to g'' Δx² / 8 to an approach of 10 nm. Therefore 3 digits

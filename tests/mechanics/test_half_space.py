@@ -31,24 +31,24 @@ from support.rough_surfaces import flat_like
 from support.rough_surfaces import periodic_body as rough
 
 MODULUS = 10.0
-DENSE_TOLERANCE = 1e-8  # fraction of the highest pressure, compared with dense matrices at a solver tolerance of 1e-11
-MINDLIN_TOLERANCE = 1e-3  # fraction of the displacement of a sphere whose contact radius is 50 points
+DENSE_TOLERANCE = 1e-8  # relative to the highest pressure; both solutions have a tolerance of 1e-11
+MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a sphere whose contact radius is 50 points
 ROUND_OFF = 1e-12
-# Fraction of the true area, at about 15 points per contact. The mean over grids is within 0.015.
+# Relative error of the true area with about 15 points per contact. The mean error over several grids is below 0.015.
 PLASTIC_EDGE_TOLERANCE = 0.05
-QUADRATURE_TOLERANCE = 1e-9  # relative difference from a quadrature of smooth functions on 60 by 200 points
-FRICTION_SCATTER = 0.015  # relative scatter of two pairs with some tens of contacts, over twelve directions
-TIGHT_TOLERANCE = 1e-10  # solver tolerance for comparisons of two solutions
+QUADRATURE_TOLERANCE = 1e-9  # relative difference from a numerical integral of smooth functions on 60 by 200 points
+FRICTION_SCATTER = 0.015  # relative scatter over twelve directions of two pairs with some tens of contacts
+TIGHT_TOLERANCE = 1e-10  # solver tolerance in comparisons of two solutions
 
 
-# Error relative to the largest displacement. Logarithms of distant cells cancel.
+# Error relative to the largest displacement. It is larger than round-off because logarithms of distant cells cancel.
 LARGE_GRID_TOLERANCE = 1e-11
 MAX_SECONDS_TO_END = 2.0  # seconds of processor time; a complete solution takes ten times as long
-SOLUTION_TOLERANCE = 1e-5  # difference of two solutions with a tolerance of 1e-6
+SOLUTION_TOLERANCE = 1e-5  # relative difference between two solutions whose solver tolerance is 1e-6
 
 
-STIFFNESS_TOLERANCE = 1e-6  # relative error, for a compliance with an error of 1e-7
-BALL_TOLERANCE = 2e-3  # relative error of the load at an approach, for a contact radius of 24 points
+STIFFNESS_TOLERANCE = 1e-6  # relative error of a stiffness whose compliance has an error of 1e-7
+BALL_TOLERANCE = 2e-3  # relative error of the load at a given approach for a contact radius of 24 points
 
 
 def make_solver(gap, spacing, *, periodic, bound=np.inf, tolerance):
@@ -89,7 +89,7 @@ def test_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
 @pytest.mark.parametrize("pressed", [0.02, 0.3])
 def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
     body = rough(shape, longest=1, shortest=5)
-    missing = np.zeros(shape, bool)  # the summit and a quarter of all points are missing
+    missing = np.zeros(shape, bool)  # The summit and a quarter of all points are missing.
     missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
     lower = type(body)(body.heights, spacing=body.spacing, missing=missing)
     load, spacing = pressed * MODULUS * 0.05, np.array([1 / n for n in shape])
@@ -117,7 +117,7 @@ def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
 @pytest.mark.parametrize("flat", [False, True])
 @pytest.mark.parametrize("part", [0.05, 0.95])
 def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part):
-    """Bounds vary between points: on a rough gap like a hardness, on a flat like a traction."""
+    """Use bounds that vary between points: like a hardness on a rough gap, like limits of a traction on a flat."""
     random = np.random.default_rng(5)
     periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
     gap = np.zeros(shape) if flat else -(body := rough(shape, longest=1, shortest=5).heights) + body.max()
@@ -138,7 +138,10 @@ def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_uniform_bounds_on_flat_are_reached_at_full_load(boundary):
-    """Uniform displacement, or that of a punch, up to the largest load that the bounds permit."""
+    """Solve a flat with equal bounds up to the largest load that the bounds permit.
+
+    With a periodic boundary all points move equally. With a free boundary the traction is that of a punch.
+    """
     random = np.random.default_rng(2)
     bound = 1.0 + 1e-15 * random.normal(size=(20, 24))
     solver = make_solver(
@@ -155,7 +158,10 @@ def test_uniform_bounds_on_flat_are_reached_at_full_load(boundary):
 
 @pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9, 0.99])
 def test_traction_under_sphere_equals_mindlin(ratio):
-    """The bound is Hertz's pressure times mu0; the relative stick radius is (1 - T/T_s)^(1/3) (Johnson 7.2)."""
+    """Compare with Mindlin's solution; the bound is Hertz's pressure times mu0 (Johnson, section 7.2).
+
+    The stick radius relative to the contact radius is (1 - T/T_s)^(1/3).
+    """
     n, spacing, radius, mu0 = 128, 0.02, 1.0, 0.4
     x = (np.arange(n) - n / 2 + 0.31) * spacing
     bound = mu0 * np.sqrt(np.maximum(1 - (x[:, np.newaxis] ** 2 + x**2) / radius**2, 0))
@@ -163,7 +169,7 @@ def test_traction_under_sphere_equals_mindlin(ratio):
     result = solver.at(ratio * bound.mean())
     sticks = (bound > 0) & (result.pressure.reshape(n, n) < bound)
     assert np.sqrt(sticks.sum() * spacing**2 / np.pi) == pytest.approx((1 - ratio) ** (1 / 3), abs=spacing)
-    # displacement in the middle of a Hertzian pressure with this maximum
+    # This is the displacement in the middle of a Hertzian pressure distribution with the given maximum.
     moved_at_sliding = np.pi * mu0 / 2 / MODULUS * radius
     assert result.approach == pytest.approx(moved_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN_TOLERANCE)
 
@@ -181,7 +187,7 @@ def test_sinusoid_equals_westergaard(fraction):
         exact = westergaard_contact_fraction(load, **wave)
         result = curve.contact(0)
         errors.append(np.abs(result.pressure - westergaard_pressure(x, load, **wave)).mean() / load)
-        # The edge of the contact is resolved to one point, and so is the gap next to the edge.
+        # The edge of the contact is accurate to one point, and the gap next to the edge has the corresponding accuracy.
         assert abs(curve.contact_area[0] - exact) < 1 / n
         gap = westergaard_gap(x, load, **wave)
         assert np.abs(result.gap - gap).max() < 2 * amplitude / n**0.5 * max(fraction, 0.1) * 0.1
@@ -195,7 +201,8 @@ def test_westergaard_closed_forms_are_consistent():
     x = np.linspace(-1, 1, 20_001)[:-1]
     for load in (0.001, 0.1, 0.2):
         p = westergaard_pressure(x, load, **wave)
-        assert p.mean() == pytest.approx(load, rel=2e-5)  # tolerance of a quadrature over square-root edges
+        # The integration over square-root edges has this relative error.
+        assert p.mean() == pytest.approx(load, rel=2e-5)
         assert np.mean(p > 0) == pytest.approx(min(1.0, float(westergaard_contact_fraction(load, **wave))), abs=2e-4)
         gap = westergaard_gap(x, load, **wave)
         assert (gap[p > 0] == 0).all()
@@ -298,7 +305,7 @@ def test_results_are_linear_in_modulus_and_independent_of_offset():
 
 def test_free_and_periodic_boundaries_agree_for_small_patches():
     differences = []
-    force = float(hertz_sphere(0.01, 4.0, MODULUS)[0])  # a radius of 0.2 µm
+    force = float(hertz_sphere(0.01, 4.0, MODULUS)[0])  # the contact radius is then 0.2 µm
     for extent in (0.5, 1.0, 2.0):
         gap = bowl(int(64 * extent), extent, (4.0, 4.0))
         free, periodic = (
@@ -322,7 +329,10 @@ def test_stiffness_is_derivative_of_load():
 @pytest.mark.parametrize("hardness", [None, 0.06 * MODULUS], ids=["elastic", "yielding"])
 @pytest.mark.parametrize(("shape", "boundary"), [((63,), "periodic"), ((12, 15), "periodic"), ((12, 15), "free")])
 def test_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
-    """Unloading is elastic also at points that yielded; without a hardness it equals loading."""
+    """Compare the stiffness with dense matrices; unloading is elastic also at points that yielded.
+
+    Without a hardness, the stiffnesses of loading and unloading are equal.
+    """
     lower = rough(shape, longest=1, shortest=5)
     curve = half_space(flat_like(lower), lower, [0.02 * MODULUS], boundary=boundary, hardness=hardness)
     spacing = np.array([1 / n for n in shape])
@@ -391,7 +401,7 @@ def test_hardness_limits_pressure_and_area_tends_to_load_over_hardness():
 
 
 def test_random_problems_with_hardness_are_solved():
-    """Subset of the stress suite: every problem is solved, and the mean contact pressure is at most the hardness."""
+    """Check that problems of the stress suite are solved, with a mean contact pressure of at most the hardness."""
     random = np.random.default_rng(8)
     for _ in range(8):
         upper, lower, load, arguments, words = soak.random_hard_problem(random)
@@ -403,14 +413,14 @@ def test_random_problems_with_hardness_are_solved():
 @pytest.mark.parametrize("shape", [(256,), (40, 40)])
 @pytest.mark.parametrize("ratio", [0.5, 10, 1000])
 def test_half_space_accepts_any_low_hardness(shape, boundary, ratio):
-    """E* h'/H from 0.5 to 1000, and loads up to the largest that the hardness permits."""
+    """Solve pairs with E* h'/H from 0.5 to 1000 at loads up to the largest that the hardness permits."""
     lower = rough(shape)
     hardness = MODULUS * 0.1 / ratio
     loads = np.array([1e-3, 0.03, 0.3, 0.9, 0.999]) * hardness
     curve = half_space(flat_like(lower), lower, loads, boundary=boundary, hardness=hardness)
     assert (curve.error <= 1e-6).all()
     assert (curve.load / curve.contact_area <= hardness * (1 + ROUND_OFF)).all()
-    assert (np.diff(curve.contact_area) >= 0).all()  # areas are equal at complete contact
+    assert (np.diff(curve.contact_area) >= 0).all()  # At complete contact the areas of several loads are equal.
     for index in range(loads.size):
         contact = curve.contact(index)
         assert (contact.share >= contact.pressure / hardness).all()
@@ -419,7 +429,7 @@ def test_half_space_accepts_any_low_hardness(shape, boundary, ratio):
 
 
 def test_contact_area_with_hardness_is_independent_of_grid():
-    """The shortest wavelength has 16 points in one grid and 64 in the other."""
+    """Compare two grids on which the shortest wavelength has 16 and 64 points."""
     loads, fine = [0.005, 0.03], rough((512, 512), longest=2, shortest=8, seed=3)
     for hardness in (0.7, 0.2, 0.04):
         areas = []
@@ -443,7 +453,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     exact = np.array(model.traction).reshape(n, n)
     curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness, tolerance=1e-9)
     assert 0 < curve.load_share_at_hardness[0] < 1
-    # tolerance of the pressures of the reference
+    # This tolerance includes the error of the reference.
     assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness
 
 
@@ -725,7 +735,7 @@ def test_pairs_on_equal_grids_share_kernels():
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_half_space_of_several_loads_equals_single_loads(boundary):
-    """A solution on a map starts from the previous load if it is near; the start changes less than the tolerance."""
+    """Check that the start from the solution of a nearby load changes a solution by less than the tolerance."""
     body = rough((48, 40))
     upper = flat_like(body)
     loads = np.array([1.0, 1.1, 1.25, 3.0]) * 0.02
@@ -761,7 +771,7 @@ def test_approaches_are_reached_up_to_full_contact(shape, left):
 
 
 def test_half_space_approach_of_sphere_equals_hertz():
-    """Approach of distant points, δ = (9 F²/(16 E*² R))^(1/3)."""
+    """Compare with the approach of distant points, δ = (9 F²/(16 E*² R))^(1/3)."""
     ball = bowl(96, 2.0, (5.0, 5.0))
     curve = half_space(ball, flat_like(ball), approaches=[0.05])
     force, _ = hertz_sphere(0.05, 5.0, MODULUS)
@@ -812,7 +822,7 @@ def test_progress_reports_iterations_and_can_cancel():
 
 
 def test_half_space_solver_ends_soon_after_ctrl_c():
-    """The signal arrives long before the end, while the main thread is in the core."""
+    """Send the signal long before the end of the solution, while the main thread is in the compiled core."""
     body = rough((512, 512), shortest=128)
     pressed = []
 
@@ -821,7 +831,7 @@ def test_half_space_solver_ends_soon_after_ctrl_c():
         signal.raise_signal(signal.SIGINT)
 
     def solve():
-        timer.start()  # the block handles an early signal, too
+        timer.start()  # The timer starts inside the block, which therefore handles an early signal, too.
         half_space(flat_like(body), body, np.geomspace(0.001, 0.5, 200))
 
     timer = threading.Timer(0.3, ctrl_c)
@@ -832,7 +842,7 @@ def test_half_space_solver_ends_soon_after_ctrl_c():
 
 
 def test_solver_converges_if_steps_are_extrapolated():
-    """On this half-plane extrapolated steps are about thirty times as long as tried ones."""
+    """Solve a half-plane on which extrapolated steps are about thirty times as long as tried steps."""
     study = Study.named("figure6-half-plane")
     dimension = float(study.surfaces.fractal_dimensions()[7])
     upper, lower = pair_of(study, 14, fractal_dimension=dimension, amplitude=float(study.surfaces.amplitudes()[0]))

@@ -14,7 +14,8 @@ FRICTION_TOLERANCE, AREA_TOLERANCE = 0.01, 0.03
 contacts."""
 
 
-@pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])  # the contact is fully plastic, intermediate, or nearly elastic
+# The contact is fully plastic, partly plastic, or nearly elastic.
+@pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])
 def test_interpolated_area_agrees_with_direct_solutions(rms: float) -> None:
     upper, lower = rough_maps(rms=rms, points=96, spacing=0.05, shortest_wavelength=0.3)
 

@@ -13,7 +13,8 @@ def test_approach_of_arcs_equals_hertz(circular_arc, detection):
     radius, spacing = 1.0, 1e-3
     lower = circular_arc(0.5003, radius, spacing, 1001, "lower")
     upper = circular_arc(0.5003, radius, spacing, 1001, "upper")
-    deep = 2 * (radius - np.sqrt(radius**2 - 0.0003**2))  # distance between the apexes and the nearest grid points
+    # The apexes lie between grid points, at this height difference from the nearest points.
+    deep = 2 * (radius - np.sqrt(radius**2 - 0.0003**2))
     overlaps = np.array([1e-4, 1e-3, 1e-2])
     loads = 4 / 3 * 10.0 * np.sqrt(radius / 2) * overlaps**1.5
     result = approach_at_load(upper, lower, loads, mu0=0.3, detection=detection)

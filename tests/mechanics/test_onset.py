@@ -24,9 +24,9 @@ from support.rough_surfaces import flat_like, periodic_body, rough_maps
 
 MODULUS = 10.0
 ROUND_OFF = 1e-12
-DENSE_TOLERANCE = 1e-6  # fraction of the largest value, compared with dense matrices, at a solver tolerance of 1e-6
-MINDLIN_TOLERANCE = 1e-3  # fraction of the displacement of a ball whose contact radius is 24 points
-PRINCIPLE_TOLERANCE = 0.01  # relative difference from an independent principle for rough bodies
+DENSE_TOLERANCE = 1e-6  # relative to the largest value, compared with dense matrices at a solver tolerance of 1e-6
+MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a ball whose contact radius is 24 points
+PRINCIPLE_TOLERANCE = 0.01  # relative difference from the independent Ciavarella-Jäger principle for rough bodies
 LOAD_FRACTIONS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
 
 
@@ -64,16 +64,17 @@ def test_onset_of_ball_equals_cattaneo_mindlin(ball):
         of_both = np.broadcast_to(poisson, 2)
         ratio = np.mean((2 - of_both) / (2 * (1 - of_both)))
         part = np.array(LOAD_FRACTIONS)
-        farthest = 0.3 * radius**2 * ratio  # displacement, which is mu0 times the approach with R = 1
+        # The displacement at sliding is mu0 times the approach, which is radius² because R = 1.
+        farthest = 0.3 * radius**2 * ratio
         stuck = (1 - part) ** (1 / 3)
         assert onset.sliding_load == pytest.approx(0.3 * curve.load[0], rel=1e-9)
         assert onset.displacement_at_sliding == pytest.approx(farthest, rel=MINDLIN_TOLERANCE)
         np.testing.assert_allclose(onset.displacement, farthest * (1 - stuck**2), rtol=MINDLIN_TOLERANCE)
         assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=MINDLIN_TOLERANCE)
         result = radius * np.sqrt(1 - onset.slipped_area)
-        assert np.abs(result - radius * stuck).max() < 1 / 96  # within a cell
+        assert np.abs(result - radius * stuck).max() < 1 / 96  # The edge of the stick zone is accurate to one cell.
         assert np.abs(onset.slipped_load - (1 - stuck**2) ** 1.5).max() < 0.01
-        # The energy loss is that of Johnson, Contact Mechanics (1985), eq. 7.57.
+        # The energy loss follows Johnson, Contact Mechanics (1985), eq. 7.57.
         lost = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
         lost *= onset.sliding_load * farthest
         np.testing.assert_allclose(onset.energy_lost(onset.tangential_load)[2:], lost[2:], rtol=5 * MINDLIN_TOLERANCE)
@@ -89,7 +90,8 @@ def test_ball_slips_from_edge_inwards(ball):
     assert np.isnan(slips[~touching]).all()
     inside = touching & (away < radius)
     off = slips[inside] - (1 - (away[inside] / radius) ** 3)
-    assert np.abs(off).max() < 1 / 50 + 3 / (96 * radius)  # tolerance of one step, and of one cell at the edge
+    # The tolerance is one step of the load, and one cell at the edge.
+    assert np.abs(off).max() < 1 / 50 + 3 / (96 * radius)
     assert np.abs(np.median(off)) < 1 / 50
     early = curve.onset(0, mu0=0.3, steps=[0.2, 0.3]).slip_load()
     assert np.isnan(early[away < 0.5 * radius]).all()
@@ -131,7 +133,7 @@ def test_stick_area_of_ellipse_preserves_shape():
     for i, stuck in enumerate((1 - part) ** (1 / 3)):
         sticks = ((pressure > 0) & (onset.traction(i) < 0.2 * pressure)).reshape(128, 128)
         for axis, semi in enumerate(axes):
-            # tolerance of one cell at each end
+            # The tolerance is one cell at each end of the zone.
             assert abs(sticks.any(axis=1 - axis).sum() / 2 - stuck * semi * 128) <= 1
 
 
@@ -139,7 +141,7 @@ def test_stick_area_of_ellipse_preserves_shape():
 
 
 def contact_strength(curve, mu0, tau0):
-    """Return contact points with bound, pressure and true area of the model. Slopes contribute at most 1e-8."""
+    """Return the contact points, and the bound, pressure and true area of the model. Slopes contribute at most 1e-8."""
     pressure = curve.contact(0).pressure
     touching = pressure > 0
     periodic = curve._problem.grids.periodic
@@ -161,7 +163,7 @@ def contact_strength(curve, mu0, tau0):
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.0, 0.02), (0.2, 0.004)])
 def test_onset_agrees_with_active_set(shape, boundary, mu0, tau0):
     lower = rough(shape, slope=1e-4)
-    tau0 *= 1e-2  # order of the pressures
+    tau0 *= 1e-2  # The adhesive strength must have the order of magnitude of the pressures.
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10)
     points, bound, pressure, fraction = contact_strength(curve, mu0, tau0)
     assert 20 < bound.size < 600
@@ -197,7 +199,7 @@ def test_masing_energy_equals_computed_loop():
     for part in (0.5, 0.9):
         onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[part])
         top = onset.displacement[0]
-        # The path is loading, unloading and reloading. Its second half is a cycle.
+        # The path is loading, unloading and reloading. Its last two parts form a cycle.
         ways = top * np.concatenate([np.linspace(0, 1, 6)[1:], np.linspace(1, -1, 11)[1:], np.linspace(-1, 1, 11)[1:]])
         loads, lost = dense_onset.simulate_steps(compliance, bound, ways)
         cell = np.prod(lower.spacing)
@@ -239,7 +241,7 @@ def test_onset_quantities_increase_with_load(areas):
     onset = areas.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) >= 0).all(), name
-    assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()  # decreasing stiffness
+    assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()  # The tangential stiffness decreases.
     assert (np.diff(onset.energy_lost(onset.tangential_load)) >= 0).all()
     bound = onset.traction(-1)
     for i in range(40):
@@ -264,7 +266,7 @@ def test_poisson_ratio_of_stiffer_body_has_less_weight():
 
 
 def test_onset_of_maps_equals_ciavarella_jaeger(areas):
-    """Traction is mu0 times the difference of the pressures at this load and at a smaller one."""
+    """Compare the traction with mu0 times the difference of the pressures at the load and at a smaller load."""
     onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
     for i, smaller in enumerate((1, 0)):
         q = 0.3 * (areas.contact(2).pressure - areas.contact(smaller).pressure).ravel()
@@ -346,7 +348,7 @@ def test_full_contact_is_rigid_until_sliding():
 
 
 def test_flat_punch_slips_everywhere_at_the_same_load():
-    """On free flats the pressure of a punch is proportional to its traction, so all points slip at the same load."""
+    """Check flats with free boundaries, on which the pressure is proportional to the traction of a rigid shift."""
     for flat in (Profile(np.zeros(64), spacing=0.1), Surface(np.zeros((33, 40)), spacing=0.1)):
         curve = half_space(flat, flat, [1.0])
         onset = curve.onset(0, mu0=0.2, steps=[0.01, 0.5, 0.99, 1.0])
@@ -401,7 +403,7 @@ def test_onset_of_asperity_agrees_with_half_space(radii, mu0, tau0):
 
 @pytest.mark.parametrize("direction", [0.0, 30.0, 90.0])
 def test_tangential_stiffness_of_ellipse_equals_cerruti_quadrature(direction):
-    """Reference: displacement in the middle of an ellipse under the tractions of a flat punch, by quadrature."""
+    """Compare with a numerical integral: the displacement in the middle of an ellipse under a flat punch."""
     poisson, turned = 0.3, np.radians(direction)
     curve = single_ball((0.3, 1.0))
     axes = contacts(*curve._pressed.bodies, 0.02).axes[0]
@@ -411,10 +413,10 @@ def test_tangential_stiffness_of_ellipse_equals_cerruti_quadrature(direction):
 
     def moved(
         way,
-    ):  # the unit force has the traction 1/(2π a b) (1 - s²)^(-1/2); 1/G = 4 (1 - ν)/E* for one of two equal bodies
+    ):  # The unit force has the traction 1/(2π a b) (1 - s²)^(-1/2). For one of two equal bodies 1/G = 4 (1 - ν)/E*.
         return (1 - poisson * np.sin(way - turned) ** 2) * reach(way)
 
-    shear = MODULUS * (1 - poisson)  # for equal bodies E* = G/(1 - ν)
+    shear = MODULUS * (1 - poisson)  # For equal bodies E* = G/(1 - ν).
     total = quad(moved, 0, 2 * np.pi)[0] / (8 * np.pi * shear * axes.prod())
     onset = curve.onset(0, mu0=0.3, poisson=poisson, direction=direction)
     assert onset.stiffness == pytest.approx(1 / (2 * total), rel=1e-9)
@@ -488,7 +490,7 @@ def test_onset_of_pickled_curve_is_equal(many_asperities):
         pickle.loads(pickle.dumps(result)).onset(0, mu0=0.3)
 
 
-# ---- For who goes on with it ----------------------------------------------------------------------------------------
+# ---- Export and fitted models ----------------------------------------------------------------------------------------
 
 
 def test_iwan_and_lugre_fits_recover_their_parameters():
@@ -503,8 +505,8 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
         end = true.displacement_at_sliding
         assert true.load(end) == 2.0
         assert true.load(end * (1 - 1e-9)) == pytest.approx(2.0, rel=1e-6)
-        # This is the sum over Segalman's springs. Each slipping spring dissipates 4 times strength times slip per
-        # cycle.
+        # The expected energy is the sum over Segalman's springs. Each slipping spring dissipates 4 times strength times
+        # slip per cycle.
         edges = np.linspace(0, 1, 200_001) ** 3 * end
         slips, spring = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
         spring *= 3.0 / (1 + beta) / spring.sum()
@@ -586,7 +588,7 @@ def test_onset_rejects_bad_steps_and_amplitudes(ball):
 
 
 def test_onset_of_ball_with_tau0_alone_equals_closed_form(ball):
-    """With tau0 alone the bound is uniform over the contact, and the asperity model has a closed form."""
+    """Compare with the closed form of the asperity model: with tau0 alone the bound is uniform over the contact."""
     curve, radius = ball
     onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=LOAD_FRACTIONS)
     area = np.pi * radius**2

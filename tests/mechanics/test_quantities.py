@@ -119,7 +119,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_of_the_table(results):
 def test_variables_at_a_load_have_the_dimensions_of_the_table(at_loads):
     for title, dataset in at_loads.items():
         for name in map(str, dataset.data_vars):
-            if name == "status":  # this is a property of the coefficient, not of the contact
+            if name == "status":  # The status belongs to the coefficient, not to the contact.
                 assert expected_dims(name, dataset) == expected_dims("friction_coefficient", dataset)
             else:
                 # The mean load of an ensemble depends on the rule, mu0 and tau0. Therefore all quantities at a load
@@ -200,7 +200,7 @@ def test_csv_columns_are_the_quantities_shown_in_csv_in_their_order(at_loads):
     assert places == sorted(places)
 
 
-def test_modules_read_no_property_from_the_name_of_a_quantity():
+def test_modules_do_not_infer_properties_from_the_names_of_quantities():
     parts = "share|fraction|count|load|area|pull_off|slipped|stiffness|unloaded|friction|pressure"
     tests = "startswith|endswith|replace|removeprefix|removesuffix"
     pattern = re.compile(rf"""["']_?({parts})\w*["'] in (str\()?name\b|\bname\)?\.({tests})\(\(?["']_?({parts})""")

@@ -20,7 +20,7 @@ from stiction.mechanics.brackets import kappa_spread, max_area
 from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
-EDGE_TOLERANCE = 0.1  # relative uncertainty of the area due to cells at contact edges on a coarse grid
+EDGE_TOLERANCE = 0.1  # relative error of the area that cells at contact edges cause on a coarse grid
 STEEL = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
 
 
@@ -60,7 +60,7 @@ def test_resolution_equals_half_space_of_filtered_surfaces(resolved_pair):
     again = resolution_friction(result, mu0=0.2, tau0=0.2)
     assert np.array_equal(again, result.friction_coefficient)
     smooth = resolution_friction(result, mu0=0.0)
-    assert abs(smooth.sel(sliding="all")).max() < 0.02  # slopes in both directions cancel
+    assert abs(smooth.sel(sliding="all")).max() < 0.02  # The slopes in both directions cancel.
 
 
 def test_bracket_with_hardness_contains_finer_results(resolved_pair):
@@ -90,7 +90,8 @@ def test_bracket_contains_finer_results(resolved_pair):
         assert ends[:, 0] == pytest.approx(float(result[f"plastic_{name}"][0]), rel=ROUND_OFF)
         for finer in range(ends.shape[0]):
             assert (values[finer, 0].values <= ends[finer:, 1] * stretch[finer]).all()
-    # Above the limit, the area may grow by two standard deviations of κ, squared. For an elastic scan the limit is one.
+    # Above the plastic limit, the bracket allows the area to grow by the square of two standard deviations of κ. The
+    # largest area fraction of an elastic scan is one.
     count, least = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
     above = result.contact_area_fraction[:, 0].values - least
     assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
@@ -99,7 +100,7 @@ def test_bracket_contains_finer_results(resolved_pair):
 
 
 def test_bracket_of_few_contacts_allows_decreasing_area():
-    """In this pair of seven contacts the finest result has more area than a coarser one."""
+    """Use a pair of seven contacts whose finest result has more area than a coarser result."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
     )
@@ -124,7 +125,7 @@ def test_resolution_without_hardness_gives_plastic_wavelength(resolved_pair):
     assert result.contact_area[0, 0] < result.contact_area[1, 0]
     assert result.hardness.size > 3
     lengths = result.plastic_wavelength[:, 0].sel(statistic="value").values
-    assert (np.diff(lengths) <= 0).all()  # the wavelength is shorter for a larger hardness
+    assert (np.diff(lengths) <= 0).all()  # A larger hardness is reached at a shorter wavelength.
     at_four = float(plastic.plastic_wavelength.sel(statistic="value")[0, 0])
     harder, softer = (float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0))
     assert harder < at_four < softer
@@ -140,7 +141,8 @@ def test_plastic_wavelength_is_where_slope_reaches_hardness(resolved_pair):
     roughness = scale_dependent_roughness(gap, periodic=True)
     value, low, high = result.plastic_wavelength[0, 0].values
     assert low <= value <= high
-    assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)  # the scan contains it
+    # The scan contains this wavelength.
+    assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)
     # There are few contacts, so κ agrees only within a factor.
     curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")
     within = float(kappa_spread(curve.contact_count)[0])
@@ -149,7 +151,7 @@ def test_plastic_wavelength_is_where_slope_reaches_hardness(resolved_pair):
 
 
 def test_extrapolation_follows_power_law():
-    """Compare an extrapolated filtered scan with the unfiltered scan."""
+    """Compare the extrapolation of a filtered scan with the unfiltered scan."""
     upper, lower = pair(points=256, spacing=0.02)
     coarse = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
     load = [0.02 * (256 * 0.02) ** 2]
@@ -171,7 +173,7 @@ def test_extrapolation_follows_power_law():
 
 
 def test_extrapolated_interval_contains_friction_of_finer_scan():
-    """Compare pairs that are filtered at 16 points with the unfiltered pairs."""
+    """Extrapolate pairs that are filtered at 16 points, and compare them with the unfiltered pairs."""
     inside = 0
     for seed in range(6):
         rough = {"hurst_exponent": 0.6, "rms": 0.02, "shape": (256, 256), "spacing": 0.02, "shortest_wavelength": 0.08}

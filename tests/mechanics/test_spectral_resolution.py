@@ -25,7 +25,8 @@ def test_spectral_resolution_uses_smaller_of_elastic_pressure_and_hardness():
     gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))
     assert result.rms_gradient.values == pytest.approx(gradient)
     pressure = np.minimum(115.0 * gradient / 2.2, 4.0)
-    shown = np.maximum(pressure, 0.05)  # at most complete contact
+    # The area is at most the nominal area, so the mean pressure is at least the nominal pressure.
+    shown = np.maximum(pressure, 0.05)
     assert result.mean_pressure.values == pytest.approx(shown)
     assert result.contact_area_fraction.values == pytest.approx(0.05 / shown)
     mu = result.friction_coefficient.sel(sliding="all").values
@@ -50,7 +51,7 @@ def test_spectral_resolution_agrees_with_half_space():
     )
     result = spectral_resolution(upper, lower, **OPTIONS, wavelengths=[0.04])
     assert float(result.contact_area_fraction[0]) == pytest.approx(float(solved.contact_area_fraction[0, 0]), rel=0.15)
-    # A patch opposes as a whole, with less than the slopes of its points.
+    # A contact patch opposes the motion as a whole, with a smaller slope than its points.
     for rule, within in (("all", 0.05), ("opposing", 0.15)):
         one, other = (item.friction_coefficient.sel(sliding=rule).values.ravel()[0] for item in (result, solved))
         assert one == pytest.approx(other, rel=within)

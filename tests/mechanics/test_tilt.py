@@ -3,11 +3,11 @@ import pytest
 from stiction import Profile, Surface, half_space
 from support.rough_surfaces import rough_maps
 
-MAX_OFFSET = 1e-4  # residual distance of the resultant from the centre, as a fraction of the length
-# Relative error of a stiffness from loads ±2 % apart, between which points come into contact.
+MAX_OFFSET = 1e-4  # residual distance of the resultant force from the centre, relative to the length
+# Relative error of a stiffness from two loads that differ by ±2 %. Some points come into contact between these loads.
 STIFFNESS_TOLERANCE = 0.03
-DENSE_TOLERANCE = 1e-5  # relative error in comparison with dense matrices
-BALL_TOLERANCE = 1e-3  # relative error of the tilt of a ball, which moves its summit to the middle
+DENSE_TOLERANCE = 1e-5  # relative difference from dense matrices
+BALL_TOLERANCE = 1e-3  # relative error of the tilt of a ball whose summit moves to the middle
 
 
 def make_pair(seed, shape=(48, 64)):
@@ -15,7 +15,7 @@ def make_pair(seed, shape=(48, 64)):
 
 
 def resultant(curve, index, missing=None):
-    """Return the distance of the resultant from the middle of the measured area, as a fraction of its length."""
+    """Return the distance of the resultant force from the middle of the measured area, relative to its length."""
     contact = curve.contact(index)
     present = np.ones(contact.pressure.shape) if missing is None else 1.0 * ~missing
     places = np.indices(contact.pressure.shape).reshape(contact.pressure.ndim, -1)

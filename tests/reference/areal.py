@@ -92,7 +92,7 @@ def solve_axis_ratio(longer, shorter):
         return k**2 * (first - second) / (second - k**2 * first)
 
     if longer / shorter < 1 + 1e-5:
-        k = (shorter / longer) ** (2 / 3)  # the integrals cancel here; this limit is exact to 1e-11
+        k = (shorter / longer) ** (2 / 3)  # The integrals cancel here. This limit is accurate to 1e-11.
     else:
         k = brentq(lambda k: ratio(k) - shorter / longer, 1e-9, 1 - 1e-7, xtol=1e-16, rtol=1e-14)
     return k, integrals(k)[0]
@@ -172,7 +172,7 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, co
         metric = np.eye(2) + np.outer(slope, slope)
         root = np.linalg.inv(np.linalg.cholesky(metric))
         curvature, vectors = np.linalg.eigh(root @ (gap_spline.hessian([x], [y])[..., 0] / q) @ root.T)
-        directions = (root.T @ vectors).T  # rows, lower curvature first
+        directions = (root.T @ vectors).T  # The rows are sorted by curvature, the lower curvature first.
         longer, shorter = 1 / curvature
         overlap = (approach - height) / q
         a, b, first = compute_semi_axes(longer, shorter, overlap)

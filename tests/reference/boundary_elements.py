@@ -9,7 +9,7 @@ from stiction import HertzCylinder, Profile, contacts
 
 EFFECTIVE_MODULUS = 10.0  # GPa
 LONGEST_WAVES_PER_PERIOD = 4
-PERIOD = 4.0  # µm; the longest wavelength is a quarter of it
+PERIOD = 4.0  # µm; the longest wavelength is a quarter of the period
 RMS_SLOPE = 0.1
 SOLVER_TOLERANCE = 1e-10  # largest complementarity error of the solver
 
@@ -19,8 +19,8 @@ EXCESS_POINTS_PER_CONTACT = 0.38
 Measured on Westergaard's sinusoid: 0.38 +- 0.03 for contacts of 5 to 60 points at any load up to half contact.
 """
 
-RELATIVE_LOAD_STEP = 0.02  # the stiffness is a central difference over ± this step
-NUM_WRAPPED_POINTS = 48  # added on each side to remove effects of the spline ends
+RELATIVE_LOAD_STEP = 0.02  # The stiffness is a central difference over plus and minus this step of the load.
+NUM_WRAPPED_POINTS = 48  # These points are added on each side, to remove effects of the ends of the spline.
 
 
 def band_limited_profile(random, hurst_exponent, bandwidth, points_per_wave):
@@ -44,7 +44,7 @@ class PeriodicHalfSpace:
     def __init__(self, heights, period, *, tolerance=SOLVER_TOLERANCE):
         import tamaas
 
-        tamaas.initialize(1)  # one thread: the transforms are short
+        tamaas.initialize(1)  # One thread is enough, because the transforms are short.
         tamaas.set_log_level(tamaas.LogLevel.error)
         self.heights, self.tolerance = heights, tolerance
         self.model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_1d, [period], [heights.size])
@@ -96,7 +96,7 @@ class PeriodicAsperities:
         # The load is a convex, piecewise linear function of the approach, so Newton's method converges from above.
         for _ in range(100):
             _, overlap, _, force, area = self.find_contacts(approach)
-            stiffness = (force / overlap).sum()  # the law is linear
+            stiffness = (force / overlap).sum()  # The load of each contact is proportional to its overlap.
             step = (force.sum() - load) / stiffness
             approach -= step
             if abs(step) < 1e-12 * self.height:
@@ -123,7 +123,7 @@ class PeriodicAsperities:
         force = np.where(active, load / active.sum(), 0.0)
         for round_ in range(400):
             half_width = np.sqrt(4 * np.maximum(force, 1e-3 * load / count) * radius / modulus)
-            matrix = influence(half_width, 0.5 * np.exp(-0.5))  # mean of ln|s| over the Hertzian pressure
+            matrix = influence(half_width, 0.5 * np.exp(-0.5))  # This is the mean of ln|s| over the Hertzian pressure.
             active_indices = np.flatnonzero(active)
             system = np.ones((active_indices.size + 1, active_indices.size + 1))
             system[:-1, :-1] = matrix[np.ix_(active_indices, active_indices)]
@@ -140,7 +140,8 @@ class PeriodicAsperities:
             if has_converged and violation.max() <= 1e-9 * self.height:
                 # A small increment of approach adds the pressure of a flat punch, whose mean of ln|s| is ln(a/2).
                 tangent = influence(half_width, 0.5)[np.ix_(active_indices, active_indices)]
-                stable = np.linalg.eigvalsh(tangent)[0] > 0  # not if too many contacts have merged
+                # The matrix is not positive definite if too many contacts have merged.
+                stable = np.linalg.eigvalsh(tangent)[0] > 0
                 stiffness = np.linalg.solve(tangent, np.ones(active_indices.size)).sum() if stable else np.nan
                 return 2 * half_width[active_indices].sum() / self.period, active_indices.size, stiffness / self.period
             # First activate all overlapping asperities, later only the one with the largest overlap, to avoid cycles.

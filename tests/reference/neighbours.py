@@ -11,7 +11,7 @@ DISTRIBUTION_NAMES = ("normal", "half zeros", "bounded", "lognormal 0.5", "logno
 def simulate_traverses(quantity, trials, positions, correlation, random):
     """Return simulated values of shape (trials, positions) in which neighbouring positions are correlated."""
     if quantity == "half zeros":
-        # A Markov chain: no contact (0) and contact (about 0.35) are equally frequent.
+        # The values form a Markov chain of no contact (0) and contact (about 0.35), which are equally frequent.
         stays = random.random((trials, positions)) < (1 + correlation) / 2
         stays[:, 0] = random.random(trials) < 0.5
         in_contact = (~stays).cumsum(axis=1) % 2 == 1

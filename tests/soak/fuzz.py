@@ -20,7 +20,7 @@ def fuzz(kind, count, seed, call):
     for i in range(count):
         try:
             outcome = call(np.random.default_rng([seed, i]))
-        except Exception:  # any other exception is a finding
+        except Exception:  # Any other exception is a finding.
             findings += 1
             print(f"{kind}, seed {seed}, input {i}:\n{traceback.format_exc()}", flush=True)
         else:

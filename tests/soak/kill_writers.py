@@ -1,4 +1,4 @@
-"""Kill processes that write one result at random moments: commands, Dask workers, and parts of a run.
+"""Kill processes at random moments while they write one result: commands, Dask workers, and parts of a run.
 
 After each kill, the script checks that no finished repetition is lost or changed, that no block file has changed, and
 that no later command computes a finished repetition again. After several kills, it compares a sample of repetitions
@@ -27,8 +27,8 @@ from stiction.studies import member_solution, store
 from stiction.studies.store import decode_members
 
 DEFAULT_KILLS = 200
-KILLS_PER_FOLDER = 20  # few, so that many kills happen while a folder is new
-MAX_CHECKED_REPETITIONS = 300  # number of repetitions of a folder that are computed again for comparison
+KILLS_PER_FOLDER = 20  # This number is small, so that many kills happen while a folder is new.
+MAX_CHECKED_REPETITIONS = 300  # At most this number of repetitions of a folder is computed again for comparison.
 EXECUTORS_BY_KIND = {"writers": ("threads", "scheduler"), "parts": ("parts",)}
 MAX_WAITING_SECONDS = 600.0
 
@@ -77,7 +77,7 @@ class KillTest:
     def __init__(self, folder: Path, random_generator: random.Random, executors: tuple[str, ...]) -> None:
         self.folder, self.random, self.executors = folder, random_generator, executors
         self.repetitions = STUDY.ensemble.repetitions
-        self.first_write = 1.0  # duration in seconds of the latest first write
+        self.first_write = 1.0  # duration in seconds of the latest write of a first file
         self.path = folder / "out"
         self.log = folder / "computed"
         (folder / "site").mkdir()
@@ -86,7 +86,8 @@ class KillTest:
         self.environment = os.environ | {"PYTHONPATH": str(folder / "site"), "storm": str(self.log)}
         self.files: dict[str, tuple[int, int]] = {}
         self.bits: dict[int, int] = {}  # checksum of each finished repetition
-        self.finished_at_start: dict[int, frozenset[int]] = {}  # by process id of each command
+        # the repetitions that were finished when a command started, by its process id
+        self.finished_at_start: dict[int, frozenset[int]] = {}
         self.kills: collections.Counter[str] = collections.Counter()
         self.num_partial_files = 0
         self.computed = 0
@@ -155,7 +156,7 @@ class KillTest:
                 if self.random.random() < 0.5:
                     self.kill("a worker of Dask", self.dask.pop())
                     self.add_worker()
-                    time.sleep(self.random.uniform(0, 3))  # another worker may start in this time
+                    time.sleep(self.random.uniform(0, 3))  # Another worker may start in this time.
                 self.kill("--scheduler", process)
             case "parts":
                 parts = {i: self.start_command("--part", f"{i}/4", "--workers", "1") for i in range(1, 5)}
@@ -214,7 +215,8 @@ class KillTest:
         assert self.bits.keys() <= set(self.finished())
         lines = self.log.read_text().splitlines() if self.log.exists() else []
         for number, by in map(str.split, lines[self.computed :]):
-            if int(by) in self.finished_at_start:  # a Dask worker may continue tasks of killed commands
+            # A Dask worker may continue tasks of killed commands, so only processes of commands are checked.
+            if int(by) in self.finished_at_start:
                 assert int(number) not in self.finished_at_start[int(by)], f"{number} was computed again"
         self.computed = len(lines)
 

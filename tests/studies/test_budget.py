@@ -29,11 +29,11 @@ from support.rough_surfaces import rough_maps
 from support.studies_of_files import pair_study
 
 SIDES = ("upper", "lower")
-SAMPLING_ERROR = 0.02  # largest error of an interval end by random samples, as a fraction of the interval width
+SAMPLING_ERROR = 0.02  # largest error of an interval end by random samples, relative to the interval width
 # Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
 INTERPOLATION_ERROR, WIDE_INTERPOLATION_ERROR = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
-THREE_POSITIONS = PAIR_OPTIONS | {"shifts": 3}  # enough for comparisons of solutions at the same positions
+THREE_POSITIONS = PAIR_OPTIONS | {"shifts": 3}  # This number is enough for comparisons of solutions at equal positions.
 
 
 def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 64, refinement: int = 1) -> list[Surface]:
@@ -96,7 +96,8 @@ def test_replaced_result_is_solved_over_hardness_again(tmp_path) -> None:
     assert softer.interval == pair(*rough_surfaces(), effective_modulus="20 GPa", **kwargs).interval
 
 
-# A plastic contact, an elastic-plastic contact, and a range of E* so wide that it needs solutions at other loads.
+# These cases are a plastic contact, an elastic-plastic contact, and a range of E* so wide that it needs solutions at
+# other loads.
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
 def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **THREE_POSITIONS)
@@ -110,7 +111,7 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
     friction = PerLoad.of(sums.sel(sliding="all").mean())
     numbers = _numbers_at(_columns(table) | _sheared_contacts(table, result.study, areas), point_index)
     samples = _CoefficientSamples(numbers, point_index, result.study, inputs, friction, areas)
-    samples.names, samples.places = tuple(inputs), {}  # without samples of the positions
+    samples.names, samples.places = tuple(inputs), {}  # The samples must not contain errors of the mean over positions.
     for probability in (0.03, 0.7):
         hardness = float(inputs["hardness"].estimate.quantile(probability))
         effective_modulus = float(inputs["effective_modulus"].estimate.quantile(probability))
@@ -153,7 +154,7 @@ def test_large_maps_are_solved_over_hardness_for_two_members(monkeypatch) -> Non
     np.testing.assert_array_equal(areas_of_large_maps["contact_area"], areas_of_small_maps["contact_area"][:2])
 
 
-@pytest.mark.parametrize("rms", [0.03, 0.003])  # a plastic and an elastic-plastic contact
+@pytest.mark.parametrize("rms", [0.03, 0.003])  # These are a plastic and an elastic-plastic contact.
 def test_friction_after_dwell_equals_friction_at_reduced_hardness(rms) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
     aged_point = (
@@ -167,7 +168,7 @@ def test_friction_after_dwell_equals_friction_at_reduced_hardness(rms) -> None:
         softer_result = pair(*rough_surfaces(rms=rms), hardness=0.8 * dwell.seconds**-0.04, **kwargs)
         assert dwell.value == pytest.approx(softer_result.value, rel=INTERPOLATION_ERROR)
         assert dwell.lower < dwell.value < dwell.upper
-    if rms == 0.03:  # all contacts yield, so the exact area grows as a power of the dwell time
+    if rms == 0.03:  # All contacts yield, so the exact area grows as a power of the dwell time.
         increase_per_log_time = 0.05 / 0.8 * (864000**0.04 - 1) / np.log(864000)
         assert aged_point.ageing == pytest.approx(increase_per_log_time, rel=0.02)
 
@@ -180,7 +181,7 @@ def test_range_of_creep_exponent_widens_aged_values_only() -> None:
     )
     assert exact_point.waited[0].value == pytest.approx(
         ranged_point.waited[0].value, rel=1e-3
-    )  # the two ranges are solved at different hardnesses
+    )  # The two ranges are solved at different hardnesses.
     assert (exact_point.lower, exact_point.upper) == pytest.approx((ranged_point.lower, ranged_point.upper), rel=1e-9)
     low, high = (0.2 + 0.05 / 0.8 * 86400**m for m in (0.02, 0.04))
     assert ranged_point.waited[0].upper - ranged_point.waited[0].lower > 0.9 * (high - low)
@@ -287,7 +288,7 @@ def test_study_stores_uncertain_inputs() -> None:
 
 
 NUMBERS_OF_TRUTHS = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
-MIN_COVERAGE = 0.92  # fraction of 300 true values that 95 % intervals must contain
+MIN_COVERAGE = 0.92  # 95 % intervals must contain at least this fraction of 300 true values.
 
 
 @pytest.mark.parametrize("truths", NUMBERS_OF_TRUTHS)
@@ -331,7 +332,7 @@ def simulate_friction_test(truth, rng) -> float:
 
 
 @pytest.mark.parametrize("tau0", ["0±50 MPa", "5±50 MPa", "20±200 MPa"])
-def test_interval_contains_value_outside_truncated_distribution(tau0: str) -> None:
+def test_interval_contains_value_beyond_the_ends_of_a_truncated_distribution(tau0: str) -> None:
     result = pair(
         *rough_surfaces(),
         load="2 MPa",
@@ -345,8 +346,8 @@ def test_interval_contains_value_outside_truncated_distribution(tau0: str) -> No
 
 
 def test_intervals_of_random_statistics_are_nested_and_positive(monkeypatch) -> None:
-    monkeypatch.setattr(budget, "MAX_BUDGETS", 0)  # saves the time of the budgets
-    # Replace values by random statistics, some with a bracket wider than the interval of the inputs.
+    monkeypatch.setattr(budget, "MAX_BUDGETS", 0)  # This saves the time of the budgets.
+    # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
     random = np.random.default_rng(5)
     result = pair(
         *rough_surfaces(),
@@ -405,7 +406,7 @@ CONTAINMENT_INPUTS = (
 @pytest.mark.parametrize("inputs", CONTAINMENT_INPUTS)
 @pytest.mark.parametrize("noise", [0.0, 0.1])
 def test_combined_interval_contains_sampling_interval_and_bracket(inputs: dict[str, Any], noise: float) -> None:
-    """Check the nested intervals of a pair whose scans have noise or none, with the value well inside each."""
+    """Check the nested intervals of pairs with and without noise; a fraction of the value lies well inside each."""
     random = np.random.default_rng(7)
     roughness = {"hurst_exponent": 0.7, "rms": 0.01, "shape": (48, 48), "spacing": 0.1, "shortest_wavelength": 0.5}
     heights = [self_affine_surface(5, side=side, **roughness).heights for side in ("upper", "lower")]

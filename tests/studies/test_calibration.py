@@ -112,7 +112,7 @@ def test_advice_expects_the_errors_of_a_ball_over_two_decades_of_load() -> None:
     ball_ratios = pair_ratio * np.array([BALL.area_per_load(load) for load in loads]) / BALL.area_per_load(10.0)
     ratios = np.array([*([pair_ratio] * len(tests)), *ball_ratios])
     design = np.stack([np.ones_like(ratios), ratios], axis=1)
-    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))  # every coefficient has the same error
+    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))  # Every coefficient has the same error.
     assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
 
 
@@ -153,7 +153,8 @@ def test_friction_test_accepts_result_of_pair() -> None:
     computed = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
     truth = float(computed.squeeze())
     tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
-    assert tests[0].load == pytest.approx(0.08 * result.nominal_area)  # the pressure acts on pieces of the maps
+    # The pressure acts on the area of the pieces of the maps.
+    assert tests[0].load == pytest.approx(0.08 * result.nominal_area)
     interface = calibrate(tests)
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
     assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
@@ -181,7 +182,7 @@ def test_shared_hardness_cancels_in_prediction(tmp_path) -> None:
     assert upper - lower < 0.03
     unrelated_pair = pair(
         *rough_faces(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
-    )  # another text, so another hardness
+    )  # This text of the hardness differs, so the hardness is independent of the calibrated pair.
     assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
     # The combined interval of a pair shares the hardness with an interface file, too.
     write_interface(strength, tmp_path / "film.csv")
@@ -225,7 +226,8 @@ def test_calibrate_updates_a_range_of_modulus_by_the_tests() -> None:
     fit = interface.fits[0]
     (score,) = fit.scores.values()
     assert np.median(score) == pytest.approx(1.8, abs=0.2)
-    assert fit.scale == 1.0  # the errors fit at the best modulus, though not at the middle of its range
+    # The errors are not scaled, because the tests agree with the best modulus, though not with the middle of its range.
+    assert fit.scale == 1.0
     assert interface.mu0[1] < MU0 < interface.mu0[2]
     assert interface.tau0[1] < TAU0 < interface.tau0[2]
 
@@ -313,7 +315,8 @@ def test_missing_errors_are_estimated_from_scatter() -> None:
     tests_without_errors = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
     expected, result = (calibrate(item, sliding="all", common=0.0) for item in (tests, tests_without_errors))
     ratio = (result.identified[2] - result.identified[1]) / (expected.identified[2] - expected.identified[1])
-    assert 0.5 < ratio < 2.5  # a variance of six degrees of freedom and Student's t widen it
+    # The estimated variance has six degrees of freedom, and Student's t makes the interval wider.
+    assert 0.5 < ratio < 2.5
 
 
 def test_tests_without_sliding_are_lower_bounds() -> None:
@@ -405,7 +408,7 @@ def test_tests_on_ball_and_plastic_pair_determine_the_growth() -> None:
     low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     assert low < 9.0 < high
     assert middle == pytest.approx(9.0, abs=1.0)
-    assert high - low < 8.0  # the range alone gives 25.7
+    assert high - low < 8.0  # The given range of α alone would have a width of 25.7.
 
 
 def test_tests_on_one_plastic_pair_do_not_determine_the_growth() -> None:
@@ -415,7 +418,7 @@ def test_tests_on_one_plastic_pair_do_not_determine_the_growth() -> None:
     assert high > 24.0
     value, *ends = interface.predict(plastic_pair("0..27"), "20 MPa")
     assert value == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.01)
-    assert np.ptp(ends) < 0.12 * value  # the range of α alone gives 0.28 to 0.376
+    assert np.ptp(ends) < 0.12 * value  # The given range of α alone would give an interval from 0.28 to 0.376.
 
 
 @pytest.mark.parametrize(("alpha", "truth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
@@ -431,7 +434,8 @@ def test_prediction_without_growth_differs_from_direct_solution() -> None:
     interface = calibrate(simulate_tests_with_growth(0, 20.0), sliding="all")
     predicted, *_ = interface.predict(plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
     assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
-    assert interface.fits[0].scale > 1.5  # tests on the ball contradict tests on the pair
+    # Without junction growth, the tests on the ball contradict the tests on the pair.
+    assert interface.fits[0].scale > 1.5
     assert interface.about[GROWTH_ENTRY] == "0"
 
 
@@ -439,7 +443,7 @@ def test_predict_warns_if_result_and_tests_have_different_growth() -> None:
     interface = calibrate(simulate_tests_with_growth(9.0, 9.0), sliding="all")
     with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
         interface.predict(plastic_pair(0), "20 MPa")
-    interface.predict(STEEL_BALL, 50.0)  # no warning: the ball does not yield
+    interface.predict(STEEL_BALL, 50.0)  # This prediction gives no warning, because the ball does not yield.
 
 
 def test_tests_below_yield_have_no_growth() -> None:
@@ -460,7 +464,8 @@ def test_interface_file_preserves_junction_growth_of_the_tests(tmp_path) -> None
     expected = interface.predict(plastic_pair("0..27"), "20 MPa")
     table = result.at("20 MPa")["friction_combined"].sel(sliding="all").squeeze()
     assert table.values[0] == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.02)
-    assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])  # the range alone is four times as wide
+    # The given range of α alone would give an interval that is four times as wide.
+    assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])
     contradicting_result = pair(*rough_faces(0.03), **options, interface=path, junction_growth=20)
     assert any("calibrated with α = 0..27" in caveat.text for caveat in contradicting_result.caveats)
 
@@ -592,7 +597,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
 def test_predictions_cover_true_friction() -> None:
     assert (
         simulate_coverage("ball", 40)[:, 1].sum() >= 34
-    )  # at 95 % coverage, fewer than 34 of 40 have probability 0.4 %
+    )  # At a coverage of 95 %, fewer than 34 of 40 have a probability of 0.4 %.
 
 
 @pytest.mark.soak

@@ -12,7 +12,7 @@ from stiction.studies.values import StudyError
 from support.generated_studies import assert_same_bits
 
 distributed = pytest.importorskip("distributed")
-# distributed closes its sockets and event loops late, which gives resource warnings.
+# The package distributed closes its sockets and event loops late, so pytest would report resource warnings.
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 STUDY = Study().with_changes(

@@ -1,4 +1,4 @@
-"""Test `at_load`: the three readings of friction at a load, their means and their intervals."""
+"""Test `at_load`: the definitions of the load, and the means and intervals of the coefficient and other quantities."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def profile_contact(tmp_path_factory):
 def test_at_load_of_profiles_equals_press_of_each_position(profile_contact):
     study, result = profile_contact
     pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
-    order = np.argsort(result["x"].values)  # the mean depends on the order of positions
+    order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
     material = {"mu0": 0.3, "tau0": 0.05}
     for load, mu0, tau0 in (("elastic", 0.0, 0.0), ("normal", *material.values())):
         table = at_load(result, [0.05], reading=load).sel(material).isel(cut_off=0, load=0)
@@ -42,17 +42,17 @@ def test_at_load_of_profiles_equals_press_of_each_position(profile_contact):
             coefficients = np.array([curve.friction_coefficient(**material)[0] for curve in curves])[order]
             computed = table["friction_coefficient"].sel(sliding="opposing", direction=angle).values
             np.testing.assert_allclose(computed, intervals.neighbors_mean(coefficients), rtol=2e-3)
-        if load == "elastic":  # every reading has the area at the elastic load
+        if load == "elastic":  # The contact area always belongs to the elastic load.
             area = np.array([curve.contact_area[0] for curve in curves])[order]
             np.testing.assert_allclose(table["contact_area"], intervals.neighbors_mean(area), rtol=1e-9)
 
 
-def test_readings_agree_for_small_slopes(areal_contact):
+def test_definitions_of_load_give_equal_friction_for_small_slopes(areal_contact):
     _, result = areal_contact
     tables = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
     values = [table["friction_all_round"].sel(statistic="mean").values for table in tables.values()]
     np.testing.assert_allclose(values[1], values[2], rtol=1e-3)
-    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # a ratio of means differs from a mean of ratios
+    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # The ratio of means differs from the mean of ratios.
     assert float(tables["elastic"]["reading_difference"].max()) < 1e-3
     assert {name: table.attrs["reading"] for name, table in tables.items()} == {
         name: name for name in tables
@@ -75,7 +75,7 @@ def test_at_load_of_generated_result_equals_friction_map():
     )  # fmt: skip
 
 
-def test_at_load_of_chosen_quantities_equals_those_of_all(areal_contact):
+def test_at_load_of_one_quantity_equals_at_load_of_all_quantities(areal_contact):
     study, result = areal_contact
     loads = study.contact.steps()[1:3]
     complete = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])

@@ -14,7 +14,7 @@ TABLE_OPTIONS = {
     "shortest_wavelength": 0.625, "repetitions": 4, "mu0": [0.3], "tau0": [0.0, 0.05],
 }  # fmt: skip
 
-SOLUTION_TOLERANCE = 1e-4  # relative; between two solutions that start from different pressures
+SOLUTION_TOLERANCE = 1e-4  # relative difference between two solutions that start from different pressures
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +95,8 @@ def test_fit_recovers_exact_power_laws(dataset):
     exact_dataset = dataset.copy(deep=True)
     pressure = exact_dataset["load"].values / 100
     exact_dataset["contact_area"].values[...] = 100 * 1.5 * pressure
-    exact_dataset["approach"].values[...] = 0.02 * np.log(pressure) + 1  # k = p / 0.02
+    # This approach follows the stiffness law k = p / 0.02.
+    exact_dataset["approach"].values[...] = 0.02 * np.log(pressure) + 1
     result = friction_table(exact_dataset)
     assert result["area_factor"].values == pytest.approx(1.5)
     assert result["area_deviation"].values == pytest.approx(0, abs=1e-12)

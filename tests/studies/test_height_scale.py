@@ -26,8 +26,8 @@ from stiction.views.report import report_page
 from support.generated_studies import TINY_STUDY
 from support.rough_surfaces import rough_maps
 
-SCALING_TOLERANCE = 1e-9  # relative; between two ways of scaling the same bodies
-SOLUTION_TOLERANCE = 1e-3  # relative; between solutions of the same problem in different units
+SCALING_TOLERANCE = 1e-9  # relative difference between two ways of scaling the same bodies
+SOLUTION_TOLERANCE = 1e-3  # relative difference between solutions of one problem in different units
 MAX_FRICTION_ERROR, MAX_AREA_ERROR = 0.005, 0.02  # relative errors of interpolation between solved factors
 PAIR_OPTIONS = {"load": "20 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
 HARDNESS_OPTION = {"hardness": "2 GPa"}
@@ -94,7 +94,7 @@ def test_scaled_heights_equal_scaled_modulus(hardness):
     flat_surfaces, kwargs = (
         smooth_maps(rms=0.002),
         PAIR_OPTIONS | hardness | {"load": "2 MPa"},
-    )  # slopes add 1e-4 to the true area
+    )  # The slopes add 1e-4 to the true area.
     table = pair(*flat_surfaces, **kwargs).at(height_scale=[0.5, 2], compute=True)
     for index, factor in enumerate((0.5, 2)):
         stiffer_table = pair(*flat_surfaces, **kwargs | {"effective_modulus": f"{80 * factor} GPa"}).at()

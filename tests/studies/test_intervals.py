@@ -5,13 +5,13 @@ import scipy.stats
 from reference.neighbours import estimate_truth, measure_coverage, simulate_traverses
 from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean
 
-TRIALS = 500  # the measured coverage then has a standard error of 1 %
-MAX_WIDTH_RATIO = 1.5  # of the median width to the width for a known variance, with at least 32 values
+TRIALS = 500  # With this number, the measured coverage has a standard error of 1 %.
+MAX_WIDTH_RATIO = 1.5  # largest ratio of the median width to the width for a known variance, for at least 32 values
 
 MIN_DEFINED_FRACTION = 0.85
-"""Fraction of traverses that must have an interval; 16 correlated values of which half are zero may all be zero."""
+"""Smallest fraction of traverses with an interval; if half of 16 correlated values are zero, all may be zero."""
 
-# Coverage that docs/scripts/intervals.py measures with more trials, minus 0.03, by positions and correlation.
+# Coverage by positions and correlation: the coverage from many trials in docs/scripts/intervals.py, minus 0.03.
 MIN_COVERAGE = {
     (16, 0.0): 0.95, (16, 0.4): 0.92, (16, 0.8): 0.78,
     (32, 0.0): 0.94, (32, 0.4): 0.90, (32, 0.8): 0.84,
@@ -20,7 +20,7 @@ MIN_COVERAGE = {
 }  # fmt: skip
 
 
-DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # the other cases run only in the stress suite
+DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # The other cases run only in the stress suite.
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_sample_mean_ignores_missing_values():
     values = np.array([[1.0, 0.1, np.nan], [2.0, 0.0, 1.0], [3.0, 5.0, np.nan], [np.nan, 0.0, 2.0]])
     mean, lower, upper = sample_mean(values)
     assert mean == pytest.approx([2.0, 1.275, 1.5])
-    half_width = 4.302652730 / 3**0.5  # Student's t of 2 degrees of freedom
+    half_width = 4.302652730 / 3**0.5  # This factor is Student's t for 2 degrees of freedom.
     assert (lower[0], upper[0]) == pytest.approx((2 * np.exp(-half_width / 2), 2 * np.exp(half_width / 2)))
     assert 0 < lower[1] < mean[1] < upper[1]
     assert np.isnan([lower[2], upper[2]]).all()

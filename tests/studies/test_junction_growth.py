@@ -9,10 +9,10 @@ from stiction.studies.hardness import SampledAreas, _interpolate_loads
 from stiction.studies.interfaces import ShearStrength
 
 TABOR_TOLERANCE = 5e-3
-"""Relative tolerance between friction of a fully plastic pair and Tabor's closed form."""
+"""Relative difference of the friction of a fully plastic pair from Tabor's closed form."""
 
 INTERPOLATION_TOLERANCES = {"all": 0.01, "opposing": 0.03}
-"""Relative tolerances between interpolated coefficients and pairs solved at the hardness under shear, by rule."""
+"""Relative differences of interpolated coefficients from pairs solved at the hardness under shear, by sliding rule."""
 
 SHEAR_STRENGTH = {"mu0": 0.2, "tau0": 0.05}
 PLASTIC_OPTIONS = {"effective_modulus": 100.0, "hardness": 0.5, "load": "20 MPa", "cutoff": "none", "shifts": 8}

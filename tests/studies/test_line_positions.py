@@ -24,8 +24,8 @@ from support.studies_of_files import pair_study
 
 LOADS = [0.003, 0.03]
 INTERFACE = {"mu0": 0.3, "tau0": 0.1}
-ROOT_TOLERANCE = 1e-9  # relative; the approach at a load is found to 1e-12
-INTERPOLATION_TOLERANCE = 2e-3  # relative; of values that are interpolated between two solved loads
+ROOT_TOLERANCE = 1e-9  # relative error; the approach at a load is accurate to 1e-12
+INTERPOLATION_TOLERANCE = 2e-3  # relative error of values that are interpolated between two solved loads
 
 
 def rough_profile(side="lower", *, points=3000, repetition=0, spacing=0.01):
@@ -219,7 +219,7 @@ def test_positions_without_result_have_status_and_are_left_out_of_mean():
     assert (separated.at(per_member=True)["status"] == "no-contact").all()
     # Two arcs on a slope of 3: the upper body is pushed up the slope in direction 0, and down in direction 180.
     upper, lower = (Profile(3 * x + curvature * x**2, spacing=0.01) for curvature in (0.05, -0.05))
-    for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # self-locking needs mu0 above 1/3
+    for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # The contact is self-locking if mu0 exceeds 1/3.
         members = read_members(run_pair(upper, lower, [1e-3], mu0=mu0))
         assert members["status"].isel(x=0).values.ravel().tolist() == [status, "ok"]
     grazed = run_pair(flat, Profile(-0.05 * (x - 0.005) ** 2, spacing=0.01), [1e-12], mu0=0.3)
@@ -231,7 +231,7 @@ def test_positions_without_result_have_status_and_are_left_out_of_mean():
     assert mean["friction_coefficient"][1].isnull().all()
     values = mean["contact_area"][0]
     assert np.isfinite(values[0])
-    assert values[1:].isnull().all()  # a single position has no interval
+    assert values[1:].isnull().all()  # The mean of a single position has no interval.
 
 
 def test_result_at_several_mu0_and_tau0_equals_results_at_each(profile_pair):
@@ -270,7 +270,7 @@ def test_paired_lines_returns_half_the_slider_and_the_whole_track():
     assert (len(short), len(track)) == (500, 3000)
     (slider,), (track,) = paired_lines(
         rough_profile("upper", points=800, spacing=0.02), lower
-    )  # both are resampled to the finer spacing
+    )  # Both profiles are resampled to the finer spacing.
     assert (slider.spacing, track.spacing, len(track)) == (0.01, 0.01, 3000)
 
 
@@ -300,7 +300,7 @@ def test_paired_lines_takes_rows_a_third_of_the_width_apart():
     np.testing.assert_array_equal(uppers[1].heights, -surface.heights[:, 100])
     np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 233])
     np.testing.assert_array_equal(lowers[3].heights, surface.heights[:, 33])
-    for lines in (1, 2):  # a row is not paired with the same row
+    for lines in (1, 2):  # Each row is paired with a different row of the same surface.
         uppers, lowers = paired_lines(surface, surface, level=None, lines=lines)
         np.testing.assert_array_equal(uppers[0].heights, -surface.heights[0][: len(uppers[0])])
         np.testing.assert_array_equal(lowers[0].heights, surface.heights[3])
@@ -400,12 +400,13 @@ def test_opposing_load_fraction_equals_sum_over_contacts():
         fraction = load[contact_list.opposing].sum() / load.sum()
         assert 0.05 < fraction < 0.95
         assert np.isclose(float(member["share_opposing"]), fraction, rtol=1e-6)
-    assert float(result["share_opposing"].sum()) == pytest.approx(1.0, abs=0.02)  # exact for small slopes
+    # The sum is exactly 1 for small slopes only.
+    assert float(result["share_opposing"].sum()) == pytest.approx(1.0, abs=0.02)
 
 
 # ---- Half-planes -----------------------------------------------------------------------------------------------------
 
-SUMMATION_TOLERANCE = 1e-12  # relative; between equal sums of the same solution
+SUMMATION_TOLERANCE = 1e-12  # relative difference between sums of the same numbers in another order
 
 
 @pytest.fixture(scope="module")
@@ -439,7 +440,7 @@ def test_pair_of_half_planes_at_positions_equals_half_space(small_pair, sliding)
     total_fraction = values["share_opposing"].sum("direction").values
     np.testing.assert_allclose(
         total_fraction, 1, atol=0.02
-    )  # every contact opposes one direction; exact for small slopes
+    )  # Every contact opposes one of the two directions. The sum is exactly 1 for small slopes only.
     for name in ("approach", "normal_stiffness"):
         assert values[name].isnull().all()
 

@@ -26,8 +26,8 @@ from support.studies_of_files import pair_study
 
 LOADS = (0.02, 0.1)
 ASPERITY_OPTIONS = {"mechanics": "asperities", "level": "mean", "direction": [0, 45]}
-ROOT_TOLERANCE = 1e-9  # relative; the approach at a load is found to 1e-12
-SOLUTION_TOLERANCE = 1e-4  # relative; between two solutions, which may differ at the edges of contact patches
+ROOT_TOLERANCE = 1e-9  # relative error; the approach at a load is accurate to 1e-12
+SOLUTION_TOLERANCE = 1e-4  # relative difference between two solutions, which may differ at the edges of contact patches
 
 
 def rough_surface(side="lower", seed=3, shape=(64, 64), rms=0.02, shortest=0.4):
@@ -184,7 +184,7 @@ def test_mean_over_positions_has_students_interval_of_the_logarithm():
     table = at_load(incomplete, [0.1]).isel(cut_off=0)
     values = np.delete(read_members(result)["friction_coefficient"].values[:, 0, 0, 0, 0, 0], 2)
     mean_friction, lower_end, upper_end = table["friction_coefficient"].values[0, 0, 0, 0, 0]
-    half_width = 3.182446305 * values.std(ddof=1) / 2  # Student's t of 3 degrees of freedom
+    half_width = 3.182446305 * values.std(ddof=1) / 2  # This factor is Student's t for 3 degrees of freedom.
     factor = np.exp(half_width / values.mean())
     assert (values >= 0).all()
     assert mean_friction == pytest.approx(values.mean())

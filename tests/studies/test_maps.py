@@ -161,7 +161,7 @@ NUM_ENSEMBLES = 2000
 MIN_COVERAGE = {
     (0.3, 0.3): {5: 0.93, 10: 0.935, 24: 0.94, 100: 0.94},
     (0.8, 0.5): {5: 0.88, 10: 0.91, 24: 0.925, 100: 0.935},
-    (1.0, 1.0): {5: 0.81, 10: 0.845, 24: 0.885, 100: 0.915},  # 1 % of the repetitions dominate the mean
+    (1.0, 1.0): {5: 0.81, 10: 0.845, 24: 0.885, 100: 0.915},  # Here 1 % of the repetitions dominate the mean.
 }
 MAX_COVERAGE = 0.975
 

@@ -34,7 +34,7 @@ def smooth_friction(mu0, tau0):
 
 
 @pytest.mark.parametrize("power", [0, 1, 2, 3])
-def test_interpolation_is_exact_for_cubics(power):
+def test_interpolation_reproduces_cubic_polynomials_exactly(power):
     mu0, tau0 = create_grid()
     table = (mu0 + 0.3) ** power * (tau0 - 0.1) ** power
     for point in ((0.07, 0.015), (0.3, 0.07), (0.99, 0.199), (0.25, 0.13)):
@@ -47,7 +47,7 @@ def test_interpolation_is_bilinear_next_to_undefined_nodes():
     table[-1, -1] = np.nan
     assert interpolated(AXES, table, 0.4, 0.07) == pytest.approx(0.54)
     assert np.isnan(interpolated(AXES, table, 0.8, 0.15))
-    assert interpolated(AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # the point is a node
+    assert interpolated(AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # This point is a node.
 
 
 def test_ranged_node_has_weight_only_at_its_value():
@@ -106,8 +106,8 @@ def test_panels_with_errors_above_the_printed_tolerance_are_not_resolved():
     assert resolved_panels(axes, compared)[:-1, :-1].all()
     axes, compared = refined(AXES, cusp, max_nodes=5)
     is_resolved = resolved_panels(axes, compared)
-    assert not is_resolved[2, 3]  # mu0 from 0.25 to 0.6
-    assert is_resolved[2, 0]  # compared along the line of small tau0
+    assert not is_resolved[2, 3]  # The cusp lies in the panel of mu0 from 0.25 to 0.6 and large tau0.
+    assert is_resolved[2, 0]  # In this panel, values are compared along the line of small tau0, where there is no cusp.
     finer, compared = refined(AXES, cusp, max_nodes=40)
     length = np.diff(finer[0].rising)[~resolved_panels(finer, compared)[:-1, 3]].sum()
     assert length < 0.5 * (0.6 - 0.25)

@@ -161,7 +161,7 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     page = report_page(open_stored(tmp_path))
     for heading in ("Onset of sliding", "Order of slip", "light points slip first"):
         assert heading in page
-    assert page.count('<div class="figure"><svg role="img"') == 3  # the third shows single positions
+    assert page.count('<div class="figure"><svg role="img"') == 3  # The third figure shows single positions.
     export(onset.drop_vars(["slip", "lower_height"]), tmp_path / ONSET_FILE, replace=True)
     assert "slip" not in open_result(tmp_path).figures()
     assert "Order of slip" not in report_page(open_stored(tmp_path))

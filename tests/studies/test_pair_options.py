@@ -114,7 +114,7 @@ def test_short_help_of_pair_lists_thirteen_options(monkeypatch):
     listed_options = [line.split()[0] for line in help_text.splitlines() if line.startswith("  --")]
     assert len(help_text.splitlines()) <= 100
     listed_options = [name for name in listed_options if name not in ("--help-all", "--help")]
-    assert len(listed_options) == 12  # --output is listed as -o
+    assert len(listed_options) == 12  # The thirteenth option, --output, is listed as -o.
     assert "--cutoff" not in help_text
 
 

@@ -48,7 +48,7 @@ def test_compute_missing_rejects_bad_part(tmp_path, part):
 
 
 class RemoteExecutor(Executor):
-    """Executor that runs tasks like a worker on another machine, with or without access to the shared folder."""
+    """Executor that runs tasks like a worker on another machine, which may lack access to the shared folder."""
 
     def __init__(self, has_folder):
         self.has_folder = has_folder
@@ -56,7 +56,8 @@ class RemoteExecutor(Executor):
     def submit(self, function, /, *args):
         if not self.has_folder:
             args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedFolder) else arg for arg in args]
-            if isinstance(getattr(function, "__self__", None), SharedFolder):  # SharedFolder.is_visible
+            # The function is the method SharedFolder.is_visible.
+            if isinstance(getattr(function, "__self__", None), SharedFolder):
                 function = SharedFolder(Path("/nowhere"), "").is_visible
         return InlineExecutor().submit(function, *args)
 

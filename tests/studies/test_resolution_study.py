@@ -55,7 +55,7 @@ def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
         build_cutoff_study(study.with_changes({"contact.mechanics": "asperities", "contact.law": "hertz-sphere"}))
         is None
     )
-    small_study = study_of_files(tmp_path, spacing=write_maps(tmp_path))  # 48 points are too few for a second cutoff
+    small_study = study_of_files(tmp_path, spacing=write_maps(tmp_path))  # 48 points are too few for a second cutoff.
     assert build_cutoff_study(small_study) is None
 
 
@@ -124,7 +124,7 @@ def test_yield_estimates_list_plastic_wavelengths_by_hardness(tmp_path):
     assert [estimate.friction for estimate in table] == pytest.approx([0.3 + 0.05 / row.hardness for row in table])
     for estimate in table:
         if estimate.hardness < 0.9 * pressure:
-            assert estimate.wavelength > 0.2  # above the shortest wavelength of the scan
+            assert estimate.wavelength > 0.2  # This wavelength is above the shortest wavelength of the scan.
         elif estimate.hardness > 1.1 * pressure:
             assert not estimate.wavelength > 0.5
     limits = resolution_limits(point.expand_dims("cut_off"), elastic_study)

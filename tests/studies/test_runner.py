@@ -169,7 +169,7 @@ def test_interrupt_cancels_submitted_tasks(monkeypatch):
         try:
             run(with_repetitions(800), executor=pool)
         except KeyboardInterrupt as error:
-            interrupt_error = error  # also keeps the frames of the run alive
+            interrupt_error = error  # The stored error also keeps the frames of the run alive.
             interrupted.set()
     assert interrupt_error is not None
     assert len(computed_repetitions) < 800
@@ -229,6 +229,6 @@ def test_new_estimate_uses_the_time_of_the_first_block():
     missing = SimpleNamespace(count=16)
     text = runner._new_estimate(missing, 1, 480.0, 2, 8.5)
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
-    assert runner._new_estimate(missing, 1, 480.0, 2, 300.0) == ""  # close to the first estimate
-    assert runner._new_estimate(missing, 1, 8.0, 2, 1.0) == ""  # little time remains
-    assert runner._new_estimate(missing, 4, 480.0, 4, 8.5) == ""  # no repetitions remain
+    assert runner._new_estimate(missing, 1, 480.0, 2, 300.0) == ""  # The new estimate is close to the first one.
+    assert runner._new_estimate(missing, 1, 8.0, 2, 1.0) == ""  # Little time remains.
+    assert runner._new_estimate(missing, 4, 480.0, 4, 8.5) == ""  # No repetitions remain.

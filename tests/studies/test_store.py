@@ -116,7 +116,7 @@ def test_store_preserves_every_bit(tmp_path, monkeypatch):
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
-def test_pieces_of_folder_and_dataset_are_equal(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_pieces_of_a_result_are_equal_from_its_folder_and_its_dataset(folder_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
     find_block(folder_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
@@ -480,10 +480,12 @@ def test_partial_files_of_dead_processes_are_removed(folder_copy):
     machine, _, process_token = _files.PARTIAL_NAME.fullmatch(_files.new_partial_name()).groups()
     is_kept = {
         f".stiction-{machine}-{ended_process.pid}-00000000-00000000.partial": False,
-        f".stiction-{machine}-{os.getpid()}-00000000-00000000.partial": False,  # an earlier process with the same id
+        # An earlier process had the same process id.
+        f".stiction-{machine}-{os.getpid()}-00000000-00000000.partial": False,
         f".stiction-{machine}-{os.getpid()}-{process_token}-00000000.partial": True,
         f".stiction-{machine}-{os.getppid()}-00000000-00000000.partial": True,
-        ".stiction-00000000-1-00000000-00000000.partial": True,  # of another machine; not old enough
+        # Another machine wrote this file, which is not old enough to be removed.
+        ".stiction-00000000-1-00000000-00000000.partial": True,
         ".stiction-00000000-1-00000000-00000001.partial": False,
         "mine.partial": True,
     }
@@ -679,15 +681,16 @@ def test_interrupt_ends_run_and_preserves_finished_blocks(tmp_path):
         ) as process,
         contextlib.ExitStack() as cleanup,
     ):
-        cleanup.callback(process.kill)  # has no effect on an ended process
+        cleanup.callback(process.kill)  # This has no effect if the process has ended.
         assert process.stdout.readline() == b"started\n"
-        pending_lines = {b"ready\n", b"waiting\n"}  # printed by different threads, in any order
+        pending_lines = {b"ready\n", b"waiting\n"}  # Different threads print these lines, in any order.
         while pending_lines and (line := process.stdout.readline()):
             pending_lines.discard(line)
         process.send_signal(signal.SIGINT)
         assert process.wait(300) == 130
     stored = store.open_stored(tmp_path / "r")
-    assert 8 <= stored.finished.size < 500  # less than all 1000, also on a busy machine
+    # The interrupt leaves many of the 1000 repetitions unfinished, also on a busy machine.
+    assert 8 <= stored.finished.size < 500
     assert_no_partial_files(tmp_path)
     expected = run(with_repetitions(int(stored.finished[-1]) + 1)).dataset
     assert_same_bits(stored.dataset().assign_attrs(expected.attrs), expected.isel(repetition=stored.finished))

@@ -56,7 +56,7 @@ def test_flipped_bit_is_detected_before_the_file_is_opened(complete_result, name
         export(complete_result.dataset(), path)
     content = path.read_bytes()
     assert content[-len(CHECKSUM_SEAL) - 8 : -8] == CHECKSUM_SEAL
-    monkeypatch.setattr(h5py, "File", None)  # opening a damaged file may not end
+    monkeypatch.setattr(h5py, "File", None)  # Opening a damaged file might never end, so the file must not be opened.
     sealed = 8 * (len(content) - len(CHECKSUM_SEAL) - 8)
     for place in [0, sealed - 1, 8 * len(content) - 1, *random.Random(5).sample(range(sealed), 50)]:
         damaged = bytearray(content)

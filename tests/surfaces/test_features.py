@@ -59,7 +59,7 @@ def test_five_point_heights_are_nan_with_fewer_than_five_peaks():
     y, x = np.arange(20.0)[:, np.newaxis], np.arange(30.0)
     result = feature_parameters(-((x - 15) ** 2) - (y - 10) ** 2, (1.0, 1.0))
     assert math.isnan(result.peak_height)
-    assert math.isnan(result.pit_depth)  # four corners
+    assert math.isnan(result.pit_depth)  # The surface has only four pits, its corners.
     assert result.density == pytest.approx(1 / 600)
 
 

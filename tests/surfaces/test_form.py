@@ -50,7 +50,8 @@ def test_levelled_removes_a_sphere_up_to_the_noise(sign, word):
     own = noise_heights(cap.shape)
     result = levelled(Surface(cap + own, spacing=0.5), "sphere")
     assert radius_from_history(result) == (pytest.approx(300, rel=1e-3), word)
-    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)  # four parameters are fitted to 4800 points
+    # The scatter decreases slightly, because four parameters are fitted to 4800 points.
+    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)
     assert result.heights.mean() == pytest.approx(0, abs=1e-12)
 
 
@@ -59,7 +60,7 @@ def test_levelled_removes_a_tilted_cylinder_up_to_the_noise():
     across, along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
     own = noise_heights((60, 80))
     result = levelled(Surface(np.sqrt(200.0**2 - across**2) + 0.02 * along + own, spacing=0.5), "cylinder")
-    # radius of the vertical section, because the axis rises by 2 %
+    # The expected radius is that of a vertical section, because the axis rises by 2 %.
     assert radius_from_history(result)[0] == pytest.approx(200, rel=2e-3)
     assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)
 

@@ -196,7 +196,7 @@ class TestSurface:
             weierstrass_mandelbrot_surface(**arguments)
 
 
-def test_height_variance_equals_that_of_harmonics():
+def test_height_variance_equals_half_the_sum_of_squared_amplitudes():
     # The variance is half the sum of squared amplitudes: directions m and M - m have independent phases, and m = M/2
     # has no harmonic.
     dimension, gamma = 1.2, 1.5

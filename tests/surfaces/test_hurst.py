@@ -85,7 +85,7 @@ class TestProfileExponent:
             stored += estimate.lower < 0.3 < estimate.upper
         assert np.median([estimate.shortest_wavelength for estimate in result]) > 0.05
         assert np.mean([estimate.value for estimate in result]) == pytest.approx(0.3, abs=0.05)
-        assert stored >= 24  # 35 of 40 in a trial
+        assert stored >= 24  # In a trial, 35 of 40 intervals contained the exponent.
 
     def test_estimate_is_invariant_under_tilt_scale_and_reversal(self):
         profile = rough_profile(points=4096)
@@ -111,7 +111,8 @@ class TestProfileExponent:
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
             result = estimate_hurst_exponent(profile, band=(0.005, 0.9))
             assert result.lower < 4 - 2 * dimension < result.upper
-            assert result.dispersion > 1  # a spectrum of lines
+            # The spectrum consists of separate lines, so it scatters more than a continuous spectrum.
+            assert result.dispersion > 1
 
     def test_band_of_eq_1_contains_dense_harmonics_only(self):
         # Only the longest wavelengths are used. Below about 0.04 µm the harmonics of the 40 directions are separate
@@ -142,7 +143,8 @@ class TestProfileExponent:
         for heights, match in (
             ([1.0] * 100, "flat"),
             (np.arange(100.0), "straight line"),
-            (np.where(np.arange(100) < 50, 0.7, np.nextafter(0.7, 1)), "straight line"),  # up to round-off
+            # This profile is straight up to round-off.
+            (np.where(np.arange(100) < 50, 0.7, np.nextafter(0.7, 1)), "straight line"),
             ([0.0, 1e60] * 50, "height"),
         ):
             with pytest.raises(ValueError, match=match):

@@ -58,10 +58,11 @@ def test_joined_spectrum_matches_spectrum_and_slope_of_surface(complete_surface)
 def test_disagreement_detects_wrong_calibration(complete_surface):
     scans = scans_of_instruments(complete_surface)
     wrong = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
-    assert 2.5 < wrong.disagreement[0] < 6  # heights squared
+    # The spectrum is proportional to the square of the heights, so its ratio is about 4.
+    assert 2.5 < wrong.disagreement[0] < 6
     assert np.log(wrong.disagreement[0]) > 2 * wrong.chance[0]
     few = joined_spectrum([scans[0], Surface(scans[1].heights[:256, :256], spacing=SPACING)])
-    # a small piece contains few of the common wavelengths, so its expected scatter is larger
+    # A small piece contains few of the common wavelengths, so its expected scatter is larger.
     assert few.chance[1] > wrong.chance[0]
     alone = joined_spectrum(scans[:1])
     assert np.isnan(alone.chance).all()

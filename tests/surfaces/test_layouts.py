@@ -16,7 +16,7 @@ random = np.random.default_rng(8)
 ROWS, COLUMNS = 7, 9
 HEIGHTS = np.round(
     0.3 * random.normal(size=(ROWS, COLUMNS)).cumsum(axis=1), 4
-)  # all lines of the map differ, and the map has no symmetry
+)  # All lines of the map differ, and the map has no symmetry.
 HEIGHTS_WITH_HOLES = HEIGHTS.copy()
 HEIGHTS_WITH_HOLES[0, :2] = HEIGHTS_WITH_HOLES[3, 4] = np.nan
 LINE_HEIGHTS = np.round(0.3 * random.normal(size=60).cumsum(), 4)
@@ -350,7 +350,7 @@ def test_positions_in_wide_tables_are_not_heights(tmp_path):
         assert read_or_none(path, **options) is None
         if columns[0] is not measured:
             assert np.allclose(read_or_none(path, columns=(0, 1), unit="um").heights, columns[1], atol=1e-4)
-    path.write_text(table_text(np.transpose([x, *profiles])))  # the first line contains the positions
+    path.write_text(table_text(np.transpose([x, *profiles])))  # The first line contains the positions.
     assert read_or_none(path, **options) is None
     path.write_text(table_text(profiles))
     assert read_or_none(path, **options).heights.shape == (60, 12)
@@ -565,7 +565,8 @@ def test_damaged_exports_are_read_or_rejected(tmp_path, name):
         for _ in range(2):
             fuzzing.scramble_bytes(source, data)
         path.write_bytes(data)
-        body = read_or_none(path, **(options if at % 2 else {}))  # the test fails with any error other than FormatError
+        # The test fails if the reader raises any error other than FormatError.
+        body = read_or_none(path, **(options if at % 2 else {}))
         assert body is None or np.isfinite(body.heights).all()
 
 

@@ -28,7 +28,7 @@ def stacked_rows(hurst, lines=40, points=600, **changes):
     return Surface(np.array(rows) + tilt, spacing=(0.5, 0.02))
 
 
-def test_line_roughness_equals_that_of_single_lines():
+def test_line_roughness_equals_mean_over_single_lines():
     surface = stacked_rows(0.6)
     result = line_roughness(surface, "x", band=(0.1, 2.0))
     x = np.arange(600)
@@ -45,7 +45,7 @@ def test_line_roughness_equals_that_of_single_lines():
     )
 
 
-def test_roughness_along_y_equals_that_of_transposed_rows():
+def test_roughness_along_y_equals_roughness_along_x_of_transposed_surface():
     surface = stacked_rows(0.6, lines=12, points=300)
     on_its_side = Surface(surface.heights.T, spacing=(0.02, 0.5))
     for one, other in (("x", "y"), ("y", "x")):
@@ -80,7 +80,7 @@ def test_line_roughness_fits_all_lines_in_a_common_band():
 
 def test_flat_lines_contribute_to_height_without_exponent():
     heights = np.array(stacked_rows(0.6, lines=40).heights)
-    heights[::2] = 3.0 + 0.01 * np.arange(600)  # constant lines
+    heights[::2] = 3.0 + 0.01 * np.arange(600)  # These lines are flat, apart from a different height of each column.
     result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
     assert result.Pq == pytest.approx(
         line_roughness(Surface(heights[1::2], spacing=0.02), "x").Pq / np.sqrt(2), rel=1e-9

@@ -89,8 +89,9 @@ def test_parameter_values_scale_with_the_units_of_the_table():
     assert tuple(surface_parameters(surface).values) == tuple(parameter.name for parameter in SURFACE_PARAMETERS)
     result = section_parameters(rough_profile(points=4000), lc=8.0)
     assert tuple(result.values) == tuple(parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter])
-    assert len(PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))  # names are unique
-    # Heights become ten times as large. The table gives the power of this factor for each unit.
+    # This sum is equal only if all names are unique.
+    assert len(PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))
+    # If heights become ten times as large, a parameter changes by a power of this factor that depends on its unit.
     power = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}
     lateral = {"Sal": 0, "Ssw": 0, "Sdq": 1, "Sdr": 2}
     large = surface_parameters(Surface(10 * surface.heights, spacing=(500.0, 500.0)))

@@ -213,7 +213,8 @@ def test_declared_spacing_that_disagrees_is_reported(file):
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[1] == "spacing 0.1 µm from its positions, declared as 0.2 µm"
     assert "header and positions agree" in read_profile(file("Resolution,0.10 um/sample\n" + data)).history[1]
-    assert "says" not in read_profile(file("Resolution,20 nm\n" + data)).history[1]  # possibly heights
+    # The declared resolution may belong to the heights.
+    assert "says" not in read_profile(file("Resolution,20 nm\n" + data)).history[1]
 
 
 def test_missing_points_are_interpolated_inside_and_cropped_at_ends(file):
@@ -288,7 +289,8 @@ def test_matrix_columns_are_not_taken_for_positions(file):
     assert "of which the first row has equal steps" in error_message(file(npy_bytes(above), "a.npy"), **options)
     lost = heights.copy()
     lost[0] = 0.5
-    tilted = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]  # heights as measured, before they are levelled
+    # These heights are tilted, like measured heights before levelling.
+    tilted = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]
     for matrix in (heights, lost, tilted, x + y[:, np.newaxis]):
         assert np.array_equal(read_surface(file(npy_bytes(matrix), "a.npy"), unit="um", spacing="1 um").heights, matrix)
 
@@ -386,7 +388,7 @@ def test_array_of_two_columns_has_positions_and_heights(file):
     assert read_profile(path, unit="um", columns=1, spacing="1 um").heights.tolist() == HEIGHTS
     uneven = file(
         npy_bytes(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy"
-    )  # the array may be a map with two columns
+    )  # Without columns, the array may be a map with two columns.
     assert read_measurement(uneven, unit="um", spacing="1 um").heights.shape == (5, 2)
     assert "is not uniform: point 2, counted from 0" in error_message(uneven, unit="um", columns=(0, 1))
 
@@ -732,8 +734,9 @@ def test_x3p_surfaces_and_profiles_are_read(file, stored, off):
 def test_x3p_increments_multiply_whole_numbers(file):
     whole = x3p_bytes(HEIGHTS_IN_METRES, stored="I", increment=1e-9, change=[("<Increment>1e-09</Increment>", "")])
     assert "has integers for Z, but no Increment" in error_message(file(whole, "a.x3p"), read_surface)
-    of_a_namespace = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]  # all elements
-    for increment in ("", "<Increment>0.0</Increment>"):  # numbers with decimals need no increment
+    # Remove the namespace of all elements.
+    of_a_namespace = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]
+    for increment in ("", "<Increment>0.0</Increment>"):  # Numbers with decimals need no increment.
         path = file(
             x3p_bytes(HEIGHTS_IN_METRES, change=[("<Increment>1.0</Increment>", increment), *of_a_namespace]), "a.x3p"
         )
@@ -925,7 +928,7 @@ def test_very_long_lines_are_read(file):
     path = file("\n".join([",".join(["1.5", "2", "0"] * 10_000)] * 4), "a.csv")
     began = time.process_time()
     assert read_surface(path, unit="um", spacing="1 um").heights.shape == (4, 30_000)
-    assert time.process_time() - began < 4  # 0.4 s in a trial
+    assert time.process_time() - began < 4  # The test took 0.4 s in a trial.
 
 
 def test_x3p_metadata_size_is_limited(file):

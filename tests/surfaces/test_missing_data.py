@@ -56,7 +56,8 @@ def test_masks_follow_points_through_preparation(complete_surface, scan_path, tm
         "480 missing points masked, 12 % of all points; "
         "the largest gap has 480 points, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
     )
-    ones = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)  # height that marks the missing points
+    # This surface marks missing points by the height 1.
+    ones = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)
     for move in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
         assert np.array_equal(move(scan).missing, np.abs(move(ones).heights) == 1)
     for same in (levelled(scan, "quadratic"), cut_off(scan, 0.5), scan.with_amplitude(1.0), Surface.from_(scan)):
@@ -71,7 +72,7 @@ def test_masks_follow_points_through_preparation(complete_surface, scan_path, tm
     resampled = on_common_grid(scan, fine)[0].missing
     y, x = (
         0.049 * np.arange(points) for points in resampled.shape
-    )  # the point is missing next to a missing neighbour along an axis
+    )  # A point is missing if a neighbour along an axis is missing.
     assert np.array_equal(resampled, np.outer((y > 1.9) & (y < 4.4), (x > 2.9) & (x < 5.0)))
     turned = rotated(scan, 30.0).missing
     assert turned.sum() == pytest.approx(missing.sum(), rel=0.25)
@@ -118,9 +119,9 @@ def test_find_outliers_detects_single_points_only(hurst, tmp_path):
         heights, usual = body.heights.copy(), float(np.abs(np.diff(body.heights)).mean())
         flat = heights.reshape(-1)
         spikes = np.arange(210, flat.size - 210, 613)
-        spikes = spikes[(spikes % 128 > 0) & (spikes % 128 < 127)]  # not at an edge
+        spikes = spikes[(spikes % 128 > 0) & (spikes % 128 < 127)]  # A point at an edge has too few neighbours.
         flat[spikes] += 20 * usual * (-1.0) ** np.arange(spikes.size)
-        flat[2000:2006] += 20 * usual  # a feature with more points than a group of outliers
+        flat[2000:2006] += 20 * usual  # This feature has more points than a group of outliers may have.
         result = find_outliers(heights)
         assert np.array_equal(np.flatnonzero(result), spikes)
         np.save(tmp_path / f"{heights.ndim}.npy", heights)
@@ -160,7 +161,7 @@ def test_find_outliers_detects_groups_of_at_most_four_points(size, is_outlier):
 @pytest.mark.parametrize("kind", MACHINED_SURFACES)
 def test_find_outliers_has_few_false_positives(kind):
     result = sum(int(find_outliers(MACHINED_SURFACES[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
-    assert result <= 10  # of 10240 points
+    assert result <= 10  # The five profiles have 10240 points together.
 
 
 def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(complete_surface, scan_path):
@@ -175,7 +176,8 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(compl
     part = masked.nominal_area / full.nominal_area
     assert 0.6 < part < 0.9
     area = [float(result.dataset["contact_area"].mean()) / result.nominal_area for result in (masked, full)]
-    assert area[0] / area[1] == pytest.approx(1, abs=0.05)  # an equal pressure acts on a smaller area
+    # The area fractions are equal, because the same pressure acts on a smaller area.
+    assert area[0] / area[1] == pytest.approx(1, abs=0.05)
     text = "12 % of the points are interpolated, in gaps larger than the contacts"
     assert any(text in caveat.text for caveat in filled.caveats)
     assert not any("interpolated" in caveat.text for caveat in masked.caveats)
@@ -200,7 +202,7 @@ def test_pair_rejects_maps_without_common_points(complete_surface):
     rows = np.broadcast_to((np.arange(64) % 2 == 0)[:, np.newaxis], (64, 64))
     scan = Surface(complete_surface.heights, spacing=0.1, missing=rows)
     with pytest.raises(ValueError, match="measured in both"):
-        pair(scan, scan, shifts=4, **PAIR_OPTIONS)  # some of the shifts are an odd number of rows
+        pair(scan, scan, shifts=4, **PAIR_OPTIONS)  # Some of the shifts are an odd number of rows.
 
 
 def test_link_without_target_in_folder_of_scans_is_rejected(scan_path):

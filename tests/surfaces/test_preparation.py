@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from stiction import Profile, Surface, contacts, cropped, flipped, levelled, on_common_grid
 
 ROUND_OFF = 1e-13  # relative round-off of sums of a hundred numbers of order one
-# Minimum order of convergence. It is four in the interior, minus a margin; natural ends reduce the order only near the
-# ends.
+# Minimum order of convergence: four, which holds away from the ends, minus a margin. Natural ends reduce the order near
+# the ends only.
 MIN_SPLINE_ORDER = 3.7
 
 
@@ -44,7 +44,8 @@ def test_levelled_removes_added_trend(seed, points, coefficients):
 def test_levelled_is_accurate_for_large_tilt():
     profile = levelled(rough_profile(10_000), "line")
     tilted = Profile(1e-3 * profile.heights + 100 * profile.x, spacing=profile.spacing)
-    assert np.abs(levelled(tilted, "line").heights - 1e-3 * profile.heights).max() < 1e-10  # 1e5 µm in 1e-16
+    # Round-off is 1e-16 of the largest height, 1e5 µm.
+    assert np.abs(levelled(tilted, "line").heights - 1e-3 * profile.heights).max() < 1e-10
 
 
 def test_levelled_rejects_trend_of_other_body():
@@ -99,7 +100,7 @@ def test_flipped_scan_touches_at_the_peak():
     assert touching.index.tolist() in (
         [49],
         [50],
-    )  # the minimum is at point 50, which is the end of one interval and the start of another
+    )  # The minimum is at point 50, which is the end of one interval and the start of another.
     assert flipped(flipped(peak)).heights.tolist() == peak.heights.tolist()
 
 
@@ -111,9 +112,9 @@ def test_common_grid_keeps_finer_profile_and_splines_the_other():
     for a, b, stored in ((fine, coarse, 0), (coarse, fine, 1)):
         pair = on_common_grid(a, b)
         assert pair[0].spacing == pair[1].spacing == 0.1
-        assert len(pair[0]) == len(pair[1]) == 48  # 4.75 µm in common
+        assert len(pair[0]) == len(pair[1]) == 48  # The profiles have 4.75 µm in common.
         assert np.array_equal(pair[stored].heights, fine.heights[:48])
-        shared = pair[1 - stored].heights[::5]  # every fifth point of the fine grid is also a point of the coarse grid
+        shared = pair[1 - stored].heights[::5]  # Every fifth point of the fine grid is also a point of the coarse grid.
         assert np.abs(shared - coarse.heights[::2]).max() < ROUND_OFF
 
 

@@ -43,7 +43,8 @@ def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colou
     ]
     scans[1] = scans[1] + 0.3 + 1e-5 * np.indices(shape).sum(axis=0)
     result = compare_repeated_scans(*(kind(scan, spacing=spacing) for scan in scans))
-    slack = 1.0 if colour == "pink" else 0.3  # tolerance in points; pink noise has ten times the slope of the surface
+    # The tolerance is in points. Pink noise has ten times the slope of the surface.
+    slack = 1.0 if colour == "pink" else 0.3
     assert np.abs(np.array(result.shift) / spacing - np.array(moved) / 2).max() < slack
     assert result.correlation > 0.99
     true = np.mean([mean_square_heights(kind(own, spacing=spacing))[1] for own in noise], axis=0)
@@ -53,7 +54,7 @@ def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colou
     clean = kind(truth[tuple(slice(0, 2 * points, 2) for _ in shape)], spacing=spacing)
     common = np.sqrt(np.bincount(octave, mean_square_heights(clean)[1]))
     reported = (true > 0.01 * rms) & (np.bincount(octave) > 60)
-    reported[0] = False  # from four points up
+    reported[0] = False  # The noise is accurate at wavelengths above four points only.
     assert reported.sum() >= (1 if colour == "band" else 3)
     np.testing.assert_allclose(result.noise[reported], true[reported], rtol=NOISE_TOLERANCE)
     recorded = (common > 3 * true) & (np.bincount(octave) > 15)
@@ -105,10 +106,10 @@ def test_tip_reconstructed_inverts_dilation_at_certain_points(body):
     recorded = type(body)(dilated_surface(body, radius), spacing=body.spacing)
     result, certain = tip_reconstructed(recorded, radius)
     off = result.heights - body.heights
-    assert off.min() > -1e-12  # an upper bound
+    assert off.min() > -1e-12  # The result is an upper bound of the surface.
     assert np.abs(off[certain]).max() < 1e-12
     assert 0.1 < certain.mean() < 0.9
-    # a scan of the result would equal the recorded scan
+    # A scan of the result would equal the recorded scan.
     assert np.abs(dilated_surface(result, radius) - recorded.heights).max() < 1e-12
     assert off.mean() < 0.5 * (recorded.heights - body.heights).mean()
     with pytest.raises(ValueError, match="radius must be a finite number above 0"):
@@ -116,7 +117,7 @@ def test_tip_reconstructed_inverts_dilation_at_certain_points(body):
     smooth = type(body)(1e-4 * np.cos(np.indices(body.heights.shape).sum(axis=0) / 20), spacing=body.spacing)
     again = tip_reconstructed(type(body)(dilated_surface(smooth, radius), spacing=body.spacing), radius)
     inner = tuple(slice(20, -20) for _ in again[1].shape)
-    assert again[1][inner].all()  # a ball follows features whose radius is larger than its own
+    assert again[1][inner].all()  # A ball reaches every point of features whose radius is larger than its own.
 
 
 @pytest.mark.parametrize("factor", [0.0, 1e-71, 1e-160, 1e-300])

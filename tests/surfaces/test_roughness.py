@@ -36,14 +36,15 @@ class TestParameters:
     def test_slope_of_sinusoid_has_the_error_of_its_difference(self, derivative, order, factor):
         exact = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
-            # Long, so that six points without a seven-point slope have little weight.
+            # The sinusoid is long, so that the six points without a seven-point slope have little weight.
             short = 1 - roughness_parameters(sinusoid(n, waves=40_000), derivative=derivative).Pdq / exact
-            # The next term is about (2π/n)² of this one.
+            # The next term of the error is smaller by a factor of about (2π/n)².
             assert short == pytest.approx((2 * np.pi / n) ** order / factor, rel=(2 * np.pi / n) ** 2, abs=2e-6)
 
     def test_parameters_of_normal_heights_have_closed_forms(self):
         result = roughness_parameters(rough_profile(points=200_000, longest_wavelength=1.0))
-        # About 2000 independent heights: four times the standard errors of 0.05 and 0.11.
+        # The map has about 2000 independent heights. The tolerances are four times the standard errors of 0.05 and
+        # 0.11.
         assert result.Psk == pytest.approx(0, abs=0.2)
         assert result.Pku == pytest.approx(3, abs=0.45)
         assert result.Pa / result.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
@@ -72,10 +73,10 @@ class TestParameters:
             roughness_parameters(rough_profile(), derivative="spline")
 
 
-# SurfaceTopography warns about its own names and about its imports
+# SurfaceTopography gives warnings about its own names and imports.
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 class TestAgainstSurfaceTopography:
-    TRANSFORM_TOLERANCE = 1e-9  # relative round-off of two transforms
+    TRANSFORM_TOLERANCE = 1e-9  # relative round-off of two successive Fourier transforms
 
     @pytest.fixture
     def line_scan(self):
@@ -160,7 +161,7 @@ def test_surface_parameters_equal_their_definitions(factor):
         assert getattr(result, name) == pytest.approx(value, rel=loss), name
 
 
-def test_seven_point_slope_equals_that_of_lines():
+def test_seven_point_slope_of_surface_equals_slopes_of_its_lines():
     surface = gaussian_surface()
     rows = [roughness_parameters(surface.row(index)).Pdq for index in range(40)]
     columns = [roughness_parameters(surface.column(index)).Pdq for index in range(50)]
@@ -205,9 +206,9 @@ def test_texture_parameters_of_grooves_give_their_direction(angle):
     result = surface_parameters(grooved_surface(angle))
     # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, except for partial periods in the overlap.
     assert result.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
-    assert math.isnan(result.Str)  # along the grooves the correlation never falls
+    assert math.isnan(result.Str)  # Along the grooves the autocorrelation never falls to 0.2.
     off = abs((result.Std - angle + 90) % 180 - 90)
-    assert off <= 3  # tolerance for a sector of two degrees and the spread of the window
+    assert off <= 3  # This tolerance includes a sector of two degrees and the spread of the window.
 
 
 def test_core_of_distributions_has_closed_forms():
@@ -239,7 +240,7 @@ def test_reduced_heights_are_triangles_of_equal_area():
     surface = gaussian_surface(seed=5)
     result = surface_parameters(surface)
     z = np.sort(surface.heights.ravel() - surface.heights.mean())[::-1]
-    upper = z[round(result.Smr1 * z.size) - 1]  # the lowest of the peaks is above the core
+    upper = z[round(result.Smr1 * z.size) - 1]  # This height is the lower limit of the peaks above the core.
     peaks = z[: round(result.Smr1 * z.size)]
     assert peaks.min() >= upper
     area = result.Spk * result.Smr1 / 2

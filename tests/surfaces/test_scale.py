@@ -24,7 +24,7 @@ from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_t
 from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
 ROUND_OFF = 1e-9
-BIN_TOLERANCE = 0.03  # relative error of a slope that is interpolated between two of 48 bins per decade
+BIN_TOLERANCE = 0.03  # relative error of a slope that is interpolated between two of 48 bins per decade of wavelength
 
 
 def test_scale_dependent_roughness_tends_to_moments_of_spectrum():
@@ -78,7 +78,7 @@ def test_scale_dependent_roughness_is_independent_of_tilt_and_window():
     )
     result = scale_dependent_roughness(profile)
     own = math.sqrt(np.mean(np.square(np.diff(profile.heights) / 0.01)))
-    # there are about a hundred wavelengths, which the window weights
+    # The window weights about a hundred wavelengths, which causes scatter.
     assert result.gradient[-1] == pytest.approx(own, rel=0.05)
     tilted = scale_dependent_roughness(Profile(5 + profile.heights + 0.3 * profile.x, spacing=0.01))
     assert tilted.gradient == pytest.approx(result.gradient, rel=1e-6)
@@ -100,7 +100,8 @@ def test_extrapolation_follows_power_law(hurst, areal):
             surface_spectrum(fine, periodic=True).radial().density[0]
             / surface_spectrum(coarse, periodic=True).radial().density[0]
         )
-        coarse = Surface(scale * coarse.heights, spacing=0.08)  # each has its own rms
+        # Each surface was scaled to the given rms, so the coarse surface is scaled to the spectrum of the fine one.
+        coarse = Surface(scale * coarse.heights, spacing=0.08)
     else:
         fine = self_affine(3, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, periodic=True)
         coarse = Profile(np.fft.irfft(np.fft.rfft(fine.heights)[: 2**11 + 1], 2**12) / 8, spacing=0.08)
@@ -141,7 +142,7 @@ class TestInstrument:
         surface = self_affine_surface(1, hurst_exponent=hurst, rms=0.1, shape=(256, 256), spacing=(0.02, 0.01))
         result = instrument_limit(surface)
         assert (result.reason, result.wavelength, result.pixels) == ("pixels", 0.04, 0.04)
-        folded = Surface(surface.heights[::4, ::4], spacing=(0.08, 0.04))  # including aliasing
+        folded = Surface(surface.heights[::4, ::4], spacing=(0.08, 0.04))  # This subsampling also causes aliasing.
         assert instrument_limit(folded).reason == "pixels"
 
     @pytest.mark.parametrize("noise", [0.3e-3, 1e-3, 1e-2])
@@ -176,7 +177,7 @@ class TestInstrument:
         surface = read_surface(measured("di-4.di"))
         result = instrument_limit(surface)
         assert result.reason == "noise floor"
-        assert math.isnan(result.noise_x)  # the fast axis
+        assert math.isnan(result.noise_x)  # Along the fast axis of the scan there is no noise floor.
         assert result.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
         assert result.noise == result.wavelength == 0.125
         assert result.slope_fraction == pytest.approx(0.138, abs=0.001)
@@ -217,7 +218,7 @@ class TestInstrument:
         rough = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
         frequency = np.fft.rfftfreq(8192, 0.1)
         transform = np.fft.rfft(rough.heights)
-        transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # 80 to 200 points
+        transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # These wavelengths are 80 to 200 points long.
         assert instrument_limit(Profile(np.fft.irfft(transform, 8192), spacing=0.1)).reason == "pixels"
 
     def test_height_quantisation_is_named(self):

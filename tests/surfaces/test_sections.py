@@ -27,19 +27,19 @@ def ground_profile(seed=1, points=4500, spacing=0.5):
 class TestSinusoid:
     @pytest.mark.parametrize("ratio", [0.1, 0.25, 1.0])
     def test_height_parameters_have_closed_forms(self, ratio):
-        # Behind the L-filter the amplitude is A (1 - t) with the transmission t = exp(-π (α λc/λ)²).
+        # After the L-filter the amplitude is A (1 - t) with the transmission t = exp(-π (α λc/λ)²).
         wavelength = 800 * ratio
         # The profile has fifteen sections of whole periods, so that its ends do not influence the five sections in the
         # middle.
         found = section_parameters(sinusoid(wavelength, 2.0, waves=round(15 / ratio), points=400), lc=800, ls=0)
         amplitude = 2.0 * (1 - math.exp(-math.pi * math.log(2) / math.pi / ratio**2))
-        close = 1e-4  # relative error at 400 points per wavelength
+        close = 1e-4  # This is the relative error at 400 points per wavelength.
         assert found.Ra == pytest.approx(2 * amplitude / math.pi, rel=close)
         assert found.Rq == pytest.approx(amplitude / math.sqrt(2), rel=close)
         assert found.Rz == pytest.approx(2 * amplitude, rel=close)
         assert found.Rdq == pytest.approx(
             2 * math.pi / wavelength * amplitude / math.sqrt(2), rel=3e-3
-        )  # of all but six points
+        )  # The slope is computed at all but six points.
         assert found.Rku == pytest.approx(1.5, rel=close)
         assert found.RSm == pytest.approx(wavelength, rel=close)
         assert found.Rc == pytest.approx(2 * amplitude, rel=close)

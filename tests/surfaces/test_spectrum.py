@@ -70,7 +70,8 @@ class TestSpectrum:
         # The spectrum has a variance of 0.1² over the harmonics of the period, which has 16384 points.
         fine = np.maximum(np.arange(1, 8192) * 4.0 / 163.84, 1.0) ** -2.6
         expected *= 0.1**2 * np.pi / (fine.sum() * 2 * np.pi / 163.84)
-        high = q > 100  # a thousand harmonics of 40 profiles scatter by 1 %, and leakage is at most 1.2 %
+        # The spectrum of a thousand harmonics and 40 profiles scatters by 1 %, and leakage is at most 1.2 %.
+        high = q > 100
         assert np.mean(windowed[high] / expected[high]) == pytest.approx(1, abs=0.02)
         assert np.mean(plain[high] / expected[high]) > 1.3
 
@@ -149,7 +150,8 @@ def test_steepest_direction_is_across_lay():
     assert spectrum.steepest_direction() == pytest.approx(math.degrees(math.atan2(1, 2)), abs=0.5)
     for angle in (10.0, 70.0, 130.0):
         for seed in range(4):
-            surface = self_affine_map(seed, 0.7, (160, 160), whole=2, longest=20.0, stretch=2.0)  # longer along y
+            # The roughness is longer along y than along x.
+            surface = self_affine_map(seed, 0.7, (160, 160), whole=2, longest=20.0, stretch=2.0)
             turned = surface_spectrum(levelled(rotated(surface, angle), "plane"))
             off = (turned.steepest_direction() - angle + 90) % 180 - 90
             assert abs(off) < LAY_TOLERANCE

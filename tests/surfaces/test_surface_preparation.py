@@ -76,13 +76,13 @@ def test_common_grid_is_the_finer_along_each_axis():
     coarse, height = bumpy_surface((30, 100), (0.25, 0.1))
     one, other = on_common_grid(fine, coarse)
     assert one.spacing == other.spacing == (0.1, 0.1)
-    # the common length is 5.9 µm along y and 7.8 µm along x
+    # The common length is 5.9 µm along y and 7.8 µm along x.
     assert one.heights.shape == other.heights.shape == (60, 79)
     # The second map is unchanged along x. Along y it is the natural spline of each column.
     splined = CubicSpline(0.25 * np.arange(30), coarse.heights[:, :79], bc_type="natural")(0.1 * np.arange(60))
     assert other.heights == pytest.approx(splined, abs=ROUND_OFF)
     inside = other.heights[10:50, :] - height(other.y[10:50, np.newaxis], other.x)
-    assert np.abs(inside).max() < 1e-3  # inside, away from its ends, the natural spline is accurate
+    assert np.abs(inside).max() < 1e-3  # The natural spline is accurate away from its ends.
     assert on_common_grid(fine, fine)[0] is fine
     with pytest.raises(ValueError, match="both must be a Profile or both a Surface, got Surface and Profile"):
         on_common_grid(fine, Profile(np.arange(9.0), spacing=1.0))
@@ -97,7 +97,7 @@ def test_common_grid_aligned_at_middle_matches_rotated_map():
             one, other = on_common_grid(*pair, align="middle")
             assert one.spacing == other.spacing == (0.1, 0.1)
             assert one.heights.shape == other.heights.shape == (41, 61)
-            assert np.abs(one.heights - other.heights).max() < 3e-4  # error of the splines
+            assert np.abs(one.heights - other.heights).max() < 3e-4  # This is the error of the splines.
     assert other.history == () or "about its middle" in "".join((*one.history, *other.history))
     lines = on_common_grid(Profile(np.arange(9.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
     assert lines[0].heights.tolist() == [2, 3, 4, 5, 6]
@@ -137,8 +137,8 @@ def test_rotated_equals_rotated_function(angle, shape):
         assert before.max() < (length - 1) * 0.1 + 1e-9
     expected = height(before_y, before_x)
     off = np.abs(turned.heights - expected)
-    assert np.median(off) < 1e-6  # the error is of fourth order in the spacing
-    assert off.max() < 1e-4  # at the sides
+    assert np.median(off) < 1e-6  # The error is of fourth order in the spacing.
+    assert off.max() < 1e-4  # The error is larger at the sides.
     if angle != 90:
         assert "% cut off" in turned.history[-1]
 
@@ -162,7 +162,8 @@ def test_surrogate_of_periodic_surface_has_its_spectrum(shape):
     assert again == pytest.approx(one, rel=1e-9, abs=1e-9 * one.max())
     assert other.heights.mean() == pytest.approx(3, abs=0.2)
     assert other.heights.mean() == pytest.approx(surface.heights.mean(), rel=ROUND_OFF)
-    assert abs(np.corrcoef(surface.heights.ravel(), other.heights.ravel())[0, 1]) < 0.1  # 2000 independent heights
+    # The surfaces have about 2000 independent heights.
+    assert abs(np.corrcoef(surface.heights.ravel(), other.heights.ravel())[0, 1]) < 0.1
     assert np.array_equal(surrogate(surface, 7, periodic=True).heights, other.heights)
     assert not np.array_equal(surrogate(surface, 7, repetition=1, periodic=True).heights, other.heights)
 

@@ -60,7 +60,7 @@ class TestSurrogate:
         created = np.abs(np.fft.rfft(surrogate(Profile(heights, spacing=1.0), 3).heights)[1:]) ** 2
         assert np.allclose(
             created / created.sum(), averaged / averaged.sum(), rtol=1e-9, atol=0
-        )  # scaled to the same Pq
+        )  # The surrogate is scaled to the Pq of the profile.
 
     @pytest.mark.parametrize("hurst", [0.4, 0.8])
     @pytest.mark.parametrize("longest", [4.0, 40.0])
@@ -126,7 +126,7 @@ def test_surface_spectrum_is_recovered_from_sections(hurst):
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
-def test_gradient_of_section_equals_that_of_surface(hurst):
+def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_its_section(hurst):
     body = known_surface(hurst)
     own = surface_spectrum(body, periodic=True)
     gradient = np.sqrt(own.moments(0).slope + own.moments(90).slope)
@@ -154,7 +154,7 @@ def test_mean_spectrum_equals_fit():
     # These are wavelengths of both the profile and the surface. 64 points contain all of them except the longest.
     expected = spectral_moments(section, periodic=True).slope
     assert np.mean(slopes) == pytest.approx(expected, rel=4 * np.std(slopes) / np.sqrt(40) / expected)
-    # number of harmonics, where the harmonic at the Nyquist wave number counts half
+    # This is the number of harmonics. The harmonic at the Nyquist wave number counts half.
     assert fitted.count.sum() == pytest.approx(255.5)
 
 

@@ -49,7 +49,8 @@ def test_result_of_measured_surfaces_quotes_friction_at_all_contacts_first():
     ):
         assert words in sentence_text(point)
     assert sentence_text(point).endswith(".")
-    assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)  # the range over members
+    # These ends are the smallest and largest values of members.
+    assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)
     assert only_point(measured_result(all_rub=0.1, half=1.2), measured_study()).lower == 0
     dataset = measured_result()
     dataset["friction_coefficient"] *= 9  # values in single directions do not change the mean over directions
@@ -235,7 +236,7 @@ def test_profiles_have_two_directions_and_a_nominal_pressure():
     assert "the mean over both directions and 16 positions" in sentence_text(point)
     assert "(1 MPa)" not in sentence_text(
         point
-    )  # with spheres, the nominal pressure depends on the chosen width of the strip
+    )  # With spheres, the nominal pressure would depend on the chosen width of the strip.
     for study in ({"mechanics": "asperities", "law": "hertz-cylinder"}, {"mechanics": "half-space"}):
         point = only_point(measured_result(directions=(0.0, 180.0)), measured_study(press="lines", **study))
         assert "(1 MPa)" in sentence_text(point)
@@ -273,7 +274,7 @@ def test_interval_covers_filtered_and_unfiltered_results(is_floor):
         dataset[name][{"cut_off": 1}] *= 0.84
     combined = dataset["friction_all_round"].isel(
         cut_off=[0, 1]
-    )  # an uncertainty budget with the hardness as its only input
+    )  # The uncertainty budget has the hardness as its only input.
     dataset["friction_known"] = combined
     dataset["friction_if_known"] = combined.expand_dims(input=["hardness"])
     dataset["width_if_known"] = combined.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02
@@ -302,7 +303,7 @@ def test_interval_covers_filtered_and_unfiltered_results(is_floor):
 def test_filtered_result_keeps_faults_of_the_unfiltered_result():
     dataset = measured_result(cut_offs=(0.5, 0.0), half=0.02, all_rub=0.25)
     dataset["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
-        2.0  # the interval of the unfiltered scan is too wide
+        2.0  # The interval of the unfiltered scan is too wide.
     )
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     filtered_point, raw_point = summarize(dataset, study).points

@@ -160,13 +160,15 @@ def test_band_that_starts_at_a_peak_is_reported():
     sine_wave = 0.4 * np.sin(2 * np.pi * rough_profile.x / 8.0)
     text = characterisation_text(Profile(rough_profile.heights + sine_wave, spacing=0.05), band=(0.2, 8.2))
     assert "the band starts on a peak at" in text
-    assert "begins on a peak" not in characterisation_text(rough_profile, band=(0.2, 8.2))  # a roll-off is no peak
+    # The start of a roll-off is not a peak.
+    assert "begins on a peak" not in characterisation_text(rough_profile, band=(0.2, 8.2))
 
 
 def test_dominant_peak_is_reported_with_its_fraction():
     rough_profile = self_affine(3, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.01, longest_wavelength=8.0)
     assert "peak" not in texts_by_label(characterisation_text(rough_profile))
-    sine_wave = 0.003 * np.sin(2 * np.pi * rough_profile.x / 0.06)  # as from an instrument
+    # The sine wave has the amplitude of typical instrument vibration.
+    sine_wave = 0.003 * np.sin(2 * np.pi * rough_profile.x / 0.06)
     peak_text = texts_by_label(characterisation_text(Profile(rough_profile.heights + sine_wave, spacing=0.01)))["peak"]
     match = re.match(r"at ([\d.]+) nm, with (\d+) % of m4", peak_text)
     assert float(match[1]) == pytest.approx(60, rel=0.1)
@@ -215,7 +217,7 @@ def test_surface_text_and_figure_show_results_of_the_library(surface, surface_ch
 
 def test_small_slope_estimate_assumes_two_equal_surfaces():
     x = np.arange(4000) * 0.01
-    slope = 0.2  # of one surface; the slope of the gap is larger by √2
+    slope = 0.2  # This is the slope of one surface. The slope of the gap is larger by √2.
     heights = slope * np.sqrt(2) / (2 * np.pi) * np.sin(2 * np.pi * x)
     expected_friction = gentle_friction(0.4, rms_gradient=slope * np.sqrt(2), rms_slope=slope * np.sqrt(2))
     texts = texts_by_label(characterisation_text(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0)))
@@ -244,7 +246,7 @@ class TestJoinedSpectrum:
         roughness = spectrum.roughness()
         resolution = spectral_resolution(
             roughness, roughness, pressure=1e-4, hardness=None, mu0=0.2, tau0=0.1, effective_modulus=1.0
-        )  # E* = 1 GPa, so that pressures are fractions of E*
+        )  # E* = 1 GPa, so that pressures are fractions of E*.
         elastic_line = pressure.lines[0]
         assert elastic_line.get_ydata() == pytest.approx(resolution.mean_pressure.values)
         steel = material("bearing steel")

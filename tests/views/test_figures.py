@@ -109,7 +109,7 @@ def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
     assert contents[1].startswith(b"%PDF")
     assert contents[2].startswith(b"<?xml")
     assert draw_figures(dataset, tmp_path, formats=FORMATS) == paths
-    assert [path.read_bytes() for path in paths] == contents  # files are reproducible
+    assert [path.read_bytes() for path in paths] == contents  # Drawing again gives equal files.
 
 
 def test_foreign_files_are_not_replaced_and_empty_results_are_rejected(tmp_path):
@@ -188,7 +188,7 @@ def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
 def test_area_figure_has_a_labelled_curve_for_each_dimension(generated_dataset):
     figure = area_figure(generated_dataset)
     area_axes = figure.axes[0]
-    assert len(area_axes.lines) == 2 * 4  # one line within the range of the model, and one beyond
+    assert len(area_axes.lines) == 2 * 4  # Each curve has a line within the range of the model and a line beyond it.
     assert any(text.get_text() == "$D$ = 1.00" for text in area_axes.texts)
     assert area_axes.get_ylabel() == style.axis_label("contact_area")
     for ax in area_figure(generated_dataset.isel(repetition=slice(2))).axes:
@@ -228,7 +228,7 @@ def test_load_figure_draws_means_of_the_result(maps_at_two_cutoffs):
         map(style.axis_label, ("friction_coefficient", "contact_area_fraction"))
     )
     marked_loads = [line.get_xdata()[0] for line in area_axes.lines if line.get_linestyle() == "--"]
-    assert marked_loads == [0.1, 0.5]  # the requested loads
+    assert marked_loads == [0.1, 0.5]  # The dashed lines are at the requested loads.
 
 
 def test_figure_lines_have_colours_of_their_sliding_rules(maps_at_two_cutoffs):
@@ -254,7 +254,7 @@ def test_compass_passes_through_its_points_and_starts_at_zero(maps_at_two_cutoff
 
 def test_positions_figure_is_sorted_for_maps_and_ordered_by_offset_for_profiles(maps_at_two_cutoffs, profiles_dataset):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
-    assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # 4 members in 4 directions
+    assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # There are 4 members in 4 directions.
     assert (np.diff(line_of_maps.get_ydata()) >= 0).all()
     line_of_profiles = draw_figure(profiles_dataset, "positions").axes[0].lines[0]
     assert set(line_of_profiles.get_xdata()) == set(profiles_dataset["x"].values)

@@ -57,7 +57,7 @@ def test_form_error_is_a_caveat_unless_it_is_removed(rough_profile):
     assert 0 < MAX_FORM_FRACTION < 1
     curved_profile = Profile(rough_profile.heights + x**2, spacing=rough_profile.spacing)
     study = measured_study()
-    study = study.with_changes({"surfaces.level": "quadratic"})  # removes the parabola
+    study = study.with_changes({"surfaces.level": "quadratic"})  # Quadratic levelling removes the parabola.
     assert find_input_caveats(rough_profile, curved_profile, study) == ()
 
 
@@ -143,12 +143,12 @@ def test_wavelengths_below_the_tip_are_a_caveat():
     options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
     study = pair_study(scan, scan, tip="20 um", **options)
     assert instrument_limit(scan, tip_radius=20.0).reason == "tip"
-    # The scan is not filtered: that would smooth a surface further that the tip has smoothed already.
+    # The scan is not filtered, because a filter would also smooth the surface where the tip has smoothed it already.
     assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
     (caveat,) = find_input_caveats(scan, scan, study)
     assert "does not resolve: the surface is steeper" in caveat.text
     assert instrument_limit(scan, tip_radius=20.0).slope_fraction > 0.1
-    assert caveat.severity == "fault"  # the elastic result has no limit at short wavelengths
+    assert caveat.severity == "fault"  # The elastic result has no limit at short wavelengths.
     plastic_study = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
     assert [plastic_caveat.severity for plastic_caveat in find_input_caveats(scan, scan, plastic_study)] == ["caution"]
     # A noise floor is also filtered if a tip radius is given.

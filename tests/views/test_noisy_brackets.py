@@ -13,8 +13,8 @@ PAIR_OPTIONS = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "hardness": "8 GPa", "shifts": 4,
     "onset": 0, "direction": [0, 90, 180, 270],
 }  # fmt: skip
-MIN_COVERED_FRACTION = 0.95  # of the brackets
-NUM_PAIRS = 75  # for each kind of noise
+MIN_COVERED_FRACTION = 0.95  # At least this fraction of the brackets must contain the true value.
+NUM_PAIRS = 75  # number of pairs for each kind of noise
 
 
 def create_noise(noise_kind, random):

@@ -35,8 +35,8 @@ def create_arbitrary_sums(tangential_factor):
     load_growth = np.arange(1, shape[-1] + 1) ** 1.5
     random_loads = random.lognormal(0, 0.6, shape[:3])[..., np.newaxis] * load_growth * random.lognormal(0, 0.3, shape)
     random_loads[:, :, 5:8, :4] = 0
-    random_loads[1, 0, 1:] = 0  # only one repetition carries load
-    random_loads[2, 0] = 0  # no repetition carries load
+    random_loads[1, 0, 1:] = 0  # Only one repetition carries a load.
+    random_loads[2, 0] = 0  # No repetition carries a load.
     has_contact = random_loads > 0
     for name in ("normal_elastic", "tangential_frictional", "contact_area", "overlap_load", "normal_adhesive"):
         data[name].values[:] = random_loads * random.uniform(0.1, 0.9, shape)
@@ -295,7 +295,7 @@ def test_friction_of_measured_surfaces_equals_the_library(measured_report):
         if (mu0, tau0) == study_setting[4:]:
             assert point["text"] == format_estimate(*expected.values.tolist())
             assert errors[-1] < 0.1
-        if not is_whole:  # a single direction has no interval
+        if not is_whole:  # A single direction has no interval.
             point_over_directions = report_numbers.point("friction", mu0, tau0, **indices)
             assert np.isnan(point_over_directions["lower"])
             assert "[" not in point_over_directions["text"]

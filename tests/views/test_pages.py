@@ -23,7 +23,7 @@ pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = browser.BROWSER_MARKS
 
 MAX_RELATIVE_ERROR = 10.0  # largest error of an interpolated value as a multiple of the tolerance for its nodes
-CONTROL_KEY_BIT, SHIFT_KEY_BIT = 2, 8  # in the browser's debugging protocol
+CONTROL_KEY_BIT, SHIFT_KEY_BIT = 2, 8  # bits of modifier keys in the browser's debugging protocol
 SCAN_OPTIONS = {"name": "scan.csv", "command": "stiction characterise scan.csv"}
 
 
@@ -377,7 +377,7 @@ def test_figures_and_tables_are_saved_as_svg_png_and_csv(driver, pages, tmp_path
             button.click()
             browser.wait_for(
                 driver, lambda _, file=file: file.exists()
-            )  # browsers block many downloads at the same time
+            )  # Browsers block many downloads at the same time.
     text = (tmp_path / "study_friction.svg").read_text("utf-8")
     assert "var(" not in text
     svg_text = " ".join(xml.etree.ElementTree.fromstring(text).itertext())
@@ -404,7 +404,7 @@ def test_map_shows_selected_quantity_and_amplitude(generated_report):
     for quantity in ("width", "area", "stiffness", "friction"):
         Select(find_element(generated_report, "quantity")).select_by_value(quantity)
         maps.append(read_map())
-    assert len(set(maps)) == 4  # the last map equals the first one
+    assert len(set(maps)) == 4  # The last map equals the first one.
     Select(find_element(generated_report, "amplitude")).select_by_visible_text("100 nm")
     assert read_map() not in maps
     for name, bad_value in (("mu0-number", "-1"), ("tau0-number", "e")):

@@ -73,7 +73,7 @@ def test_save_report_replaces_reports_but_no_other_files(generated_dataset, tmp_
     save_report(generated_dataset, path)
     assert len(path.read_bytes()) > 100_000
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(ReportError, match="pipe"):  # without waiting for a program that writes to the pipe
+    with pytest.raises(ReportError, match="pipe"):  # The command must not wait for a program that reads the pipe.
         save_report(generated_dataset, tmp_path / "pipe")
     foreign_file = tmp_path / "thesis.html"
     foreign_file.write_text("years of work")

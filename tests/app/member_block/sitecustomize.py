@@ -1,4 +1,4 @@
-"""Block the commands of a tested server while a file exists; it contains the number of the first blocked member.
+"""While a file exists, block the commands of a tested server at the ensemble member whose number the file contains.
 
 Python imports this module at its start in every process whose PYTHONPATH contains this folder.
 """
