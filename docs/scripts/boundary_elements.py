@@ -161,8 +161,8 @@ def draw_kappa(results: dict) -> None:
 
 def load_rows(results: dict) -> list[str]:
     rows = [
-        "| longest / shortest wave | H | p̄ / (E* h'rms) | contact fraction | contacts: boundary elements, model "
-        "| model: area | model: stiffness | with interaction: area | with interaction: stiffness |",
+        "| longest / shortest wavelength | H | p̄ / (E* h') | A/A0 | contacts: boundary elements, asperity model "
+        "| asperity model: area | asperity model: stiffness | with interaction: area | with interaction: stiffness |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for (bandwidth, hurst), values in results.items():
@@ -189,7 +189,9 @@ def count_rows(results: dict) -> list[str]:
     groups = ((1, 1), (1.5, 2), (2.5, 4), (4.5, 8), (8.5, 16), (16.5, 32), (32.5, 64), (64.5, 1000))
     rows = [
         "| contacts per period, boundary elements | "
-        + " | ".join(f"{way}, {bandwidth}" for way in ("model", "with interaction") for bandwidth in BANDWIDTHS)
+        + " | ".join(
+            f"{way}, {bandwidth}" for way in ("asperity model", "with interaction") for bandwidth in BANDWIDTHS
+        )
         + " |",
         "|---" * (2 * len(BANDWIDTHS) + 1) + "|",
     ]
@@ -212,7 +214,7 @@ def count_rows(results: dict) -> list[str]:
 
 def check_rows(results: dict, checks: dict) -> list[str]:
     rows = [
-        "| longest / shortest wave | points per shortest wave | area, at any load | area, from 0.02 on "
+        "| longest / shortest wavelength | points per shortest wavelength | area, at any load | area, from 0.02 on "
         "| stiffness, at any load | area and stiffness, tolerance 1e-10 to 1e-12 |",
         "|---|---|---|---|---|---|",
     ]
@@ -269,11 +271,12 @@ def main() -> None:
     draw_kappa(results)
     tables = (load_rows(results), count_rows(results), check_rows(results, checks))
     headings = (
-        "Model, and model with interaction, over boundary elements, with 95 % intervals. Contact fraction by boundary "
-        "elements; contacts per period of four longest waves.",
-        "The same ratios of area by the number of contacts, over all H and loads, by longest / shortest wave; blank "
-        "below 6 repetitions.",
-        f"How far the grid and the solver matter: largest change of a mean ratio of {NUM_CHECKS} profiles, over all H.",
+        "Area and stiffness of the asperity model, without and with interaction, divided by those of the boundary "
+        "elements, with 95 % intervals. A/A0 is the result of the boundary elements. The numbers of contacts are for a "
+        "period of four longest wavelengths.",
+        "Ratios of the area for different numbers of contacts. The columns are for longest / shortest wavelengths of "
+        "8, 32 and 128. The ratios are means over all H and loads; there is no value for fewer than 6 repetitions.",
+        f"Effect of the grid and the solver: largest change of the mean ratio of {NUM_CHECKS} profiles, over all H.",
     )
     text = "\n\n".join(f"{heading}\n\n" + "\n".join(rows) for heading, rows in zip(headings, tables, strict=True))
     (DOCS / "generated/boundary_elements.md").write_text(text + "\n", encoding="utf-8")

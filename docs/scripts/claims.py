@@ -128,7 +128,7 @@ _GAP_MINIMUM_CHANGES = {"contact.detection": "gap-minimum"}
 _ALL_CONTACTS = {**_GAP_MINIMUM_CHANGES, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
 
 COLUMNS: Mapping[str, Column] = {
-    "profiles, asperities, gap minima": Column("figure7", _GAP_MINIMUM_CHANGES, "opposing", 20, "gap-minima"),
+    "profiles, gap-minimum detection": Column("figure7", _GAP_MINIMUM_CHANGES, "opposing", 20, "gap-minima"),
     "the same, friction at all contacts": Column("figure7", _ALL_CONTACTS, "all", 20, "all-rub"),
     "height maps, asperities": Column("figure6-areal", _AREA_CHANGES, "opposing", 80, "areas"),
     "height maps, asperities, friction at all contacts": Column("figure6-areal", _AREA_CHANGES, "all", 80, "areas"),
@@ -817,7 +817,7 @@ def write_tables(
     if repetitions is not None:
         result = result_of(claims_study().with_changes({"ensemble.repetitions": max_repetitions}), "columns/lines")
         outcomes_by_column[f"profiles, {max_repetitions} repetitions"] = judge(result)
-    outcomes_by_column["the same by bands"] = judge(result, ruling="bands")
+    outcomes_by_column[f"profiles, {max_repetitions} repetitions, by bands"] = judge(result, ruling="bands")
     for name, column in COLUMNS.items():
         study = column.to_study(max_repetitions)
         dataset = result_of(study, f"columns/{column.directory}")

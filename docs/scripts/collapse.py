@@ -365,8 +365,9 @@ def per_cent(points: list[dict], name: str) -> str:
 
 def family_rows(points: list[dict]) -> list[str]:
     rows = [
-        "| bodies | h' | points | κ | contacts | by points: τ0 = 0 | 2 % of E* | by patches: τ0 = 0 | 2 % of E* "
-        "| friction at all contacts: τ0 = 0 | 2 % of E* | asperities, opposing: τ0 = 0 | 2 % of E* | standard error |",
+        "| surfaces | h' | ensembles | κ | contacts | by points, τ0 = 0 | by points, τ0 = 2 % of E* "
+        "| by patches, τ0 = 0 | by patches, τ0 = 2 % of E* | all contacts, τ0 = 0 | all contacts, τ0 = 2 % of E* | asperity model, τ0 = 0 "
+        "| asperity model, τ0 = 2 % of E* | standard error |",
         "|" + "---|" * 14,
     ]
     for family, words in FAMILY_TITLES.items():
@@ -537,14 +538,13 @@ def main() -> None:
     main_points = sum(point["family"] in FAMILY_TITLES for point in points)
     pressed = sum(point["pairs"] for point in points)
     text = [
-        f"{main_points} points, with the {len(points) - main_points} of the next table {pressed} pairs. μ0 = 0.4; p̄ is "
-        f"{LIGHT_PRESSURE:g} E* h' but for the measured ones, where it is 0.003 and 0.02 on the map. "
-        "Friction over that of the "
-        "closed form (second order, each pair's own κ, nothing fitted), less 1, in per cent: mean of the points, and "
-        "the one that is farthest off.",
+        f"Relative deviations of friction from the closed form of second order in per cent: mean over the ensembles, and the "
+        f"largest deviation. The closed form uses the κ of each pair, and nothing is fitted. There are {main_points} "
+        f"ensembles here and {len(points) - main_points} in the next table, with {pressed} pairs in total. μ0 is 0.4. The "
+        f"mean pressure is {LIGHT_PRESSURE:g} E* h', except for measured surfaces, for which it is 0.003 and 0.02 E* h'.",
         "\n".join(family_rows(points)),
-        "Where it ends, at τ0 = 0, in per cent: loads up to full contact; bodies of different roughness, stiffness and "
-        "spectra; steep slopes.",
+        "Limits of the closed form, with τ0 = 0: deviations in per cent for loads up to full contact, for bodies of "
+        "different roughness, stiffness and spectra, and for steep slopes.",
         "\n".join(limit_rows(points)),
     ]
     (DOCS / "generated/collapse.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")

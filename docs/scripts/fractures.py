@@ -158,7 +158,10 @@ def main(folder, names):
         print(
             f"\n**{name}**: Hurst exponent of the gap {hurst:.2f}, {100 * clipped:.1f} % of its points are clipped.\n"
         )
-        print("| change | stiffness 1 to 2 MPa, MPa/mm | difference | 5 to 10 MPa | difference | area at 10 MPa, % |")
+        print(
+            "| change | secant stiffness, 1 to 2 MPa (MPa/mm) | difference | secant stiffness, 5 to 10 MPa (MPa/mm) "
+            "| difference | true area at 10 MPa (%) |"
+        )
         print("|-|-|-|-|-|-|")
         print(f"| measured, loading | {measured_stiffness[0]:.0f} | | {measured_stiffness[1]:.0f} | | |")
         returned = [secant_stiffness(back[::-1], falling[::-1], between) for between in (LOW_STRESSES, HIGH_STRESSES)]

@@ -69,8 +69,9 @@ def draw() -> None:
     figure = Figure(figsize=(PAGE_WIDTH, 115 * MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True)
     lines = [
-        "| D | detection | load at 37 500 | 150 000 | 600 000 points (mN) | μ_s at 37 500 | 150 000 | 600 000 "
-        "| load on R < Δx at 150 000 |",
+        "| D | detection | load (mN), 37 500 points | load (mN), 150 000 points | load (mN), 600 000 points "
+        "| μ_s, 37 500 points | μ_s, 150 000 points | μ_s, 600 000 points "
+        "| fraction of the load on radii below the spacing, 150 000 points |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for row, (detection, sums) in enumerate(results.items()):

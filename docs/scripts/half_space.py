@@ -187,10 +187,11 @@ def format_tables(results: dict) -> str:
         mean, half = mean_and_half_width(values[:, load, :, column])
         return f"{mean[1]:.3f} ± {half[1]:.3f}, {mean[0]:.3f} ± {half[0]:.3f}"
 
-    head = "| | longest / shortest wave | H | p̄ / (E* h') |"
-    first = [f"{head} contact fraction | area | stiffness |", "|---|---|---|---|---|---|---|"]
+    head = "| surfaces | longest / shortest wavelength | H | p̄ / (E* h') |"
+    first = [f"{head} A/A0, half-space | ratio of areas | ratio of stiffnesses |", "|---|---|---|---|---|---|---|"]
     second = [
-        f"{head} opposing, τ0 = 0 | opposing, τ0 = 2 % of E* | all, τ0 = 0 | all, τ0 = 2 % of E* |",
+        f"{head} opposing contacts, τ0 = 0 | opposing contacts, τ0 = 2 % of E* "
+        "| all contacts, τ0 = 0 | all contacts, τ0 = 2 % of E* |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for (kind, band, hurst), values in results.items():
@@ -206,9 +207,11 @@ def format_tables(results: dict) -> str:
             )
     return "\n".join(
         [
-            "Asperities over half-space at equal elastic load, geometric means over pairs with 95 % intervals.\n",
+            "Results of the asperity model divided by results of the half-space model, at equal elastic load: geometric "
+            "means over pairs with 95 % intervals.\n",
             *first,
-            f"\nFriction at μ0 = {MU0:g}: asperities, half-space; means over pairs ± half of their 95 % intervals.\n",
+            f"\nFriction coefficients for μ0 = {MU0:g}. The first number in a cell is for the asperity model and the second "
+            "for the half-space model: means over pairs ± half of their 95 % intervals.\n",
             *second,
             "",
         ]

@@ -61,8 +61,8 @@ def generate_surrogates(upper, lower, line):
 
 def main():
     lines = [
-        "| H | waves along y over along x | of | A/A0 (%) | over the map's | μ_s, τ0 = 0 | over the map's "
-        "| μ_s, τ0 = 1 % of E* | over the map's |",
+        "| H | wavelengths along y / along x | surfaces from | A/A0 (%) | ratio to the map | μ_s, τ0 = 0 | ratio to the map "
+        "| μ_s, τ0 = 1 % of E* | ratio to the map |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for hurst, stretch in [(0.4, 1), (0.5, 1), (0.6, 1), (0.7, 1), (0.8, 1), (0.9, 1), (0.8, 2), (0.8, 4)]:

@@ -57,7 +57,7 @@ def measure_pair(upper, lower):
 def main():
     tamaas.set_log_level(tamaas.LogLevel.error)
     results = [measure_pair(*generate_surfaces(repetition)) for repetition in range(NUM_PAIRS)]
-    lines = ["| method | A/A0 (%) | μ_s, opposing |", "|---|---|---|"]
+    lines = ["| method | A/A0 (%) | μ_s, friction at opposing contacts |", "|---|---|---|"]
     for name in results[0]:
         values = np.array([item[name] for item in results]) * [100, 1]
         mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)

@@ -58,11 +58,14 @@ def format_table(pair_means, intervals):
     pairs, all_pairs = len(pair_means), pair_means.mean(axis=0)
     overall_mean = np.broadcast_to(all_pairs, pair_means.shape)
     rows = [
-        ("16 shifts", f"all {NUM_SHIFTS} shifts of the same two maps", intervals["shifts"], pair_means),
-        ("16 shifts", f"the mean of all {pairs} pairs", intervals["shifts"], overall_mean),
-        ("16 surrogates", f"the mean of all {pairs} pairs", intervals["surrogates"], overall_mean),
+        ("16 shifts", f"mean over all {NUM_SHIFTS} shifts of the same two maps", intervals["shifts"], pair_means),
+        ("16 shifts", f"mean over all {pairs} pairs", intervals["shifts"], overall_mean),
+        ("16 surrogates", f"mean over all {pairs} pairs", intervals["surrogates"], overall_mean),
     ]
-    lines = ["| interval over | held against | A/A0 | μ_s, opposing | μ_s, all |", "|---|---|---|---|---|"]
+    lines = [
+        "| interval from | true value | A/A0 | μ_s, friction at opposing contacts | μ_s, friction at all contacts |",
+        "|---|---|---|---|---|",
+    ]
     for members, truth, result, expected in rows:
         mean, low, high = np.moveaxis(np.array(result), -1, 0)
         inside = (low <= expected) & (expected <= high)

@@ -74,13 +74,13 @@ def format_ratio_interval(ratios: list[float]) -> str:
 def compare_asperities() -> list[str]:
     """Return the ratio of the asperity model to the half-space at equal elastic load."""
     lines = table_header(
-        "longest / shortest wave",
-        "pressure / E\\* h'",
+        "longest / shortest wavelength",
+        "mean pressure / (E\\* h')",
         "initial tangential stiffness",
         "pre-sliding displacement, τ0 = 0",
         "pre-sliding displacement, τ0 = 2 % of E\\*",
         "sliding load, τ0 = 2 % of E\\*",
-        "load that slips at half of the sliding load: half-space, asperities",
+        "fraction of the load that slips at half of the sliding load: half-space, asperities",
     )
     for band in BANDWIDTHS:
         result = [[[] for _ in range(6)] for _ in PRESSURES]
@@ -177,7 +177,10 @@ def _stuck_load(touching: np.ndarray, *, both: bool) -> float:
 
 def measure_times() -> list[str]:
     lines = table_header(
-        "512²", "a normal load", "20 steps of tangential load", "time of a step over time of the normal load"
+        "boundary, mean pressure",
+        "time of the normal load",
+        "time of 20 steps of tangential load",
+        "time of a step / time of the normal load",
     )
     upper, lower, unit = create_pair(32, 0)
     for boundary, pressure in product(("periodic", "free"), (0.02, 0.1)):
@@ -199,8 +202,8 @@ def measure_times() -> list[str]:
 def compare_models() -> list[str]:
     """Fit the Iwan and LuGre models to the curve."""
     lines = table_header(
-        "boundary", "pressure / E\\* h'", "τ0 / E\\*", "Iwan: χ, β", "rms error of the load",
-        "rms error of the energy per cycle", "LuGre: σ0 over initial stiffness", "rms error of the load",
+        "boundary", "mean pressure / (E\\* h')", "τ0 / E\\*", "Iwan: χ, β", "Iwan: rms error of the load",
+        "Iwan: rms error of the energy per cycle", "LuGre: σ0 / initial stiffness", "LuGre: rms error of the load",
     )  # fmt: skip
     upper, lower, unit = create_pair(16, 0)
     for boundary in ("periodic", "free"):
@@ -222,9 +225,7 @@ def compare_models() -> list[str]:
 
 
 def compare_slopes() -> list[str]:
-    lines = table_header(
-        "h' of the gap", "load at which sliding starts with friction at all contacts, over μ0 F + τ0 A"
-    )
+    lines = table_header("h' of the gap", "sliding load / (μ0 F + τ0 A)")
     for slope in (0.05, 0.1, 0.3, 0.6):
         upper, lower, unit = create_pair(16, 0, slope=slope / math.sqrt(2))
         curve = half_space(

@@ -265,12 +265,12 @@ def bracket_widths(rows, name, limit, most):
 def bracket_rows(groups):
     """Return the fractions of pairs inside their brackets and narrower ones, and the widths of the brackets."""
     lines = [
-        "| every finer result is between the plastic limit and | A/A0 | upper end over the limit (%) "
-        "| μ_s, friction at all contacts | upper end over the limit (%) |",
+        "| bracket: from the plastic limit to | A/A0: pairs inside | A/A0: upper end above the limit (%) "
+        "| μ_s, friction at all contacts: pairs inside | μ_s: upper end above the limit (%) |",
         "|---|---|---|---|---|",
     ]
     for words, rows in groups.items():
-        for said, prefix in (("the upper end of the bracket", "most_"), ("the result at the coarser cut-off", "")):
+        for said, prefix in (("the upper end of the bracket", "most_"), ("the result at the coarser cutoff", "")):
             parts = [
                 item
                 for limit, name in enumerate(("area", "all"))
@@ -286,7 +286,7 @@ def bracket_rows(groups):
 def yield_rows(by_hurst):
     """Return deviations of the coarsest result from the finest at elastic pressures of one and two hardnesses."""
     lines = [
-        f"| μ_s, friction at all contacts, at {CUTOFFS[-1]} points | elastic pressure over the hardness "
+        f"| μ_s, friction at all contacts, at {CUTOFFS[-1]} points | elastic mean pressure / hardness "
         "| mean difference from the finest (%) | largest difference (%) |",
         "|---|---|---|---|",
     ]
@@ -343,7 +343,7 @@ def extrapolation_rows(ahead):
 def spectrum_rows(together):
     wanted = list(dict.fromkeys(together["names"]))
     lines = [
-        "| wavelength (µm) | waves | combined over true spectrum | h' down to this wavelength over the true h' "
+        "| wavelength (µm) | averaged values of the spectrum | combined / true spectrum | estimated / true h' of longer wavelengths "
         f"| {' | '.join(wanted)} |",
         "|---|---|---|---|" + "---|" * len(wanted),
     ]
@@ -361,10 +361,14 @@ def spectrum_rows(together):
         )
     firsts = {name: together["names"].index(name) for name in wanted}
     ends = ", ".join(
-        f"{name} from {1e3 * together['bands'][scan][0]:.0f} nm ({together['reasons'][scan]})"
+        f"{name} {1e3 * together['bands'][scan][0]:.0f} nm ({together['reasons'][scan]})"
         for name, scan in firsts.items()
     )
-    return [*lines, "", f"Each is taken from where it is to be trusted: {ends}."]
+    return [
+        *lines,
+        "",
+        f"The last columns are the fractions that the scans contribute. The scans are used down to these wavelengths: {ends}.",
+    ]
 
 
 def write_page():
@@ -376,9 +380,9 @@ def write_page():
     for rows in by_hurst.values():
         lines += [*settling_rows(rows), ""]
     lines += [
-        f"Pairs of {LARGE_MAP_POINTS}² points, E\\* {MODULUS:g} GPa, {1e3 * PRESSURE:g} MPa, μ0 {MU0:g}, "
-        f"τ0 {1e3 * TAU0:g} MPa, "
-        "wavelengths from 4 points to a quarter of the length, means over pairs, Gaussian cut-offs.",
+        f"Means over pairs of maps of {LARGE_MAP_POINTS}² points with wavelengths from 4 points to a quarter of the side, "
+        f"filtered at the cutoff wavelength of each column. E\\* is {MODULUS:g} GPa, the nominal pressure "
+        f"{1e3 * PRESSURE:g} MPa, μ0 {MU0:g} and τ0 {1e3 * TAU0:g} MPa.",
         "",
         *yield_rows(by_hurst),
         "",
@@ -386,8 +390,8 @@ def write_page():
             {f"{LARGE_MAP_POINTS}², 4 to 64 points": settled, f"{LARGE_MAP_POINTS // 4}², 4 to 16 points": bracketed}
         ),
         "",
-        "The factor 1 + h'²/8 for the slopes of the finer result is allowed. Upper ends are medians, at all cut-offs "
-        "but the first.",
+        "A pair is inside the bracket if all finer results are inside, apart from a factor of 1 + h'²/8 for their "
+        "slopes. Upper ends are medians, one for each cutoff except the first.",
         "",
         *extrapolation_rows(ahead),
         "",
