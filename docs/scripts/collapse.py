@@ -366,7 +366,8 @@ def per_cent(points: list[dict], name: str) -> str:
 def family_rows(points: list[dict]) -> list[str]:
     rows = [
         "| surfaces | h' | ensembles | κ | contacts | by points, τ0 = 0 | by points, τ0 = 2 % of E* "
-        "| by patches, τ0 = 0 | by patches, τ0 = 2 % of E* | all contacts, τ0 = 0 | all contacts, τ0 = 2 % of E* | asperity model, τ0 = 0 "
+        "| by patches, τ0 = 0 | by patches, τ0 = 2 % of E* | all contacts, τ0 = 0 | all contacts, τ0 = 2 % of E* | "
+        "asperity model, τ0 = 0 "
         "| asperity model, τ0 = 2 % of E* | standard error |",
         "|" + "---|" * 14,
     ]
@@ -538,10 +539,13 @@ def main() -> None:
     main_points = sum(point["family"] in FAMILY_TITLES for point in points)
     pressed = sum(point["pairs"] for point in points)
     text = [
-        f"Relative deviations of friction from the closed form of second order in per cent: mean over the ensembles, and the "
+        "Relative deviations of friction from the closed form of second order in per cent: mean over the ensembles, "
+        "and the "
         f"largest deviation. The closed form uses the κ of each pair, and nothing is fitted. There are {main_points} "
-        f"ensembles here and {len(points) - main_points} in the next table, with {pressed} pairs in total. μ0 is 0.4. The "
-        f"mean pressure is {LIGHT_PRESSURE:g} E* h', except for measured surfaces, for which it is 0.003 and 0.02 E* h'.",
+        f"ensembles here and {len(points) - main_points} in the next table, with {pressed} pairs in total. μ0 is 0.4. "
+        "The "
+        f"mean pressure is {LIGHT_PRESSURE:g} E* h', except for measured surfaces, for which it is 0.003 and 0.02 E* "
+        "h'.",
         "\n".join(family_rows(points)),
         "Limits of the closed form, with τ0 = 0: deviations in per cent for loads up to full contact, for bodies of "
         "different roughness, stiffness and spectra, and for steep slopes.",

@@ -207,10 +207,12 @@ def format_tables(results: dict) -> str:
             )
     return "\n".join(
         [
-            "Results of the asperity model divided by results of the half-space model, at equal elastic load: geometric "
+            "Results of the asperity model divided by results of the half-space model, at equal elastic load: "
+            "geometric "
             "means over pairs with 95 % intervals.\n",
             *first,
-            f"\nFriction coefficients for μ0 = {MU0:g}. The first number in a cell is for the asperity model and the second "
+            f"\nFriction coefficients for μ0 = {MU0:g}. The first number in a cell is for the asperity model and the "
+            "second "
             "for the half-space model: means over pairs ± half of their 95 % intervals.\n",
             *second,
             "",

@@ -61,7 +61,8 @@ def generate_surrogates(upper, lower, line):
 
 def main():
     lines = [
-        "| H | wavelengths along y / along x | surfaces from | A/A0 (%) | ratio to the map | μ_s, τ0 = 0 | ratio to the map "
+        "| H | wavelengths along y / along x | surfaces from | A/A0 (%) | ratio to the map | μ_s, τ0 = 0 | ratio to "
+        "the map "
         "| μ_s, τ0 = 1 % of E* | ratio to the map |",
         "|---|---|---|---|---|---|---|---|---|",
     ]

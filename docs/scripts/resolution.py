@@ -343,7 +343,8 @@ def extrapolation_rows(ahead):
 def spectrum_rows(together):
     wanted = list(dict.fromkeys(together["names"]))
     lines = [
-        "| wavelength (µm) | averaged values of the spectrum | combined / true spectrum | estimated / true h' of longer wavelengths "
+        "| wavelength (µm) | averaged values of the spectrum | combined / true spectrum | estimated / true h' of "
+        "longer wavelengths "
         f"| {' | '.join(wanted)} |",
         "|---|---|---|---|" + "---|" * len(wanted),
     ]
@@ -367,7 +368,8 @@ def spectrum_rows(together):
     return [
         *lines,
         "",
-        f"The last columns are the fractions that the scans contribute. The scans are used down to these wavelengths: {ends}.",
+        "The last columns are the fractions that the scans contribute. The scans are used down to these wavelengths: "
+        f"{ends}.",
     ]
 
 
@@ -380,7 +382,8 @@ def write_page():
     for rows in by_hurst.values():
         lines += [*settling_rows(rows), ""]
     lines += [
-        f"Means over pairs of maps of {LARGE_MAP_POINTS}² points with wavelengths from 4 points to a quarter of the side, "
+        f"Means over pairs of maps of {LARGE_MAP_POINTS}² points with wavelengths from 4 points to a quarter of the "
+        "side, "
         f"filtered at the cutoff wavelength of each column. E\\* is {MODULUS:g} GPa, the nominal pressure "
         f"{1e3 * PRESSURE:g} MPa, μ0 {MU0:g} and τ0 {1e3 * TAU0:g} MPa.",
         "",
