@@ -130,4 +130,4 @@ def test_at_command_assesses_few_contacts_as_do_not_quote(tmp_path, monkeypatch,
     run_command(monkeypatch, "at", tmp_path / "study", *arguments)
     (answer,) = json.loads(capsys.readouterr().out)["answers"]
     assert answer["verdict"] == "Do not quote"
-    assert "1.9 contacts on average are too few" in [caveat["text"] for caveat in answer["caveats"]]
+    assert "too few contacts, 1.9 on average" in [caveat["text"] for caveat in answer["caveats"]]

@@ -84,7 +84,7 @@ FAULT_CASES = {
     "edge": ({"share_at_edge": 0.55}, {"share_at_edge": 0.45}, "edge"),
     "points": ({"contact_count": 1e4, "contact_area": 90.0}, {"contact_count": 1e4, "contact_area": 110.0}, "points"),
     "contacts": ({"contact_count": 0.6, "members": 16}, {"contact_count": 12.0}, "contacts"),
-    "few contacts": ({"contact_count": 4.9}, {"contact_count": 12.0}, "4.9 contacts on average are too few"),
+    "few contacts": ({"contact_count": 4.9}, {"contact_count": 12.0}, "too few contacts, 4.9 on average"),
     "one contact": ({"share_on_largest": 0.51}, {"share_on_largest": 0.39}, "one contact carries 51 %"),
     "below 0": ({"all_rub": -0.01}, {"all_rub": 0.01}, "below 0"),
     "beyond Hertz": ({"share_beyond_hertz": 0.6}, {"share_beyond_hertz": 0.4}, "Hertz"),
@@ -443,7 +443,7 @@ def test_text_about_finer_scans_states_hardness():
 
 def test_few_contacts_and_zero_tau0_are_caveats_of_generated_surfaces():
     point = summarize(generated_result(contact_count=7.0), generated_study()).points[0]
-    assert "7 contacts on average are few" in caveat_texts(point)
+    assert "few contacts, 7 on average" in caveat_texts(point)
     assert summarize(generated_result(contact_count=3.0), generated_study()).points[0].verdict == "Do not quote"
     assert "τ0 is 0, so the coefficient is the given μ0" in caveat_texts(
         summarize(generated_result(friction=0.4), generated_study()).points[0]

@@ -207,12 +207,12 @@ CONTACT_COUNT_CHECKS = (
     Check("contacts_missing_of_all", 0.0,
           f"all members together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}}",
           "use a higher load, larger surfaces or more members", about="contact_count"),
-    Check("contacts_missing", 0.0, "{} contacts on average are too few",
+    Check("contacts_missing", 0.0, "too few contacts, {} on average",
           MORE_CONTACTS_REMEDY, about="contact_count"),
     _fraction_check(
         "share_on_separate", LARGEST_CONTACT_TEXT, MORE_CONTACTS_REMEDY, "fault", MAX_LOAD_FRACTION_ON_CONTACT
     ),
-    Check("contacts_wanting", 0.0, "{} contacts on average are few",
+    Check("contacts_wanting", 0.0, "few contacts, {} on average",
           MORE_CONTACTS_REMEDY, "caution", about="contact_count"),
     _fraction_check(
         "share_on_largest", LARGEST_CONTACT_TEXT, MORE_CONTACTS_REMEDY, "caution", CAUTION_LOAD_FRACTION_ON_CONTACT
