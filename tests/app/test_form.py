@@ -4,7 +4,15 @@ import html
 import json
 
 import pytest
-from stiction.app.form import FIELDS, READING_FIELDS, fields_html, find_first_option, page_facts, replace_option_names
+from stiction.app.form import (
+    FIELDS,
+    READING_FIELDS,
+    fields_html,
+    find_first_option,
+    label_caveats,
+    page_facts,
+    replace_option_names,
+)
 from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_choices
 
 
@@ -48,3 +56,13 @@ def test_form_adds_units_to_quantities_but_not_to_texts():
 def test_error_message_names_the_form_field_by_its_label(message, labelled, option):
     assert replace_option_names(message) == labelled
     assert find_first_option(message) == option
+
+
+def test_caveats_name_form_fields_by_their_labels():
+    caveats = [{"text": "adhesion is neglected", "cure": "specify --adhesion or --lines", "severity": "caution"}]
+    assert label_caveats({"value": 1, "caveats": caveats}) == {
+        "value": 1,
+        "caveats": [
+            {"text": "adhesion is neglected", "cure": 'specify "work of adhesion" or --lines', "severity": "caution"}
+        ],
+    }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import json
 import re
-from typing import Literal
+from typing import Any, Literal
 
 from stiction.studies.pair_options import PAIR_OPTIONS, FormField, format_command_line_name
 from stiction.views.point import RULE_DESCRIPTIONS
@@ -69,3 +69,9 @@ def replace_option_names(message: str) -> str:
         return f'"{field.label.partition(",")[0]}"' if field else match[0]
 
     return _OPTION_PATTERN.sub(field_label, message)
+
+
+def label_caveats(record: dict[str, Any]) -> dict[str, Any]:
+    """Return the record of a point whose caveats name form options by the labels of their fields."""
+    caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
+    return record | {"caveats": caveats}

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stiction._number_format import to_json
+from stiction.app.form import label_caveats
 from stiction.app.jobs import REPORTED_ERRORS, remove_paths
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import PAIR_OPTIONS, format_command_line_name
@@ -51,7 +52,7 @@ def main() -> None:
 
 def _write_files(result: Result, request: dict[str, Any]) -> dict[str, Any]:
     command = request["command"]
-    record = point_record(result.summary().first)
+    record = label_caveats(point_record(result.summary().first))
     texts = {"page.html": report_page(result, name=request["name"])}
     if result.path is not None and command:
         texts |= {

@@ -26,7 +26,7 @@ from starlette.routing import Route
 from stiction._files import replaced_file
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
-from stiction.app.form import FIELDS, READING_FIELDS, fields_html, page_facts
+from stiction.app.form import FIELDS, READING_FIELDS, fields_html, label_caveats, page_facts
 from stiction.app.jobs import Job, Jobs, RejectedError, remove_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
@@ -325,7 +325,8 @@ class Server:
         job, query = self._find_job(request), request.query_params
         numbers = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
         output = await self.jobs.evaluate(job, numbers, float(query["d"]) if "d" in query else None)
-        return Response(output, media_type="application/json")
+        answers = json.loads(output)["answers"]
+        return JSONResponse({"answers": [label_caveats(record) for record in answers]})
 
     async def get_file(self, request: Request) -> Response:
         """Return the report, JSON, CSV or study file of a job."""
