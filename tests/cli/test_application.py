@@ -1,5 +1,6 @@
 """Tests of error messages, and of environments in which the command must not end with a traceback."""
 
+import gc
 import os
 import subprocess
 import sys
@@ -74,6 +75,30 @@ def test_interrupt_during_import_gives_no_traceback(monkeypatch):
     with pytest.raises(SystemExit):
         main()
     assert exit_statuses == [130]
+
+
+@pytest.mark.parametrize("error_type", [ImportError, RuntimeError])
+def test_error_that_an_interrupt_has_caused_is_an_interruption(monkeypatch, capsys, error_type):
+    """An extension module that is interrupted while it is imported raises ImportError."""
+
+    def raise_error(**_):
+        raise error_type("initialization failed") from KeyboardInterrupt()
+
+    monkeypatch.setattr(application, "app", raise_error)
+    monkeypatch.setattr(application.signal, "signal", lambda *_: None)
+    assert application.run_command_line() == 130
+    assert capsys.readouterr().err == "stiction: interrupted\n"
+
+
+def test_interrupted_constructors_print_nothing_when_their_objects_are_deleted(monkeypatch, capfd):
+    class Partial:
+        def __del__(self):
+            self.file.close()
+
+    monkeypatch.setattr(sys, "unraisablehook", application._handle_unraisable)
+    Partial()
+    gc.collect()
+    assert capfd.readouterr().err == ""
 
 
 def test_failed_thread_start_is_reported_in_one_message(tmp_path, monkeypatch):

@@ -12,7 +12,8 @@ import sys
 import textwrap
 import warnings
 from _thread import interrupt_main, start_new_thread
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, cast
@@ -258,9 +259,10 @@ def run_command_line() -> int:
     warnings.showwarning = print_warning
     _PRINTED_WARNINGS.clear()
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # NumPy warns about NaN, which the output explains
-    sys.unraisablehook = _repeat_interrupt
+    sys.unraisablehook = _handle_unraisable
     try:
-        return int(app(standalone_mode=False, prog_name="stiction") or 0)
+        with _uncover_interrupts():
+            return int(app(standalone_mode=False, prog_name="stiction") or 0)
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":
             error.show()  # type: ignore[attr-defined]
@@ -300,11 +302,28 @@ def _suggest_command(message: str) -> str:
     return f"no such command '{unknown[1]}'; did you mean {suggestions[0]}?" if unknown and suggestions else message
 
 
-def _repeat_interrupt(unraisable: Any) -> None:
-    """Raise KeyboardInterrupt again in the main thread if Python ignored it in a destructor."""
+@contextmanager
+def _uncover_interrupts() -> Iterator[None]:
+    """Raise KeyboardInterrupt if it has caused an error, such as the ImportError of an interrupted extension module."""
+    try:
+        yield
+    except Exception as error:
+        cause: BaseException | None = error
+        while cause is not None:
+            if isinstance(cause, KeyboardInterrupt):
+                raise KeyboardInterrupt from None
+            cause = cause.__cause__ or cause.__context__
+        raise
+
+
+def _handle_unraisable(unraisable: Any) -> None:
+    """Raise KeyboardInterrupt again in the main thread if Python ignored it in a destructor.
+
+    An AttributeError is ignored: the destructor of an object raises it if the constructor was interrupted.
+    """
     if issubclass(unraisable.exc_type, KeyboardInterrupt):
         start_new_thread(interrupt_main, ())
-    else:
+    elif not issubclass(unraisable.exc_type, AttributeError):
         sys.__unraisablehook__(unraisable)
 
 
