@@ -247,6 +247,29 @@ def test_preview_shows_the_latest_options_if_an_older_answer_arrives_last(empty_
     assert texts["wrong"] == ""
 
 
+def test_progress_of_jobs_is_that_of_the_latest_request(empty_page):
+    empty_page.execute_script(
+        "const fetchNow = window.fetch; let isFirst = true; window.delayed = 0;"
+        "window.fetch = async (...options) => {"
+        "const isLate = isFirst; isFirst = false; if (!isLate) return fetchNow(...options);"
+        "await new Promise((resume) => setTimeout(resume, 1000)); window.delayed += 1;"
+        "return new Response(JSON.stringify([{number: -1}])); };"
+        "poll(); poll();"
+    )
+    wait_until(lambda: empty_page.execute_script("return window.delayed"), bool)
+    script = "setTimeout(() => arguments[0](jobs.map(({number}) => number)), 50)"
+    assert -1 not in empty_page.execute_async_script(script)
+
+
+def test_copy_button_gets_its_label_back_after_two_clicks(empty_page):
+    script = (
+        "for (const text of ['x', 'x']) copy(byId('copy'), text);"
+        "setTimeout(() => arguments[0](byId('copy').textContent), 2500)"
+    )
+    label = empty_page.execute_script("return byId('copy').textContent")
+    assert empty_page.execute_async_script(script) == label
+
+
 def test_form_distinguishes_arriving_scans_from_missing_scans(empty_page):
     empty_page.execute_script("arriving.lower = 1")
     empty_page.find_element("css selector", "#pair .go").send_keys("\n")
@@ -406,6 +429,8 @@ def test_error_of_the_command_is_shown_at_its_field(empty_page, maps, tmp_path, 
         )  # fmt: skip
 
     assert choose_scan(empty_page, "upper", broken_file)["wrong"] == command_error(broken_file)
+    # The browser reports a second choice of the same file only if the field is empty.
+    assert empty_page.find_element("id", "upper-file").get_property("value") == ""
     assert choose_scan(empty_page, "upper", text_file)["wrong"] == command_error(text_file)
     change_reading_field("unit", "nm")
     expected_message = command_error(text_file, "--unit", "nm")

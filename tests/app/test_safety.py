@@ -356,11 +356,11 @@ def test_server_answers_its_owner_despite_many_idle_connections(tmp_path):
         server.log_in()
         resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (256, 256))
         for _ in range(400):
-            idle = stack.enter_context(socket.create_connection(("127.0.0.1", int(server.port)), timeout=5))
+            idle = stack.enter_context(socket.create_connection(("127.0.0.1", int(server.port)), timeout=60))
             idle.sendall(b"GET / HTTP/1.1\r\n")
         assert [server.request("GET", "/jobs")[0] for _ in range(3)] == [200, 200, 200]
         server.process.send_signal(signal.SIGTERM)
-        assert server.process.wait(30) == 0
+        assert server.process.wait(60) == 0
         assert server.process.stderr.read() == ""
 
 
@@ -412,7 +412,7 @@ def test_terminated_server_ends_without_traceback_during_requests_and_jobs(tmp_p
         with ThreadPoolExecutor(8) as pool:
             answers = [pool.submit(server.request, "GET", f"/scans/{upper}") for _ in range(8)]
             server.process.send_signal(signal.SIGTERM)
-            assert server.process.wait(30) == 0
+            assert server.process.wait(60) == 0
             assert all(answer.exception() or answer.result()[0] in (200, 503) for answer in answers)
         assert server.process.stderr.read() == ""
 

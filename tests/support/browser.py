@@ -71,8 +71,7 @@ def wait_for(driver, condition):
 
 def wait_until_idle(driver):
     """Wait until the page is idle and has updated its address and details."""
-    driver.execute_async_script("setTimeout(arguments[0], 2 * REDRAW_DELAY)")
-    wait_for_drawing(driver)
+    wait_for(driver, lambda driver: driver.execute_script("return !frame && !redrawTimer"))
 
 
 def load_axe_script():

@@ -66,7 +66,11 @@ function connectDrop(side) {
   place.querySelector("b").textContent = side === "upper" ? "Upper, the slider" : "Lower";
   const input = place.querySelector("input[type=file]");
   input.id = `${side}-file`;
-  input.addEventListener("change", () => input.files.length && uploadScan(side, input.files[0]));
+  input.addEventListener("change", () => {
+    const [file] = input.files;
+    input.value = ""; // otherwise the browser would ignore a second choice of the same file
+    if (file) uploadScan(side, file);
+  });
   for (const name of ["dragenter", "dragover", "dragleave", "drop"])
     place.addEventListener(name, (event) => {
       event.preventDefault();
@@ -187,15 +191,17 @@ async function submitJob(errorId, body) {
 }
 
 let pollTimer = 0;
+let latestPoll = 0; // number of the latest request for the progress; answers to earlier ones are ignored
 
 /** Request the progress of all jobs periodically. Requests are short, because a browser has few connections. */
 async function poll() {
   clearTimeout(pollTimer);
+  const request = (latestPoll += 1);
   const response = await requestJson("/jobs").catch(() => null);
+  if (request !== latestPoll) return;
   byId("gone").hidden = response !== null;
   if (response) jobs = response;
   render();
-  clearTimeout(pollTimer);
   pollTimer = setTimeout(poll, POLL_INTERVAL);
 }
 
@@ -330,10 +336,16 @@ function submitRun(event) {
   submitJob("run-wrong", {command: "run", options});
 }
 
+let listTimer = 0;
+let latestList = 0; // number of the latest request for the list; answers to earlier ones are ignored
+
 /** List the results in the directory while their panel is open. */
 async function listResults() {
+  clearTimeout(listTimer);
   if (!byId("there").open) return;
+  const request = (latestList += 1);
   const list = await requestJson("/results").catch(() => []);
+  if (request !== latestList) return;
   const text = JSON.stringify(list);
   if (byId("results").dataset.text !== text) byId("results").replaceChildren(...list.map(({name, finished, total, kind, error}) => {
     const words = error ?? `${kind === "measured" ? "a pair" : "a study"}, ${finished} of ${total}`;
@@ -341,7 +353,7 @@ async function listResults() {
     return createNode("li", {}, button, ` ${words}`);
   }), ...(list.length ? [] : [createNode("li", {}, "There are no results in the directory where stiction was started.")]));
   byId("results").dataset.text = text;
-  setTimeout(listResults, 2000);
+  listTimer = setTimeout(listResults, 2000);
 }
 
 const formFields = () => [...form.querySelectorAll("[name]")];
@@ -370,7 +382,7 @@ function showNumbers() {
 
 /** Copy a text to the clipboard and confirm it on the button. */
 async function copy(button, text) {
-  const label = button.textContent;
+  const label = (button.dataset.label ??= button.textContent);
   await navigator.clipboard.writeText(text).then(() => { button.textContent = "Copied"; }, () => { button.textContent = "Press Ctrl-C"; });
   setTimeout(() => { button.textContent = label; }, 2000);
 }

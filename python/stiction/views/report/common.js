@@ -24,12 +24,14 @@ function redraw(...places) {
 }
 
 function drawVisible() {
+  frame = 0;
   drawPending((place) => {
     const {top, bottom} = byId(place).getBoundingClientRect();
     return top < innerHeight && bottom > 0 && !slow(place);
   });
   clearTimeout(redrawTimer);
   redrawTimer = setTimeout(() => {
+    redrawTimer = 0;
     atRest();
     drawPending(() => true);
   }, REDRAW_DELAY);

@@ -257,7 +257,11 @@ function interactive(place, {point, leave, pick, redrawn}) {
     from = rectangle = null;
   };
   window.addEventListener("pointerup", release);
-  window.addEventListener("pointercancel", (event) => { fingers.delete(event.pointerId); from = null; });
+  window.addEventListener("pointercancel", (event) => {
+    fingers.delete(event.pointerId);
+    rectangle?.remove();
+    from = rectangle = null;
+  });
   place.addEventListener("click", (event) => {
     if (pressed && event.detail === 1) undo = pick?.(...values(pressed)); // the second click of a double click has detail 2
     pressed = null;
