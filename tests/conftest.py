@@ -7,6 +7,7 @@ from pathlib import Path
 # Tests run in one process for each core; additional threads for linear algebra would slow them down.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import hypothesis
 import numpy as np
 import pytest
 from stiction import Profile, random_phases, run, weierstrass_mandelbrot
@@ -15,6 +16,12 @@ from support.generated_studies import SMALL_STUDY
 
 # Background jobs of a shell ignore SIGINT, which some tests send to themselves.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# Generated examples have no time limit, because other processes may use the cores.
+hypothesis.settings.register_profile(
+    "without time limits", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
+)
+hypothesis.settings.load_profile("without time limits")
 
 
 @pytest.fixture(scope="session")

@@ -15,18 +15,18 @@ def test_cached_property_does_not_block_other_objects():
         def value(self):
             if self.waits:
                 begun.set()
-                assert end.wait(10)
+                assert end.wait(60)
             return object()
 
     slow, quick = SlowObject(), SlowObject()
     slow.waits = True
     other = threading.Thread(target=lambda: slow.value)
     other.start()
-    assert begun.wait(10)
+    assert begun.wait(60)
     values = []
     mine = threading.Thread(target=lambda: values.append(quick.value))
     mine.start()
-    mine.join(10)
+    mine.join(60)
     assert values == [quick.value]
     end.set()
     other.join()

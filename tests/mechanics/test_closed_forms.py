@@ -67,7 +67,7 @@ def reference():
 
 
 class TestAgainstContactMechanics:
-    @settings(deadline=None, max_examples=50)
+    @settings(max_examples=50)
     @given(overlap=lengths, radius=lengths, modulus=moduli)
     def test_hertz_sphere_agrees_with_contact_mechanics(self, reference, overlap, radius, modulus):
         force, area = hertz_sphere(overlap, radius, modulus)

@@ -259,7 +259,7 @@ MODEL_OPTIONS = st.fixed_dictionaries(
     }
 )
 RANDOM_PAIRS = given(pair=pairs(), approach=st.floats(1e-3, 0.05), choices=MODEL_OPTIONS)
-IDENTITY_SETTINGS = settings(max_examples=25, deadline=None, derandomize=True)
+IDENTITY_SETTINGS = settings(max_examples=25, derandomize=True)
 OPPOSITE_DIRECTION = {"+x": "-x", "-x": "+x"}
 
 

@@ -31,7 +31,7 @@ def test_levelled_subtracts_least_squares_polynomial(trend, degree):
 @given(
     seed=st.integers(0, 2**32), points=st.integers(4, 300), coefficients=st.tuples(*[st.floats(-1, 1)] * 3),
 )  # fmt: skip
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_levelled_removes_added_trend(seed, points, coefficients):
     profile = rough_profile(points, seed=seed)
     t = np.linspace(-1, 1, points)

@@ -13,9 +13,15 @@ if BLOCKING_FILE.exists():
 
     compute_sums, compute_preview = runner.member_sums, runner.preview_result
 
+    def is_blocked(member):
+        try:
+            return member >= int(BLOCKING_FILE.read_text(encoding="utf-8") or 0)
+        except FileNotFoundError:  # removed at any moment
+            return False
+
     def member_sums(study, member):
         """Return the sums of a member once the file does not block it."""
-        while BLOCKING_FILE.exists() and member >= int(BLOCKING_FILE.read_text(encoding="utf-8") or 0):
+        while is_blocked(member):
             time.sleep(0.02)
         return compute_sums(study, member)
 
