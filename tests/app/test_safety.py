@@ -217,7 +217,7 @@ def test_server_survives_a_thousand_simultaneous_requests(app):
 
     with ThreadPoolExecutor(250) as pool:
         statuses = list(pool.map(request_profiles, range(1000)))
-    assert set(statuses) == {200, 503}
+    assert set(statuses) <= {200, 503}
     assert statuses.count(200) > 50
     assert app.resident_memory() < MAX_SERVER_MEMORY
     assert wait_until(app.is_alive, bool)
