@@ -141,6 +141,13 @@ def check_emphasis(app: Sphinx, exception: Exception | None) -> None:
             raise SphinxError(f"{page.name} has emphasis that ends too early: {match[0]}")
 
 
+def check_comments(app: Sphinx, page: str, source: list[str]) -> None:
+    """End the build with an error if a line inside a paragraph starts with %, because MyST reads it as a comment."""
+    text = re.sub(r"^(`{3,}).*?^\1", "", source[0], flags=re.DOTALL | re.MULTILINE)
+    if match := re.search(r"(?<=\S\n)%[^\n]{0,40}", text):
+        raise SphinxError(f"{page}: a line of a paragraph must not start with %, got {match[0]!r}")
+
+
 # ---- Links ----------------------------------------------------------------------------------------------------------
 
 
@@ -270,3 +277,4 @@ def setup(app: Sphinx) -> None:
     app.connect("build-finished", improve_accessibility)
     app.connect("build-finished", check_paths)
     app.connect("build-finished", check_emphasis)
+    app.connect("source-read", check_comments)
