@@ -1,4 +1,4 @@
-"""Compare stiction with programs and libraries that could replace it; each comparison checks that results agree."""
+"""Compare the speed of stiction with other programs and libraries, and check that their results agree."""
 
 import numpy as np
 import plain
@@ -17,7 +17,7 @@ def compare_plain_program() -> list[tuple[str, str]]:
     our_time = seconds(lambda: member_sums(study, 0), 5) / 50
     sums = member_sums(study, 0)
     times, largest_difference = [], 0.0
-    for d in (0, 25):  # D = 1.00 and 1.357
+    for d in (0, 25):  # The fractal dimensions are 1.00 and 1.357.
         dimension = study.surfaces.fractal_dimensions()[d]
 
         def compute_pair(dimension=dimension):
@@ -91,7 +91,7 @@ def compare_boundary_elements() -> list[tuple[str, str]]:
     x = np.arange(points) / points
     random = np.random.default_rng(5)
     heights = np.zeros(points)
-    for q in range(1, 257):  # periodic and self-affine, H = 0.8
+    for q in range(1, 257):  # The profile is periodic and self-affine with H = 0.8.
         heights += q**-1.3 * np.cos(2 * np.pi * (q * x + random.random()))
     heights *= 0.01 / np.ptp(heights)
     lower, upper = Profile(heights, spacing=1 / points), Profile(np.zeros(points), spacing=1 / points)
@@ -107,7 +107,8 @@ def compare_boundary_elements() -> list[tuple[str, str]]:
         return float((model.traction > 0).mean())
 
     area = solve()
-    assert 0.05 < float(curve.contact_area[20]) / area < 1  # without interaction of asperities the area is smaller
+    # Without the interaction of asperities, the area is smaller.
+    assert 0.05 < float(curve.contact_area[20]) / area < 1
     ours = seconds(lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20)
     return [
         (

@@ -1,4 +1,4 @@
-"""Measure the start and the first result of `stiction app`."""
+"""Measure how long `stiction app` takes to start and to show its first result."""
 
 import os
 import re
@@ -43,7 +43,7 @@ def measure_rows() -> list[tuple[str, str]]:
             paint_time = driver.execute_script(
                 "return performance.getEntriesByName('first-contentful-paint')[0].startTime"
             )
-            time.sleep(5)  # the reading time of a user
+            time.sleep(5)  # A user would read the page for about this time.
             driver.execute_script("document.querySelector('#pair .go').click()")
             first_result_time = wait_for_script(driver, "document.querySelector('#answer .value') !== null")
             wait_for_script(driver, "reportAddress !== '' && document.getElementById('progress').value > 0")

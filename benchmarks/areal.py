@@ -1,6 +1,6 @@
 """Measure areal contact in units of one FFT of the map, and compare it with boundary elements.
 
-Times are processor times of this thread, so that other jobs do not count; those of two threads are wall times.
+Times are processor times of one thread, which other jobs do not affect. Times of two threads are wall times.
 """
 
 import statistics
@@ -14,7 +14,7 @@ from scipy.fft import rfft2
 from stiction import candidates, press, self_affine_surface
 
 MAP_LENGTH = 16.0  # µm
-MAX_APPROACH = 0.15  # µm: twice the rms height of the gap
+MAX_APPROACH = 0.15  # in µm; twice the rms height of the gap
 APPROACHES = np.linspace(0, MAX_APPROACH, 41)[1:]
 DIRECTIONS = np.arange(0, 360, 10)
 SLIDING_RULES = ("opposing", "all")
@@ -44,7 +44,7 @@ def measure_time(call: Callable[[], object]) -> float:
 
 
 def median_times(*calls: Callable[[], object], repeats: int = NUM_REPEATS) -> list[float]:
-    """Return the median time of each call; calls are made in turn."""
+    """Return the median time of each call. The calls alternate, so that the load of the machine affects all of them."""
     times = [[measure_time(call) for call in calls] for _ in range(repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 
@@ -96,7 +96,7 @@ def measure_rows() -> list[tuple[str, str]]:
 
 
 def compare_boundary_elements() -> list[tuple[str, str]]:
-    """Compare with tamaas: periodic, mean error 1e-6, one load with 1 % of the area in contact."""
+    """Compare with tamaas: a periodic map, a mean error of 1e-6, and one load with 1 % of the area in contact."""
     import tamaas
 
     points = 1024

@@ -1,4 +1,4 @@
-"""Draw docs/images/performance.png from docs/generated/performance.md: run time relative to stiction."""
+"""Draw docs/images/performance.png: run times relative to stiction, from docs/generated/performance.md."""
 
 import re
 from pathlib import Path
@@ -28,7 +28,7 @@ BAR_PATTERNS = {
         "aspher": r"512 x 512, mean pressure 0.03 .*",
     },
 }
-"""Alternatives for each task, and the table row with their run time relative to stiction."""
+"""Alternatives for each task, and the row of the table with their run time relative to stiction."""
 
 
 def parse_table(table: str) -> dict[str, str]:

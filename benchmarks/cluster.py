@@ -1,4 +1,4 @@
-"""Measure the repetitions per second that idle Dask workers can store, and the number of workers that this supports.
+"""Measure how many repetitions per second idle Dask workers can store, and how many workers this supports.
 
 The cluster consists of two workers on this machine and the scheduling process. Workers write the blocks themselves, or
 send them.
@@ -25,7 +25,7 @@ NUM_BLOCKS = 60
 """Number of blocks that are stored."""
 
 NUM_DIFFERENT_MEMBERS = 7
-"""Number of different repetitions."""
+"""Number of different repetitions, which are stored again and again."""
 
 NUM_RUNS = 3
 """Number of runs with and without a shared folder; the result is their median."""
@@ -34,7 +34,7 @@ _task = runner.compute_block
 
 
 class StoredSums:
-    """Executor task without computation: reads sums once per process from a file."""
+    """Task of an executor that computes nothing: it reads stored sums once per process from a file."""
 
     def __init__(self, path: str, has_shared_folder: bool) -> None:
         self.path = path
@@ -53,7 +53,7 @@ _read: dict[str, list[dict]] = {}
 
 
 def randomise(sums: dict) -> list[dict]:
-    """Return the sums of a repetition with random digits; zeros remain zero."""
+    """Return the sums of a repetition with random digits, so that they compress like real sums. Zeros remain zero."""
     random = np.random.default_rng(0)
 
     def change_digits(values: np.ndarray) -> np.ndarray:
@@ -67,7 +67,7 @@ def randomise(sums: dict) -> list[dict]:
 def measure_storage(
     study: Study, sums: list[dict], executor: Executor, *, has_shared_folder: bool
 ) -> tuple[float, float]:
-    """Return repetitions per second and processor seconds of the driver per repetition."""
+    """Return the repetitions per second, and the processor seconds of the driver per repetition."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
@@ -75,7 +75,8 @@ def measure_storage(
         size = runner.choose_block_size(study)
         parts = -(-study.ensemble.repetitions // (size * NUM_BLOCKS))
         try:
-            runner.compute_missing(study, Path(folder) / "r", part=(2, parts), executor=executor)  # loads all modules
+            # The first run loads all modules and is not measured.
+            runner.compute_missing(study, Path(folder) / "r", part=(2, parts), executor=executor)
             start, driver_start = time.perf_counter(), time.process_time()
             count = runner.compute_missing(study, Path(folder) / "r", part=(1, parts), executor=executor)
             return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
@@ -88,7 +89,7 @@ def measure_rows() -> list[tuple[str, str]]:
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
         for name in STUDY_NAMES:
             study = Study.named(name).with_changes({"ensemble.repetitions": 1_000_000})
-            half_plane = name == "figure6-half-plane"  # each run takes 90 s
+            half_plane = name == "figure6-half-plane"  # Each run of this study takes 90 s.
             reduced_study = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
             dimensions = study.surfaces.fractal_dimensions().size if half_plane else 1
             sums = member_sums(reduced_study, 0)

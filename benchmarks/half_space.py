@@ -1,4 +1,4 @@
-"""Compare the half-space solver with other solvers at equal error: processor time of one thread."""
+"""Compare the processor times of the half-space solver and of other solvers on one thread, at equal error."""
 
 import importlib.util
 import statistics
@@ -19,7 +19,7 @@ MEAN_PRESSURES = (0.005, 0.03, 0.1)
 
 
 def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.8) -> np.ndarray:
-    """Return a self-affine surface of unit length, H = 0.8, rms slope 0.1, and a range of wavenumbers."""
+    """Return a self-affine surface of unit length with H = 0.8, rms slope 0.1, and a given range of wavenumbers."""
     random = np.random.default_rng(1)
     waves = [np.fft.fftfreq(n, 1 / n) for n in shape[:-1]] + [np.fft.rfftfreq(shape[-1], 1 / shape[-1])]
     k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*waves, indexing="ij")))
@@ -31,7 +31,7 @@ def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: f
 
 
 def measure_error(heights: np.ndarray, pressure: np.ndarray) -> float:
-    """Return the common error measure, Σ p (v - min v)/(F h): energy bound over load and rms height."""
+    """Return the error measure for all solvers, Σ p (v - min v)/(F h): the energy bound over load and rms height."""
     n, m = heights.shape
     k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
     compliance = np.divide(2 / MODULUS, k, out=np.zeros_like(k), where=k > 0)
@@ -87,7 +87,7 @@ def measure_solver(solve: Callable[..., Any], heights: np.ndarray, load: float) 
 
 
 def measure_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
-    # Each solver has its own measure of the error; these tolerances give about the same common error.
+    # Each solver has its own measure of the error. These tolerances give about the same common error for all solvers.
     others = {"tamaas": tamaas_solver(STICTION_TOLERANCE)}
     if importlib.util.find_spec("aspher"):
         others["aspher"] = aspher_solver(1.5e-7)
@@ -114,7 +114,7 @@ def measure_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
 
 
 def print_agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
-    """Print the largest pressure difference from tamaas, relative to the highest pressure; it takes minutes."""
+    """Print the largest difference of pressures from tamaas, relative to the highest pressure. This takes minutes."""
     for n in sides:
         heights = create_heights((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)
@@ -132,7 +132,7 @@ def print_agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
 
 
 def measure_position(side: int = 384) -> tuple[str, str]:
-    """Measure one position of a pair of maps: three loads, all directions, both sliding rules and stiffness."""
+    """Measure one position of a pair of maps: three loads, 12 directions, both sliding rules and the stiffness."""
     heights = create_heights((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)
@@ -158,7 +158,7 @@ def measure_position(side: int = 384) -> tuple[str, str]:
 
 
 def measure_threads(side: int = 1024) -> tuple[str, str]:
-    """Return the speed-up by a second thread, and that of transforms only (`scipy.fft.set_workers`)."""
+    """Return the speed-up by a second thread of the solver, and of transforms alone (`scipy.fft.set_workers`)."""
     heights = create_heights((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)

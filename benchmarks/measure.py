@@ -1,7 +1,9 @@
-"""Measure time and memory of one run. The unit U is one real FFT of 150 000 numbers, timed between the other calls.
+"""Measure time and memory of one run.
 
-The C library requests the memory of an FFT from the system at each call until a large block has been freed once. From
-then on it keeps the memory, and U is up to half as long. U is measured in this state: costs in U are upper bounds.
+The unit of time, U, is one real FFT of 150 000 numbers, which is measured between the other calls.
+
+The C library requests the memory of an FFT from the system at each call, until a large block has been freed once. Then
+it keeps the memory, and U is up to half as long. U is measured in this state, so costs in U are upper bounds.
 """
 
 import multiprocessing
@@ -16,7 +18,7 @@ _FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
 def keep_memory() -> None:
-    """Free a large block; the C library then keeps blocks of up to that size."""
+    """Free a large block, so that the C library keeps blocks of up to that size."""
     block = np.ones(3 << 20)  # 24 MiB
     del block
 
@@ -32,13 +34,13 @@ def seconds(call: Callable[[], object], repeats: int = 5) -> float:
 
 
 def measure_unit(repeats: int = 40) -> float:
-    """Return U in seconds."""
+    """Return the unit U in seconds."""
     keep_memory()
     return seconds(lambda: np.fft.rfft(_FFT_INPUT), repeats)
 
 
 def measure_in_units(call: Callable[[], object], repeats: int = 5) -> float:
-    """Return the median of time over U; U is timed before and after each call, because the clock drifts."""
+    """Return the median of the time of a call divided by U; U is timed around each call, because the clock drifts."""
     ratios = []
     for _ in range(repeats):
         unit_before = measure_unit(10)

@@ -1,6 +1,7 @@
-"""Measure the memory of commands on results that are larger than the memory.
+"""Measure the memory of commands on results that are larger than the available memory.
 
-Each command runs in a new process: on 10 000 repetitions of small surfaces, and on 200 repetitions of figure6.
+Each command runs in a new process. The results have 10 000 repetitions of small surfaces, and 200 repetitions of
+figure6.
 """
 
 import contextlib
@@ -30,7 +31,7 @@ COMMAND_ARGUMENTS = {
 
 
 def measure_peak_memory(folder: str, arguments: list[str]) -> float:
-    """Return the peak memory (MiB) of a process and its children together."""
+    """Return the peak memory (MiB) of a process together with its children."""
     process = subprocess.Popen([sys.executable, *arguments], cwd=folder, stdout=subprocess.DEVNULL)
     most = 0.0
     while process.poll() is None:

@@ -28,11 +28,11 @@ STUDY = Study().with_changes(
     }
 )
 NUM_DIFFERENT_MEMBERS = 4099
-"""Number of different repetitions; a prime, so that blocks differ."""
+"""Number of different repetitions. It is a prime, so that all blocks differ."""
 
 
 def stand_in(study: Study) -> Callable[[Study, int], dict]:
-    """Return sums that increase with the approach by Hertz's law, times a random factor for each repetition."""
+    """Return synthetic sums: powers of the approach by Hertz's law, times a random factor for each repetition."""
     random = np.random.default_rng(study.ensemble.seed)
     step = np.arange(1.0, 1 + study.contact.steps().size)
     bank = []
@@ -53,7 +53,7 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
 
 
 def measure_rows() -> list[tuple[str, str]]:
-    # Without computing cost, blocks have the maximum size.
+    # Repetitions that take no time are stored in blocks of the maximum size.
     real = runner.member_sums, runner.estimate_member_time
     runner.member_sums, runner.estimate_member_time = stand_in(STUDY), lambda _: 0.0
     try:

@@ -1,4 +1,4 @@
-"""Measure a pair of figure6 in units of U, its parts, and the gain of a second thread."""
+"""Measure a pair of figure6 and its parts in units of U, and the gain of a second thread."""
 
 from concurrent.futures import Executor, ThreadPoolExecutor
 
@@ -8,7 +8,8 @@ from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import _reuse_array, member_sums
 from stiction.studies.members import fill_profiles
 
-NUM_REPETITIONS = 60  # many, so that the last one, which a single thread computes, is a small fraction
+# This number is large, so that the last repetition, which a single thread computes, takes a small fraction.
+NUM_REPETITIONS = 60
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": NUM_REPETITIONS})
 NUM_PAIRS = NUM_REPETITIONS * 50
 NUM_TURNS = 10
@@ -17,7 +18,7 @@ FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
 def time_with_new_threads(study: Study, workers: int) -> float:
-    """Return the seconds with new threads, which allocate their memory first."""
+    """Return the seconds of a run with new threads, which first allocate their memory."""
     with ThreadPoolExecutor(workers) as pool:
         return seconds(lambda: run(study, executor=pool), 1)
 
@@ -28,7 +29,7 @@ def measure_speedup(study: Study, one: Executor, two: Executor) -> float:
 
 
 def measure_rows() -> list[tuple[str, str]]:
-    fresh = seconds(lambda: np.fft.rfft(FFT_INPUT), 40)  # before any large block has been freed
+    fresh = seconds(lambda: np.fft.rfft(FFT_INPUT), 40)  # No large block has been freed before this measurement.
     result = [
         ("U", f"{1e3 * measure_unit():.2f} ms"),
         ("the same FFT in a process that has not freed large memory yet", f"{1e3 * fresh:.2f} ms"),
@@ -36,10 +37,10 @@ def measure_rows() -> list[tuple[str, str]]:
     for detection in ("cell", "gap-minimum"):
         study = STUDY.with_changes({"contact.detection": detection})
         with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
-            measure_speedup(study, one, two)  # allocates memory
+            measure_speedup(study, one, two)  # The first run only allocates memory.
             cost = measure_in_units(lambda study=study, one=one: run(study, executor=one), 3) / NUM_PAIRS
             median = float(np.median([measure_speedup(study, one, two) for _ in range(NUM_TURNS)]))
-        share = 2 / median - 1  # serial fraction of the run time (Amdahl)
+        share = 2 / median - 1  # Amdahl's law gives this serial fraction of the run time.
         four = 1 / (share + (1 - share) / 4)
         result += [
             (f"a pair of figure6, {detection}, one thread", f"{cost:.2f} U"),

@@ -1,4 +1,4 @@
-"""Measure the processor time of `stiction pair` on two 512 x 512 maps, and the fraction of the half-space solver."""
+"""Measure the processor time of `stiction pair` on two 512 x 512 maps, and the part that the solver takes."""
 
 import resource
 import statistics
@@ -42,7 +42,7 @@ def measure_command(folder: Path, output: str) -> tuple[float, float]:
 
 
 def prepare_solutions(study: Study) -> Callable[[], None]:
-    """Solve every load of prepared members in one direction."""
+    """Solve prepared members at every load in one direction."""
     contact, bodies = study.contact, load_bodies(study)
     pairs = [
         bodies.member(member, float(wavelength)).pair
@@ -82,7 +82,8 @@ def measure_rows() -> list[tuple[str, str]]:
         commands = [measure_command(folder, "0")]
         study, cutoff_study = (open_stored(folder / "0" / sub).study for sub in ("", CUTOFF_STUDY_FOLDER))
         tasks = prepare_solutions(study), prepare_solutions(cutoff_study), lambda: compute_onset(study)
-        half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)  # imports, kernels
+        # The first solution imports modules and computes kernels, and is not measured.
+        half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
         solved = []
         for turn in range(NUM_TURNS):
             solved.append([seconds(task) for task in tasks])

@@ -1,4 +1,4 @@
-"""Plain program for comparison: NumPy and SciPy, one pair at a time, all cosines of Eq. 1, full splines."""
+"""Plain NumPy and SciPy program for comparison: one pair at a time, all cosines of Eq. 1, and complete splines."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -19,7 +19,7 @@ def profile(phases, dimension, *, extent, points, amplitude, gamma=1.5):
 
 
 def press(upper, lower, spacing, approaches, modulus=10.0):
-    """Return (count, area, Σ F n_z, tangential, ...) at each approach; cell criterion, convex pairs, motion along x."""
+    """Return count, area and sums of forces at each approach: cell detection, convex curvature, motion along x."""
     knots = np.arange(upper.size)
     bodies = []
     for heights, sign in ((upper, -1.0), (lower, 1.0)):

@@ -1,4 +1,4 @@
-"""Measure the size of the interactive report of figure6 and its response time in a browser.
+"""Measure the size of the interactive report of figure6 and its response time in headless Chromium.
 
 The browser is headless Chromium.
 """
@@ -21,7 +21,7 @@ from support import browser  # noqa: E402
 
 NUM_KEY_PRESSES = 40
 NUM_RANDOM_POINTS = 20
-# Records the time from each key press to the end of the redrawn frame.
+# This script records the time from each key press to the end of the redrawn frame.
 TIMING_SCRIPT = """
 window.times = [];
 for (const slider of document.querySelectorAll("input[type=range]"))
@@ -32,12 +32,13 @@ for (const slider of document.querySelectorAll("input[type=range]"))
 
 def measure_key_press(driver, slider: str) -> float:
     """Return the median time (ms) of a key press on a slider."""
-    middle = "const e = arguments[0]; e.value = (Number(e.min) + Number(e.max)) / 2"  # away from both ends
+    # Start in the middle, so that the slider does not reach its ends.
+    middle = "const e = arguments[0]; e.value = (Number(e.min) + Number(e.max)) / 2"
     driver.execute_script(middle + "; times.length = 0", driver.find_element("id", slider))
     for i in range(NUM_KEY_PRESSES):
         driver.find_element("id", slider).send_keys(
             "\ue014" if i // 10 % 2 == 0 else "\ue012"
-        )  # ten steps to the right, then ten back
+        )  # Press ten steps to the right, and then ten steps back.
         browser.wait_for_drawing(driver)
     times = driver.execute_script("return times")
     assert len(times) == NUM_KEY_PRESSES, len(times)
@@ -45,7 +46,7 @@ def measure_key_press(driver, slider: str) -> float:
 
 
 def measure_interpolation_error(driver, dataset: xarray.Dataset) -> float:
-    """Return the median error of values and interval ends at random points over the tolerances of the nodes."""
+    """Return the median error of values and interval ends at random points, relative to the tolerances of the nodes."""
     random = np.random.default_rng(1)
     errors = []
     loads, axes = driver.execute_script("return [loads, nodeAxes]")

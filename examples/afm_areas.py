@@ -1,4 +1,7 @@
-"""Friction of two AFM maps in all directions: python afm_areas.py [UPPER LOWER], instrument files."""
+"""Compute the friction of two AFM maps in all directions: python afm_areas.py [UPPER LOWER].
+
+UPPER and LOWER are instrument files. Without them, the script writes synthetic files.
+"""
 
 import sys
 from pathlib import Path
@@ -34,7 +37,7 @@ study = Study().with_changes(
         "friction.mu0": [0.3],
         "friction.tau0": ["50 MPa"],
         "friction.load": ["60 uN"],
-        "ensemble.repetitions": 16 if has_files else 8,  # relative positions of the two maps
+        "ensemble.repetitions": 16 if has_files else 8,  # number of relative positions of the two maps
     }
 )
 result = run(study)

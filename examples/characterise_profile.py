@@ -1,4 +1,4 @@
-"""A synthetic scan of a lapped part: written as an instrument would, read, levelled and characterised."""
+"""Write a synthetic scan of a lapped part like an instrument, and read, level and characterise it."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ from stiction import Profile, levelled, read_profile, self_affine, write_profile
 from stiction.views.characterisation import characterisation_text
 from stiction.views.figures.roughness import characterisation_figure
 
-# A ground profile whose peaks are worn to a plateau with finer roughness, on a tilted table.
+# Create a ground profile whose peaks are worn to a plateau with finer roughness, on a tilted table.
 ground = self_affine(3, hurst_exponent=0.8, rms=0.2, points=8000, spacing=0.05, longest_wavelength=40.0)
 lapped = self_affine(4, hurst_exponent=0.8, rms=0.01, points=8000, spacing=0.05, longest_wavelength=40.0)
 heights = np.minimum(ground.heights, 0.05 + lapped.heights) + 0.002 * ground.x

@@ -1,4 +1,4 @@
-"""Contact law for a discrete-element code: a grain is pressed, then pushed until it slides."""
+"""Compute a contact law for a discrete-element code, which then presses a grain and pushes it until it slides."""
 
 import matplotlib
 
@@ -19,11 +19,11 @@ mean = table.sel(statistic="mean")
 pressure, approach = mean["pressure"].values, mean["approach"].values  # GPa, µm
 friction = mean["friction_coefficient"].values
 
-FACE_AREA = 1e4  # µm²: contact face between two grains
+FACE_AREA = 1e4  # area of the contact face between two grains in µm²
 
 
 def normal_force(overlap):
-    """Return the force (mN) at an overlap of the mean planes (µm), interpolated in the table."""
+    """Return the force (mN) at a given overlap of the mean planes (µm), interpolated in the table."""
     return FACE_AREA * np.exp(np.interp(overlap, approach, np.log(pressure)))
 
 
@@ -32,7 +32,7 @@ def slip_force(force):
     return force * np.interp(np.log(force / FACE_AREA), np.log(pressure), friction)
 
 
-# A grain of 0.1 mg is pressed to 200 mN, then pushed with increasing force, in steps of 10 ns.
+# mass (kg), time step (s) and damping (N s/m)
 GRAIN_MASS, TIME_STEP, DAMPING = 1e-7, 1e-8, 0.1  # kg, s, N s/m
 overlap_now, speed, slip_distance, slip_speed, history = float(approach[0]), 0.0, 0.0, 0.0, []
 for step in range(6000):

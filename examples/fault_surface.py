@@ -1,4 +1,4 @@
-"""Terrain around the Jacksboro fault, 1 m as 1 µm: slopes, Hurst exponents and friction at tau0 = 0 have no scale."""
+"""Press terrain around the Jacksboro fault, scaled from 1 m to 1 µm; without tau0 the friction has no length scale."""
 
 import math
 
@@ -10,7 +10,7 @@ from stiction.views.figures.roughness import characterisation_figure
 
 METRES_PER_DEGREE = 111_200  # of latitude
 
-# Elevations in whole metres on a grid of 1/1200 degree, the first row in the north.
+# The file has elevations in whole metres on a grid of 1/1200 degree, with the first row in the north.
 terrain = get_sample_data("jacksboro_fault_dem.npz")
 north_south = float(terrain["dy"]) * METRES_PER_DEGREE
 east_west = float(terrain["dx"]) * METRES_PER_DEGREE * math.cos(math.radians(float(terrain["ymin"])))
@@ -26,7 +26,7 @@ surface = levelled(
 print(characterisation_text(surface), end="")
 characterisation_figure(surface).savefig("fault_surface.png")
 
-# Press lines of the terrain on other lines, with E* = 40 GPa of rock. Loads are made nondimensional by E* and the
+# Press lines of the terrain on other lines, with E* = 40 GPa, as for rock. Loads are made nondimensional by E* and the
 # length L of a line: F/(E* L²).
 length = surface.extent[1]
 loads = np.geomspace(1e-7, 1e-4, 4) * 40.0 * length**2

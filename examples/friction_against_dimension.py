@@ -1,4 +1,4 @@
-"""Sweep the fractal dimension for your own modulus and roughness, and print the friction with its interval."""
+"""Compute friction against the fractal dimension for your modulus and roughness, and print it with its interval."""
 
 from stiction import Study, friction_map, run
 
@@ -11,7 +11,8 @@ study = Study.named("quick").with_changes(
     }
 )
 result = run(study, progress=True)
-friction = friction_map(result, loads=[0.001, 0.01], mu0=[0.3], tau0=[0.0, 0.1])  # loads in mN, tau0 in GPa
+# The loads are in mN, and tau0 is in GPa.
+friction = friction_map(result, loads=[0.001, 0.01], mu0=[0.3], tau0=[0.0, 0.1])
 
 for row in friction.to_dataframe().reset_index().itertuples():
     value = f"{row.friction_coefficient:.3f} ({row.lower:.3f} to {row.upper:.3f})" if row.status == "ok" else row.status

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""Write the parameters of `stiction.pair` and of commands from the declared options of a pair.
+"""Write the parameters of `stiction.pair` and of the commands from the declared options of a pair.
 
-pair_options.py            write the files
-pair_options.py --check    end with status 1 if a file differs from what would be written
+pair_options.py write the files pair_options.py --check end with status 1 if a file differs from what would be written
 """
 
 from __future__ import annotations
@@ -47,11 +46,11 @@ DOCSTRING_TYPES = {
     "str": "str",
     "bool": "bool",
 }
-"""Types in docstrings, by type names in the model."""
+"""Types that docstrings print, by the names of types in the model."""
 
 
 def declared_types() -> dict[str, str]:
-    """Return the type of each option as the model declares it, "Value | None"."""
+    """Return the type of each option as the model declares it, such as "Value | None"."""
     types = {}
     groups = [group.__name__ for group in OPTION_GROUPS]
     for node in ast.parse(inspect.getsource(pair_options)).body:
@@ -71,13 +70,13 @@ def declared_types() -> dict[str, str]:
 
 
 def default_assignment(name: str) -> str:
-    """Return the default of an option as an assignment, empty for a required one."""
+    """Return the default of an option as an assignment, or an empty text for a required option."""
     field = PairOptions.model_fields[name]
     return "" if field.is_required() else f" = {field.default!r}"
 
 
 def function_parameters() -> str:
-    """Return the parameters of `stiction.pair`, the two bodies first."""
+    """Return the parameters of `stiction.pair`, with the two bodies first."""
     types = declared_types()
     lines = [
         f"    {format_python_name(name)}: {types[name]}{default_assignment(name)},\n" for name in PYTHON_OPTION_NAMES
@@ -87,7 +86,7 @@ def function_parameters() -> str:
 
 
 def parameter_descriptions() -> str:
-    """Return the entries of the docstring, two bodies first, then group by group."""
+    """Return the entries of the docstring: the two bodies first, then the options group by group."""
     types = declared_types()
     order = [
         "upper",
@@ -113,7 +112,7 @@ def parameter_descriptions() -> str:
 
 
 class PythonNames(dict[str, str]):
-    """Names of options in Python, for the placeholders of a help line."""
+    """Names of options in Python, which replace the placeholders of a help line."""
 
     def __missing__(self, name: str) -> str:
         return f"`{format_python_name(name)}`"
@@ -138,7 +137,7 @@ def command_parameters() -> str:
 
 
 def reader_parameters() -> str:
-    """Return the parameters of the command `characterise` for reading files."""
+    """Return the parameters of the command `characterise` that concern the reading of files."""
     lines = []
     for name in ReadingOptions.model_fields:
         once = ", repeatable=False" if PAIR_OPTIONS[name].is_repeatable else ""
@@ -174,14 +173,14 @@ def generate_files() -> dict[Path, str]:
 
 
 def format_code(text: str) -> str:
-    """Return a text as ruff formats it."""
+    """Return a text in the format of ruff."""
     ruff = Path(sys.executable).with_name("ruff")
     line = [str(ruff), "format", "--stdin-filename", str(FUNCTION_FILE), "-"]
     return subprocess.run(line, input=text, capture_output=True, text=True, check=True, cwd=ROOT).stdout
 
 
 def main() -> None:
-    """Write the files, or compare them."""
+    """Write the files, or with --check compare them with the generated text."""
     differing = [path for path, text in generate_files().items() if path.read_text("utf-8") != text]
     if "--check" in sys.argv:
         names = ", ".join(str(path.relative_to(ROOT)) for path in differing)

@@ -31,14 +31,14 @@ MAX_GLIBC = (2, 34)
 """Newest glibc version that a wheel may require, as documented in docs/howto/installing.md."""
 
 MAX_IMPORT_SECONDS = 5.0
-"""Largest accepted import time; an idle machine takes 0.3 s."""
+"""Largest accepted time of `import stiction`. An idle machine takes 0.3 s."""
 
-# Dynamic libraries of every Linux with glibc.
+# Every Linux with glibc has these dynamic libraries.
 SYSTEM_LIBRARY = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.so\.\d+")
 COMPILER = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|cmake|ninja|g?make)(-[\d.]+)?")
 SYSTEM_PATH = [Path(folder) for folder in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")]
 
-# Print the compilers, Eigen, GSL and FFTW that are visible; run inside and, once, outside of the environment.
+# Print the compilers, Eigen, GSL and FFTW that are visible. The script runs inside the environment and, once, outside.
 INSPECTION = """
 import os, shutil, sys
 path = os.environ["PATH"] + os.pathsep + sys.argv[1]
@@ -73,7 +73,7 @@ def call(
     quiet: bool = True,
     within: Iterable[str] = (),
 ) -> str:
-    """Run a command, inside another if given, and return its output; exit with the output if it fails."""
+    """Run a command, in another command if given, and return its output; if it fails, exit with the output."""
     whole = [*within, *map(str, command)]
     message = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
     done = subprocess.run(whole, check=False, cwd=cwd, env=env, text=True, **message)  # type: ignore[call-overload]
@@ -83,7 +83,7 @@ def call(
 
 
 def compare(what: str, found: Iterable[str], expected: Iterable[str]) -> None:
-    """Exit with the difference if two sets of names differ. `what` describes them in the message."""
+    """Exit with the difference if two sets of names differ. The message calls them `what`."""
     extra, missing = sorted(set(found) - set(expected)), sorted(set(expected) - set(found))
     if extra:
         fail(f"{what}: there is also {', '.join(extra)}")
@@ -134,7 +134,7 @@ def check_metadata(text: bytes) -> None:
 
 
 def check_floor(wheel: Path) -> None:
-    """Check that the wheel needs no newer glibc than documented."""
+    """Check that the wheel needs no newer glibc than the documented one."""
     floors = [(int(major), int(minor)) for major, minor in re.findall(r"manylinux_(\d+)_(\d+)_", wheel.name)]
     if not floors:
         fail(f"{wheel.name}: not the name of a manylinux wheel")
@@ -169,23 +169,23 @@ class IsolatedEnvironment:
         self.bin = folder / "environment/bin"
         tools = folder / "tools"
         tools.mkdir()
-        for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # needed by the tests
+        for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # The tests need these programs.
             if result := shutil.which(name):
                 (tools / name).symlink_to(result)
         stored = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
         self.environment = stored | {"PATH": f"{self.bin}{os.pathsep}{tools}"}
         self.mounts = self.can_hide_folders()
         call(sys.executable, "-m", "venv", folder / "environment")
-        # Dependency groups need pip 25.1.
+        # The option for dependency groups needs pip 25.1.
         self.pip("pip>=25.1")
 
     def can_hide_folders(self) -> bool:
-        """Return whether mounts can hide directories: they need root, and affect no other process."""
+        """Return whether mounts can hide directories, which needs root and affects no other process."""
         able = sys.platform == "linux" and os.geteuid() == 0 and shutil.which("unshare") is not None
         return able and subprocess.run(["unshare", "--mount", "true"], check=False, capture_output=True).returncode == 0
 
     def hiding_script(self) -> str:
-        """Return shell commands that hide directories by empty ones, and programs and libraries by /dev/null."""
+        """Return shell commands that hide directories by empty directories, and programs and libraries by /dev/null."""
         folders = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
         programs = [
             program
@@ -213,7 +213,7 @@ class IsolatedEnvironment:
         return call(*command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, within=within)
 
     def check_hidden(self) -> None:
-        """Check that everything visible outside is hidden inside."""
+        """Check that everything that is visible outside the environment is hidden inside."""
         system = os.pathsep.join(map(str, SYSTEM_PATH))
         if self.mounts:
             seen_outside = call(sys.executable, "-c", INSPECTION, system, "/usr").splitlines()
@@ -232,7 +232,7 @@ class IsolatedEnvironment:
         self.call(*pip, "--only-binary=:all:", *wanted)
 
     def check_installed(self) -> None:
-        """Check that the wheel is the package that is imported."""
+        """Check that Python imports the package from the wheel."""
         code = "import stiction, stiction._core as core; print(stiction.__version__, stiction.__file__, core.__file__)"
         version, *files = self.call(self.bin / "python", "-I", "-c", code).split()
         for file in files:
@@ -242,7 +242,7 @@ class IsolatedEnvironment:
             fail(f"version {version} is imported, not {PROJECT['version']}")
 
     def measure_import_time(self) -> float:
-        """Return the shortest of three import times, each in a new interpreter."""
+        """Return the shortest of three import times, each measured in a new interpreter."""
         code = "import time; a = time.perf_counter(); import stiction; stiction.press; print(time.perf_counter() - a)"
         return min(float(self.call(self.bin / "python", "-I", "-c", code)) for _ in range(3))
 
@@ -253,7 +253,7 @@ class IsolatedEnvironment:
                 fail(f"stiction run quick wrote no {name}")
 
     def press_samples(self) -> None:
-        """Compute the friction of the sample scans, as text and in an instrument format."""
+        """Compute the friction of the sample scans from text files and from files in an instrument format."""
         shutil.copytree(ROOT / "examples/scans", self.folder / "scans")
         for kind, ending, softer in (("lapped", "csv", []), ("ground", "x3p", ["--hardness", "2 GPa"])):
             scans = [f"scans/{kind}_{side}.{ending}" for side in ("upper", "lower")]
@@ -265,7 +265,7 @@ class IsolatedEnvironment:
                 fail(f"stiction pair of the {kind} scans gave no coefficient:\n{output}")
 
     def run_tests(self, wanted: Iterable[str]) -> None:
-        """Run the tests from a copy without the sources of the package."""
+        """Run the tests from a copy of the tree without the sources of the package."""
         tests = self.folder / "tests"
         left_out = shutil.ignore_patterns("build", ".*", "__pycache__")
         shutil.copytree(ROOT, tests, ignore=left_out)
@@ -291,7 +291,7 @@ def prove(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
         environment.check_hidden()
         by = "a mount namespace and PATH" if environment.mounts else "PATH alone"
         print_message(f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {by}")
-        stored = shutil.copy(wheel, folder)  # this tree is hidden
+        stored = shutil.copy(wheel, folder)  # This tree is hidden, so the wheel is copied first.
         environment.pip(stored)
         environment.check_installed()
         if (seconds := environment.measure_import_time()) > MAX_IMPORT_SECONDS:

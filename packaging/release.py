@@ -1,4 +1,4 @@
-"""Check the list of docs/project/releasing.md: each line has a function that checks it.
+"""Check the list of docs/project/releasing.md: a function of this script checks each of its lines.
 
     python packaging/release.py                  report what is done and what is missing
     python packaging/release.py --tagged         check the tag that its workflow releases
@@ -90,7 +90,7 @@ def recipe_matches_dependencies() -> str | None:
 
 
 def missing_recipe_lines() -> Iterator[str]:
-    """Yield the lines that the recipe lacks."""
+    """Yield the lines that the conda recipe lacks."""
     lines = {line.strip() for line in read_file("packaging/conda/recipe.yaml").splitlines()}
     if f'version: "{RELEASE_VERSION}"' not in lines:
         yield f'version: "{RELEASE_VERSION}"'
@@ -134,7 +134,10 @@ def join_missing(what: str, missing: Iterator[str]) -> str | None:
 
 
 def run_checks(*, tagged: bool) -> bool:
-    """Return whether nothing is missing. The workflow of a tag builds and verifies separately."""
+    """Print the state of each line, and return whether nothing is missing.
+
+    The workflow of a tag builds and verifies separately, so these lines are left out for a tag.
+    """
     checks = [item for item in STEP_CHECKS if not (tagged and item[1] is wheels_are_proven)]
     if tagged:
         checks.append((f"the tag v{VERSION} is on this commit", tag_is_on_commit))
@@ -149,7 +152,7 @@ def run_checks(*, tagged: bool) -> bool:
 
 
 def write_address(url: str) -> None:
-    """Write the address into pyproject.toml, CITATION.cff and the links of README.md."""
+    """Write the address of the repository into pyproject.toml, CITATION.cff and the links of README.md."""
     if not re.fullmatch(r"https://[\w.-]+/[\w.-]+/[\w.-]+", url):
         fail(f"--address must be that of a repository, https://HOST/OWNER/NAME, got {url!r}")
     name = url.rpartition("/")[2]

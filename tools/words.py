@@ -28,11 +28,11 @@ ROOT = Path(__file__).resolve().parents[1]
 RULES_FILE = ROOT / "tools/words.toml"
 SENTENCE_KINDS = ("docstring", "comment", "message", "documentation", "commit subject")
 NAME_KINDS = ("function", "class", "constant", "variable", "test")
-MIN_COMMENT_LENGTH = 25  # characters: shorter comments are units and markers
-MIN_WORDS = 7  # of a sentence of the documentation
-MAX_COMMITS = 200  # newest commits of which subjects are drawn
-MAX_SAMPLE_LENGTH = 300  # characters of a sentence that are printed
-MAX_FUNCTION_LINES = 40  # longer functions are not drawn for explanation
+MIN_COMMENT_LENGTH = 25  # in characters; most shorter comments are units and markers
+MIN_WORDS = 7  # smallest number of words in a drawn sentence of the documentation
+MAX_COMMITS = 200  # number of newest commits of which subjects are drawn
+MAX_SAMPLE_LENGTH = 300  # largest number of characters of a sentence that are printed
+MAX_FUNCTION_LINES = 40  # Longer functions are not drawn for explanation.
 PYTHON_FOLDERS = ("python/stiction", "tests", "benchmarks", "docs", "examples", "packaging", "tools", "dev")
 IMPORTABLE_FOLDERS = ("python/stiction", "tests/support", "tests/reference", "packaging", "tools")
 
@@ -89,7 +89,7 @@ def syntax_nodes(text: str) -> list[ast.AST]:
 
 
 def docstrings(files: Files) -> Iterator[Item]:
-    """Yield the summary of each docstring, those of constants too."""
+    """Yield the summary of each docstring, including docstrings of constants."""
     for name, node in python_nodes(files):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
             text = ast.get_docstring(node)
@@ -103,7 +103,7 @@ def docstrings(files: Files) -> Iterator[Item]:
 
 
 def comments(files: Files) -> Iterator[Item]:
-    """Yield the comments of Python, C++ and JavaScript; consecutive lines are one comment."""
+    """Yield the comments of Python, C++ and JavaScript, with consecutive lines joined to one comment."""
     for name, text in sorted(files.items()):
         lines: list[tuple[int, bool, str]] = []
         if is_python(name):
@@ -127,7 +127,7 @@ def comments(files: Files) -> Iterator[Item]:
 
 
 def messages(files: Files) -> Iterator[Item]:
-    """Yield the texts of exceptions and warnings of the package."""
+    """Yield the texts of exceptions and warnings in the package."""
     for name, node in python_nodes(files, ("python/stiction",)):
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
             arguments = node.exc.args
@@ -189,7 +189,7 @@ def is_constant(name: str) -> bool:
 
 
 def names(files: Files) -> dict[str, list[Item]]:
-    """Return the place and spelling of each name by kind; a name counts once in a file."""
+    """Return the place and spelling of each name by kind. A name that occurs several times in a file counts once."""
     unique: dict[str, dict[Item, None]] = {kind: {} for kind in NAME_KINDS}
     for path, node in python_nodes(files):
         for kind, name in bound_names(node):
@@ -237,7 +237,7 @@ def sample(seed: int, number: int, functions: int) -> None:
 
 
 def rejected_words(table: Mapping[str, list[str]], path: str) -> set[str]:
-    """Return the words that are rejected in a file: those of every folder that contains it, and those of `all`."""
+    """Return the words that are rejected in a file: those of `all` and of every folder that contains the file."""
     return set(
         chain.from_iterable(words for folder, words in table.items() if folder == "all" or is_in(path, (folder,)))
     )

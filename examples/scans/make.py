@@ -1,4 +1,4 @@
-"""Write the sample scans in this directory: generated faces in the formats of instruments.
+"""Write the sample scans in this directory: generated faces in the file formats of instruments.
 
     python examples/scans/make.py FOLDER
 
@@ -19,7 +19,7 @@ TRACE_OPTIONS = {
     "lapped": {"points": 4000, "spacing": 0.1, "waves": (40.0, 1.0), "noise": 0.3, "step": 0.1},
     "honed": {"points": 6000, "spacing": 0.2, "waves": (60.0, 4.0), "noise": 0.02, "step": 0.01},
 }
-"""Points, lengths in µm, noise and step of the converter in nm."""
+"""Numbers of points, lengths in µm, and noise and converter step in nm of each finish."""
 MAP_POINTS = 256
 PIXEL_SIZE = 0.2  # µm
 CONVERTER_STEP = 5e-11  # m
@@ -42,7 +42,7 @@ MAIN_XML = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def trace_text(finish: str, side: str) -> str:
-    """Return the text of a stylus: positions in µm, heights in nm."""
+    """Return the text file of a stylus instrument, with positions in µm and heights in nm."""
     points, spacing, waves, deviation, step = TRACE_OPTIONS[finish].values()
     face = self_affine(
         11 if finish == "lapped" else 21,
@@ -61,13 +61,13 @@ def trace_text(finish: str, side: str) -> str:
 
 
 def converter_steps(side: str) -> np.ndarray:
-    """Return an interferometer map in converter steps; the grinding marks run along y."""
+    """Return an interferometer map in whole converter steps. The grinding marks run along y."""
     face = self_affine_surface(
         12,
         hurst_exponent=0.8,
         rms=0.05,
         shape=(MAP_POINTS, MAP_POINTS),
-        spacing=(PIXEL_SIZE / 5.0, PIXEL_SIZE),  # stretched five times along y
+        spacing=(PIXEL_SIZE / 5.0, PIXEL_SIZE),  # The map is stretched five times along y.
         longest_wavelength=6.0,
         shortest_wavelength=1.0,
         side=side,
@@ -79,7 +79,7 @@ def converter_steps(side: str) -> np.ndarray:
 
 
 def write_x3p(path: Path, steps: np.ndarray) -> None:
-    """Write a surface as ISO 25178-72; the bytes are reproducible."""
+    """Write a surface as ISO 25178-72, with the same bytes at each call."""
     data = steps.tobytes()
     rows, columns = steps.shape
     checksum = hashlib.md5(data, usedforsecurity=False).hexdigest()
@@ -93,7 +93,7 @@ def write_x3p(path: Path, steps: np.ndarray) -> None:
 
 
 def main(folder: Path) -> None:
-    """Write the six files."""
+    """Write the six scan files."""
     folder.mkdir(parents=True, exist_ok=True)
     for side in SIDES:
         for finish in TRACE_OPTIONS:

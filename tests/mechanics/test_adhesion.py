@@ -190,8 +190,6 @@ def test_adhesive_sinusoid_follows_johnson_and_jumps_into_full_contact(alpha):
 
     Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it at a smaller
     load.
-
-    Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it earlier.
     """
     points, height = 2048, 0.005
     x, full = np.arange(points) / points, np.pi * height

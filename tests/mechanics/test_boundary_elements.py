@@ -79,9 +79,6 @@ def test_interaction_explains_difference_to_boundary_elements():
     The profile has half of the points of the published table. Another law or detection, and lost or doubly counted
     contacts, would change the ratios of the model without interaction by more than the 2 % that the grid causes. The
     ratios of the model with interaction are near 1, so interaction explains the difference.
-
-    Another law or detection, and lost or doubly counted contacts, would change the first pair of ratios by more than
-    the 2 % due to the grid. The second pair is near 1: interaction explains the difference.
     """
     ratios = []
     for repetition in range(24):

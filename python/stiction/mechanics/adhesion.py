@@ -242,8 +242,6 @@ class Attraction:
     def opening(self, state: State) -> State | None:
         """Return the state in which complete contact opens, with a minimum pressure of 0; None if it is incomplete.
 
-        Return None if contact is incomplete.
-
         Until then all points move together, and the attraction is that of contact everywhere.
         """
         if not (state.pressure.all() and (state.pressure < self.bound[0]).all()):

@@ -265,9 +265,6 @@ class HalfSpaceCurve(FrictionCurve):
 
         The loading stiffness, `stiffness`, is smaller if there is a hardness, because yielded points support no
         additional load.
-
-        The loading stiffness, `stiffness`, is smaller if there is a hardness, because yielded points support no more
-        load.
         """
         return read_only(np.array([solution.unloading_stiffness for solution in self._pressed]))
 

@@ -33,8 +33,6 @@ def find_period(density: Floats) -> tuple[float, float]:
 
     A symmetric texture has only odd harmonics, so the distance between harmonics is twice the first harmonic.
 
-    A symmetric texture has odd harmonics only; the distance between them is then twice the first harmonic.
-
     Parameters
     ----------
     density : (n,) ndarray of float
