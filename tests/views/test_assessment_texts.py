@@ -81,7 +81,7 @@ FAULT_CASES = {
         {"mean_pressure": 0.9 * METAL_YIELD_PRESSURE_RATIO * 100},
         "pressure",
     ),
-    "edge": ({"share_at_edge": 0.55}, {"share_at_edge": 0.45}, "edge"),
+    "edge": ({"share_at_edge": 0.55}, {"share_at_edge": 0.2}, "edge"),
     "points": ({"contact_count": 1e4, "contact_area": 90.0}, {"contact_count": 1e4, "contact_area": 110.0}, "points"),
     "contacts": ({"contact_count": 0.6, "members": 16}, {"contact_count": 12.0}, "contacts"),
     "few contacts": ({"contact_count": 4.9}, {"contact_count": 12.0}, "too few contacts, 4.9 on average"),
@@ -120,6 +120,7 @@ def test_point_with_fault_has_no_number_in_its_sentence(case_name):
 
 CAUTION_CASES = {
     "pressure": ({"mean_pressure": 1.1 * METAL_YIELD_PRESSURE_RATIO * 100}, "harder than 1.1 GPa"),
+    "edge": ({"share_at_edge": 0.3}, "30 % of the load is on contacts at the edge"),
     "small contacts": ({"fraction_on_small": 0.6}, "at most 4 points"),
     "few contacts": ({"contact_count": 9.0}, "few"),
     "one contact": ({"share_on_largest": 0.45}, "one contact carries"),

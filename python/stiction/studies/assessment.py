@@ -50,6 +50,7 @@ MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
 
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # above this fraction of the load on one contact, the value is not quoted
+CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # above this fraction of the load at the edge, the value has a caveat
 CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # above this fraction of the load on one contact, the value has a caveat
 
 MERGED_AREA_FRACTION = 0.3  # ratio of true to nominal area above which the contacts are few because they have merged
@@ -194,6 +195,9 @@ ASPERITY_CHECKS: Checks = (
 _OVERLAP_CHECK = _fraction_check(
     "share_overlapping", "{} of the load is on overlapping ellipses, where contacts merge", "use the half-space"
 )
+_EDGE_CHECK = _fraction_check(
+    "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
+)
 LARGEST_CONTACT_TEXT = "one contact carries {} of the load"
 MORE_CONTACTS_REMEDY = "use larger scans or a higher load"
 _FINER_SCAN_REMEDY = "scan more finely, filter the scan, or give a hardness"
@@ -225,9 +229,7 @@ CONTACT_CHECKS: Checks = (
         "share_of_pull_off_bounds", "the pull-off force is a lower bound: {} of the members have only a bound",
         "half_space gives the reason as a warning", "caution", 0.0,
     )],
-    [_fraction_check(
-        "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
-    )],
+    [_EDGE_CHECK, _EDGE_CHECK._replace(limit=CAUTION_LOAD_FRACTION_AT_EDGE, severity="caution")],
     [
         Check("single_cells", MAX_AFFECTED_FRACTION, "contacts are single grid points", _FINER_SCAN_REMEDY),
         _fraction_check(
