@@ -435,7 +435,7 @@ def test_pair_writes_report_of_scans_with_missing_points(scans_folder, tmp_path,
         ([*PROFILE_FILES, "--upper", "upper.csv"], ["--upper must be", "material", "'upper.csv'"]),
         ([*PROFILE_FILES, "--upper", "stele"], ["--upper must be", "steel"]),
         (PROFILE_FILES, ["--effective-modulus", "--young", "--upper"]),
-        ([*PROFILE_FILES, "--lower", "glass", "--young", "3 MPa"], ["--young and --poisson must be one value each"]),
+        ([*PROFILE_FILES, "--lower", "glass", "--young", "3 MPa"], ["--young and --poisson must have one value each"]),
     ],
 )
 def test_pair_rejects_files_as_materials_and_missing_materials(scans_folder, arguments, expected_words):
