@@ -132,7 +132,7 @@ def draw_pair(ax: Axes, profiles: ContactingProfiles) -> None:
 
 
 def draw_contact(ax: Axes, profiles: ContactingProfiles) -> None:
-    """Draw the spheres of the enlarged contact."""
+    """Draw one contact enlarged, with the spheres that replace both surfaces."""
     result = profiles.contact_list
     centre, normal, tangent = (
         project_to_plane(item)[ENLARGED_CONTACT] for item in (result.centre, result.normal, result.tangent)

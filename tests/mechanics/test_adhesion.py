@@ -261,7 +261,7 @@ def test_pull_off_of_rough_surfaces_is_the_largest_local_maximum():
 
 
 def soft_in_complete_contact():
-    """Return bodies in complete contact at no load, whose pull-off force exceeds the opening load."""
+    """Return bodies in complete contact at zero load that begin to open at a tension below the pull-off force."""
     return rough(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
 
 

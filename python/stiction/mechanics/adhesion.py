@@ -118,7 +118,7 @@ class Attraction:
     def _iterate(
         self, near: State | None, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[State, float]]:
-        """Yield states, each with the change of its attraction relative to the forces, until the bodies separate.
+        """Yield the states of an iteration, each with its relative change of attraction, until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `PLAIN` plain steps, a step is extrapolated
         as a geometric series with the ratio of the last two changes, limited to `longest` times the last change.

@@ -46,7 +46,9 @@ class CurveInputs:
     def at(self, approach: float) -> Contacts:
         """Return all contacts at an approach, which do not depend on the direction."""
         if not self.bodies:
-            raise ValueError("a curve of candidates from another process has no onset: press the candidates again")
+            raise ValueError(
+                "the onset of a curve from another process needs its candidates: press the candidates again"
+            )
         all_contacts: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
         return all_contacts
 

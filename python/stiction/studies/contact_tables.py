@@ -62,7 +62,7 @@ class HertzCylinderTable(Table):
     width: Length
 
     def law(self) -> HertzCylinder:
-        """Return the law."""
+        """Return the contact law that the table describes."""
         return HertzCylinder(width=float(self.width))
 
 
@@ -74,7 +74,7 @@ class JacksonGreenTable(Table):
     poisson_ratio: Annotated[float, Field(ge=0, le=0.5)]
 
     def law(self) -> JacksonGreen:
-        """Return the law."""
+        """Return the contact law that the table describes."""
         return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
 
 

@@ -429,7 +429,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
         raise StoreError(f"{printable_path(path / STUDY_FILE)}: cannot be read: {describe_os_error(error)}") from None
     except NotReadableError as error:
         raise StoreError(
-            f"{printable_path(path / STUDY_FILE)}: {error}; choose another directory, or remove it"
+            f"{printable_path(path / STUDY_FILE)}: {error}; choose another directory, or remove this file"
         ) from None
     raise OtherStudyError(path, stored, find_differences(stored, study))
 
