@@ -435,7 +435,10 @@ def test_pair_writes_report_of_scans_with_missing_points(scans_folder, tmp_path,
         ([*PROFILE_FILES, "--upper", "upper.csv"], ["--upper must be", "material", "'upper.csv'"]),
         ([*PROFILE_FILES, "--upper", "stele"], ["--upper must be", "steel"]),
         (PROFILE_FILES, ["--effective-modulus", "--young", "--upper"]),
-        ([*PROFILE_FILES, "--lower", "glass", "--young", "3 MPa"], ["--young and --poisson must have one value each"]),
+        (
+            [*PROFILE_FILES, "--lower", "glass", "--young", "3 MPa"],
+            ["--young and --poisson describe the upper body", "or omit --lower"],
+        ),
     ],
 )
 def test_pair_rejects_files_as_materials_and_missing_materials(scans_folder, arguments, expected_words):
@@ -875,7 +878,7 @@ def test_noise_floor_is_filtered_from_noisy_scan_only():
     raw_point = next(point for point in result.summary().points if point.at["cut_off"] == 0)
     assert raw_point.covered
     assert filtered_point.lower <= raw_point.lower <= raw_point.upper <= filtered_point.upper
-    assert result.to_dataframe()["cutoff (um)"].iloc[0] == pytest.approx(limit.cut_off)
+    assert result.to_dataframe()["cut-off (um)"].iloc[0] == pytest.approx(limit.cut_off)
 
 
 def test_declared_texture_prevents_filtering_and_unknown_texture_is_rejected():

@@ -245,7 +245,7 @@ def test_material_name_combines_with_numbers_of_the_other_surface() -> None:
     assert float(rubber_on_glass.effective_modulus) == pytest.approx(float(numeric_contact.effective_modulus))
     brass_on_steel = contact_table(upper_material="brass", young="210 GPa", poisson=0.3)
     assert float(brass_on_steel.hardness) == pytest.approx(0.625)
-    with pytest.raises(ValueError, match="young and poisson must have one value each, for the body without a material"):
+    with pytest.raises(ValueError, match="young and poisson describe the upper body"):
         contact_table(lower_material="glass", young="3 MPa,70 GPa", poisson=0.49)
 
 

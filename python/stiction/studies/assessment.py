@@ -200,7 +200,7 @@ _EDGE_CHECK = _fraction_check(
 )
 LARGEST_CONTACT_TEXT = "one contact carries {} of the load"
 MORE_CONTACTS_REMEDY = "use larger scans or a higher load"
-_FINER_SCAN_REMEDY = "scan more finely, filter the scan, or give a hardness"
+_FINER_SCAN_REMEDY = "scan more finely, or filter the scan"
 
 EQUALS_MU0_CHECK = Check(
     "share_of_mu0", 1 - MAX_DEVIATION_FROM_MU0, "τ0 is 0, so the coefficient is the given μ0; the surfaces add {}",

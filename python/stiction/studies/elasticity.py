@@ -87,8 +87,10 @@ def _combine_material_with_moduli(upper: str | None, lower: str | None, young: A
     moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
     ratios = [] if poisson is None else parse_numbers("poisson", poisson)
     if len(moduli) != 1 or len(ratios) != 1 or not 0 <= ratios[0] <= 0.5:
+        side, other_side = ("upper", "lower") if upper else ("lower", "upper")
         raise ArgumentError(
-            '{young} and {poisson} must have one value each, for the body without a material, as in "3 MPa" and "0.5"'
+            f"{{young}} and {{poisson}} describe the {other_side} body if only {{{side}_material}} names a material: "
+            f'give one value each, as in "3 MPa" and "0.5", or omit {{{side}_material}}'
         )
     name = "upper_material" if upper else "lower_material"
     body = _load_material(name, str(upper or lower))
