@@ -421,3 +421,17 @@ def test_combined_interval_contains_sampling_interval_and_bracket(inputs: dict[s
             assert rule.lower <= rule.positions[0] < rule.positions[1] <= rule.upper
         if "hardness" in inputs and point.bracket is not None:
             assert point.rules[0].lower <= point.bracket[0] <= point.bracket[1] <= point.rules[0].upper
+
+
+def test_interval_at_zero_strength_ignores_the_range_of_another_mu0():
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.03, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    result = pair(
+        upper, lower, load="20 MPa", mu0="0.2 ± 0.02", tau0="30 MPa", effective_modulus="80 GPa", shifts=4, onset=0,
+        cutoff="none",
+    )  # fmt: skip
+    loads = np.geomspace(0.05, 0.5, 12)
+    combined = result.at(loads, mu0=[0.0], tau0=[0.0])["friction_combined"].sel(sliding="all")
+    assert float(combined.sel(statistic="upper").max()) < 1e-9

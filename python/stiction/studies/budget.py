@@ -125,8 +125,8 @@ def add_uncertainty(
         )
         if not one.names:
             point = numbers["friction_all_round"]
-            if (np.abs(point) < NEGLIGIBLE_COEFFICIENT).all() and {"mu0", "tau0"} & inputs.keys():
-                whole[place] = point[0], *_ends_about_zero(PerLoad.of(sums), one, inputs, point)
+            if (np.abs(point) < NEGLIGIBLE_COEFFICIENT).all() and {"mu0", "tau0"} & one.inputs.keys():
+                whole[place] = point[0], *_ends_about_zero(one, point)
             continue
         whole[place] = one.value, *one.interval()
         if not tests:
@@ -198,20 +198,18 @@ def _numbers_at(columns: Columns, where: Mapping[str, int]) -> dict[str, Any]:
     }
 
 
-def _ends_about_zero(
-    friction: PerLoad, own: _CoefficientSamples, inputs: Mapping[str, Any], point: Floats
-) -> tuple[float, float]:
+def _ends_about_zero(own: _CoefficientSamples, point: Floats) -> tuple[float, float]:
     """Return the ends of the 95 % interval around a coefficient of 0, for which relative errors are undefined.
 
     The interval contains the coefficient and its sampling interval, and is not below 0.
     """
     cube = stratified_points(2)
     mu0, tau0 = (
-        inputs[name].estimate.quantile(cube[:, at]) if name in inputs else value
+        own.inputs[name].quantile(cube[:, at]) if name in own.inputs else value
         for at, (name, value) in enumerate((("mu0", own.mu0), ("tau0", own.tau0)))
     )
     low, high = extend_interval(
-        _ends(np.broadcast_to(friction.coefficient(mu0, tau0), (NUM_SAMPLES,))), *point.tolist()
+        _ends(np.broadcast_to(own.friction.coefficient(mu0, tau0), (NUM_SAMPLES,))), *point.tolist()
     )
     return max(low, 0.0), high
 
@@ -257,14 +255,6 @@ class _CoefficientSamples:
         self.study, self.friction, self.areas, self.load = study, friction, areas, where.get("load", 0)
         self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
         self.names: tuple[str, ...] = ()
-        value, lower, upper = point["friction_all_round"].tolist()
-        if study.is_gap:  # a gap is pressed at a single position
-            lower = upper = value
-        if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
-            return
-        self.value, self.sampling = value, (lower, upper)
-        # range of coefficients that finer scans could give, extended by the sampling interval
-        self.bracket: tuple[float, float] | None = None
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
         # The range of an input applies only to the central value in the study, not to other values at which the result
         # is evaluated.
@@ -274,6 +264,14 @@ class _CoefficientSamples:
             if middle is not None and abs(middle - own) > SAME_INPUT_TOLERANCE * own:
                 self.inputs.pop(name, None)
                 strengths = ()
+        value, lower, upper = point["friction_all_round"].tolist()
+        if study.is_gap:  # a gap is pressed at a single position
+            lower = upper = value
+        if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
+            return
+        self.value, self.sampling = value, (lower, upper)
+        # range of coefficients that finer scans could give, extended by the sampling interval
+        self.bracket: tuple[float, float] | None = None
         # Joint samples of mu0 and tau0 (with the hardness, if available), followed by the samples with mu0 or tau0 at
         # its bound.
         self.strengths = strengths

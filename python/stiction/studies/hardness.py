@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -118,9 +118,13 @@ def find_inputs(study: Study) -> dict[str, LabelledInput]:
 def find_junction_growth(study: Study) -> UncertainInput | None:
     """Return α of junction growth with its uncertainty; None if contacts do not grow."""
     growth = study.contact.junction_growth
-    return (
-        replace(parse_input("junction_growth", study.known.junction_growth or growth), value=growth) if growth else None
-    )
+    return _parse_junction_growth(study.known.junction_growth or growth, growth) if growth else None
+
+
+@lru_cache(maxsize=32)
+def _parse_junction_growth(given: str | float, central_value: float) -> UncertainInput:
+    """Parse α and its range; cached, because a report needs α for each of its coefficients."""
+    return replace(parse_input("junction_growth", given), value=central_value)
 
 
 def find_creep(study: Study) -> UncertainInput | None:
