@@ -446,17 +446,20 @@ def draw(points: list[dict]) -> None:
     axes[1].plot(slope, gentle_friction(MU0, TAU0["2"], **curve, order=2), color="0.1", lw=1, ls="--")
     least = np.sqrt(2 * np.sqrt(np.pi) * 2.2 * TAU0["2"] / MODULUS)
     axes[1].axvline(least, color="0.6", lw=0.7, ls=":")
-    axes[0].set(xlabel="mean slope $S = g_s / 2\\sqrt{2\\pi}$", ylabel="$\\mu_s$", title="opposing, no adhesion")
+    axes[0].set(xlabel="mean slope $S = g_s / 2\\sqrt{2\\pi}$", ylabel="$\\mu_s$")
+    axes[0].set(title="friction at opposing contacts, $\\tau_0$ = 0")
     axes[0].set(xscale="log", ylim=(0.18, 0.9))
-    axes[1].set(xlabel="$h'$", ylabel="$\\mu_s$", title="opposing, $\\tau_0$ 2 % of $E^*$; height maps", xscale="log")
-    axes[1].set(ylim=(0.25, 1.2))
+    axes[1].set(xlabel="$h'$", ylabel="$\\mu_s$", xscale="log")
+    axes[1].set(ylim=(0.25, 1.2), title="friction at opposing contacts, $\\tau_0$ = 2 % of $E^*$; height maps")
     axes[2].set(
-        xlabel="$h'$", ylabel="difference from the closed form, %", title="opposing: by points, by patches (white)"
+        xlabel="$h'$",
+        ylabel="deviation from the closed form (%)",
+        title="opposing contacts: by points (filled), by patches (open)",
     )
     axes[3].set(
         xlabel="$h'$",
-        ylabel="difference from the closed form, %",
-        title="friction at all contacts: 2nd order, 1st order (white)",
+        ylabel="deviation from the closed form (%)",
+        title="all contacts: second order (filled), first order (open)",
     )
     axes[2].set(xscale="log", ylim=(-26, 8))
     axes[3].set(xscale="log", ylim=(-2, 26))
@@ -505,7 +508,7 @@ def draw_limits(points: list[dict]) -> None:
         )  # fmt: skip
     for value, dash in ((np.sqrt(2 * np.pi), "-."), (np.sqrt(8 / np.pi), "--")):
         spectra.axhline(value, color="0.5", lw=0.8, ls=dash)
-    by_load.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\mu_s$ over the closed form, %")
+    by_load.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\mu_s$: deviation from the closed form (%)")
     by_load.axhline(0, color="0.1", lw=0.8, zorder=0)
     kappas.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\kappa = A E^* h' / F$", ylim=(0, 3))
     spectra.set(xscale="log", xlabel="Nayak's parameter", ylabel="$\\kappa$", ylim=(0, 4))

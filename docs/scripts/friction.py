@@ -100,10 +100,10 @@ def main() -> None:
             label="closed form",
         )  # fmt: skip
     titles = (
-        "1  exponent of area to load", "2  $\\mu_s$, no adhesion", "3  $\\mu_s$ added by 200 MPa",
-        "4  $\\mu_s$ at 200 MPa",
-        "5  $\\mu_s$: light / heavy load", "6  $\\mu_s/\\mu_0$", "7  at 200 MPa: 0.2 / 0.05 µm",
-        "8  area changed by $\\mu_0$",
+        "1  exponent of area against load", "2  $\\mu_s$, $\\tau_0$ = 0", "3  $\\mu_s$ due to $\\tau_0$ = 200 MPa",
+        "4  $\\mu_s$, $\\tau_0$ = 200 MPa",
+        "5  $\\mu_s$, light / heavy load", "6  $\\mu_s/\\mu_0$", "7  $\\mu_s$, height 0.2 / 0.05 µm",
+        "8  change of area by friction",
     )  # fmt: skip
     ranges = ((0.6, 1.1), (0.15, 1.0), (-0.1, 0.9), (0.2, 1.2), (0.5, 1.5), (0.4, 2), (0.3, 4), (1e-3, 3))
     for ax, title, limits in zip(axes, titles, ranges, strict=True):

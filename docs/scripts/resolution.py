@@ -423,16 +423,16 @@ def draw_figure(by_hurst, together):
     for axis, value, words in ((axes[0], 100 * limit[0], "F/H"), (axes[1], limit[1], "μ0 + τ0/H")):
         axis.axhline(value, color="black", lw=1)
         axis.text(lengths[0], value, f"plastic limit {words}", va="top", fontsize=8)
-        axis.set(xscale="log", xlabel="cut-off wavelength (nm)")
+        axis.set(xscale="log", xlabel="cutoff wavelength (nm)")
         axis.set_xticks(lengths, [f"{each:g}" for each in lengths])
         axis.set_xticks([], minor=True)
-    axes[0].set(yscale="log", ylabel="true contact area A/A0 (%)", title="area")
+    axes[0].set(yscale="log", ylabel="true contact area A/A0 (%)", title="True area")
     axes[0].set_yticks([0.05, 0.1, 0.2, 0.5], ["0.05", "0.1", "0.2", "0.5"])
     axes[0].set_yticks([], minor=True)
     axes[0].legend(fontsize=7.5, loc="lower right")
-    axes[1].set(ylabel="μ_s, friction at all contacts", title="friction")
+    axes[1].set(ylabel="μ_s, friction at all contacts", title="Friction")
     lengths, q = np.array(together["wavelength"]), 2 * math.pi / np.array(together["wavelength"])
-    axes[2].plot(lengths, q**3.6 * together["known"], color="black", lw=1, label="known")
+    axes[2].plot(lengths, q**3.6 * together["known"], color="black", lw=1, label="true")
     ratio = np.array(together["ratio"], dtype=float)
     looks = {"microscope": ("o", "#0072b2"), "large probe": ("s", "#009e73"), "fine probe": ("^", "#d55e00")}
     for name, (marker, colour) in looks.items():
@@ -441,9 +441,11 @@ def draw_figure(by_hurst, together):
             label = name if scan == scans[0] else None
             density = ratio[scan] * together["density"]
             axes[2].plot(lengths, q**3.6 * density, marker, markersize=4, alpha=0.6, color=colour, label=label)
-    axes[2].plot(lengths, q**3.6 * together["density"], color="#cc79a7", lw=1.5, label="joined")
-    axes[2].set(xscale="log", yscale="log", xlabel="wavelength (µm)", ylabel="$q^{3.6}\\,C$ (arbitrary)")
-    axes[2].set_title("one surface, three instruments")
+    axes[2].plot(lengths, q**3.6 * together["density"], color="#cc79a7", lw=1.5, label="combined")
+    axes[2].set(
+        xscale="log", yscale="log", xlabel="wavelength (µm)", ylabel="spectrum times $q^{3.6}$ (arbitrary units)"
+    )
+    axes[2].set_title("One surface, three instruments")
     axes[2].legend(fontsize=7.5)
     figure.savefig(DOCS / "images/resolution.png", dpi=110)
 
