@@ -1,8 +1,8 @@
 """Onset of sliding: partial slip, pre-sliding displacement, and energy loss per cycle.
 
 Cattaneo, Rendiconti dell'Accademia Nazionale dei Lincei 27 (1938) 342; Mindlin, Journal of Applied Mechanics 16 (1949)
-259; for rough bodies Ciavarella, Journal of the Mechanics and Physics of Solids 46 (1998) 2349, and Jäger, Archive of
-Applied Mechanics 68 (1998) 377. Unloading and cycles by Masing's rule (1926).
+259; for rough bodies Ciavarella, International Journal of Solids and Structures 35 (1998) 2349, and Jäger, Journal of
+Tribology 120 (1998) 677. Unloading and cycles by Masing's rule (1926).
 """
 
 from __future__ import annotations

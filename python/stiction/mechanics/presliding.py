@@ -95,7 +95,7 @@ class LuGre(TextRepr):
     Notes
     -----
     F = F_S (1 - exp(-σ0 u/F_S)) for slow loading from rest, from dz/du = 1 - σ0 z/F_S of Canudas de Wit, Olsson,
-    Åström & Lischinsky, IEEE Transactions on Automatic Control 40 (1995) 1119.
+    Åström & Lischinsky, IEEE Transactions on Automatic Control 40 (1995) 419.
 
     Examples
     --------
