@@ -447,10 +447,10 @@ def draw(points: list[dict]) -> None:
     least = np.sqrt(2 * np.sqrt(np.pi) * 2.2 * TAU0["2"] / MODULUS)
     axes[1].axvline(least, color="0.6", lw=0.7, ls=":")
     axes[0].set(xlabel="mean slope $S = g_s / 2\\sqrt{2\\pi}$", ylabel="$\\mu_s$")
-    axes[0].set(title="friction at opposing contacts, $\\tau_0$ = 0")
+    axes[0].set(title="opposing contacts, $\\tau_0$ = 0")
     axes[0].set(xscale="log", ylim=(0.18, 0.9))
     axes[1].set(xlabel="$h'$", ylabel="$\\mu_s$", xscale="log")
-    axes[1].set(ylim=(0.25, 1.2), title="friction at opposing contacts, $\\tau_0$ = 2 % of $E^*$; height maps")
+    axes[1].set(ylim=(0.25, 1.2), title="opposing contacts, $\\tau_0$ = 2 % of $E^*$; height maps")
     axes[2].set(
         xlabel="$h'$",
         ylabel="deviation from the closed form (%)",
