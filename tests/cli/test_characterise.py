@@ -333,7 +333,7 @@ def test_characterise_repeated_writes_mean_scan_and_noise(tmp_path):
         *(levelled(read_profile(tmp_path / name), "line") for name in ("a.csv", "b.csv"))
     )
     assert comparison.shift[0] == pytest.approx(0.25, abs=0.003)
-    assert f"starts at x = {1000 * comparison.shift[0]:.3g} nm of the first one." in " ".join(completed.stdout.split())
+    assert f"starts at x = {1000 * comparison.shift[0]:.3g} nm of the first scan." in " ".join(completed.stdout.split())
     assert np.array_equal(read_profile(tmp_path / "repeated.npy").heights, comparison.scan.heights)
     assert f"--cutoff '{1000 * comparison.limit:g} nm'" in " ".join(completed.stdout.split())
     for options, expected_words in (([], "repeated.npy: exists already"), (["--together"], "excludes --together")):

@@ -878,7 +878,7 @@ def test_noise_floor_is_filtered_from_noisy_scan_only():
     raw_point = next(point for point in result.summary().points if point.at["cut_off"] == 0)
     assert raw_point.covered
     assert filtered_point.lower <= raw_point.lower <= raw_point.upper <= filtered_point.upper
-    assert result.to_dataframe()["cut-off (um)"].iloc[0] == pytest.approx(limit.cut_off)
+    assert result.to_dataframe()["cutoff (um)"].iloc[0] == pytest.approx(limit.cut_off)
 
 
 def test_declared_texture_prevents_filtering_and_unknown_texture_is_rejected():

@@ -413,7 +413,7 @@ class TestInterface:
 
     def test_tau0_in_mpa_is_warned_about(self, rough_pair):
         curve = press(*rough_pair(1.2), [0.01])
-        with pytest.warns(UserWarning, match="is it in MPa"):
+        with pytest.warns(UserWarning, match="meant in MPa"):
             curve.normal_load(mu0=0.4, tau0=200)
 
     @pytest.mark.parametrize("bad", [{"mu0": -0.1}, {"mu0": math.nan}, {"mu0": "x"}, {"mu0": 0.1, "tau0": -1}])
