@@ -179,6 +179,11 @@ class Pair:
         """Convert an array of heights to a body, with the spacing and unit for this body or for both bodies."""
         spacing: Any = self._select_value("spacing", index)
         unit: Any = self._select_value("unit", index) or "um"
+        if spacing is None:
+            raise ArgumentError(
+                f'{{spacing}} is required for an array, got {{{side}}} without it; give spacing="0.1 um", and {{unit}} '
+                "if the heights are not in um"
+            )
         try:
             return as_body(side, heights, spacing=_split_commas(spacing), unit=_split_commas(unit))  # type: ignore[no-any-return]
         except ValueError as error:
