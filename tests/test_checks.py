@@ -43,7 +43,7 @@ def test_effective_modulus_of_numbers_is_a_float():
     assert of_arrays[0] == effective_modulus(210, 0.3, 210, 0.3)
 
 
-def test_half_space_accepts_arrays_without_dimensions():
+def test_half_space_accepts_zero_dimensional_arrays():
     bodies = [
         self_affine_surface(1, hurst_exponent=0.8, rms=0.01, shape=(32, 32), spacing=0.1, side=side)
         for side in ("upper", "lower")

@@ -431,7 +431,7 @@ def test_pair_writes_report_of_scans_with_missing_points(scans_folder, tmp_path,
 @pytest.mark.parametrize(
     ("arguments", "expected_words"),
     [
-        (["--upper", "upper.csv", "--lower", "lower.csv"], ["materials", "files come first"]),
+        (["--upper", "upper.csv", "--lower", "lower.csv"], ["materials", "the first two arguments are the files"]),
         ([*PROFILE_FILES, "--upper", "upper.csv"], ["--upper must be", "material", "'upper.csv'"]),
         ([*PROFILE_FILES, "--upper", "stele"], ["--upper must be", "steel"]),
         (PROFILE_FILES, ["--effective-modulus", "--young", "--upper"]),

@@ -218,7 +218,7 @@ def test_area_of_elastic_pair_over_modulus_agrees_with_direct_solutions() -> Non
         )
 
 
-def test_pair_of_a_gap_has_interval_of_inputs_and_caveat_about_one_position() -> None:
+def test_pair_given_a_gap_has_interval_from_inputs_only_and_caveat_about_one_position() -> None:
     upper, lower = rough_surfaces(rms=0.03, points=128)
     options = {
         "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,

@@ -81,7 +81,7 @@ def test_neighbors_mean_is_equivariant_under_scale_shift_and_reversal(quantity):
     np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
-def test_neighbors_mean_of_independent_values_has_students_interval():
+def test_neighbors_mean_gives_student_t_interval_for_independent_values():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
     _, lower, upper = neighbors_mean(values)

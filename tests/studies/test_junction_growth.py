@@ -114,7 +114,7 @@ def test_interface_stronger_than_the_bulk_has_status_seizure():
 
 
 @pytest.mark.parametrize(("tau0", "has_end"), [("60..90 MPa", True), ("70..130 MPa", False)])
-def test_interval_is_open_if_many_samples_seize(tau0, has_end):
+def test_interval_has_no_upper_end_if_many_samples_seize(tau0, has_end):
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0}, junction_growth="20..27")
     assert np.isfinite(result.interval[1]) == has_end
     assert np.isfinite(result.interval[0])

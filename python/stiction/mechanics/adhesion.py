@@ -95,7 +95,9 @@ class Attraction:
         raise UnsolvedError("the attraction does not converge")
 
     def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
-        """Return the equilibrium under an external load (GPa) and True, starting from a state or without contact.
+        """Return (state, True), where the state is the equilibrium under an external load per area (GPa).
+
+        The iteration starts from `near`, or without contact if `near` is None.
 
         If the bodies separate, the state with the smallest change on the way and False are returned. Separation is
         certain only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium.

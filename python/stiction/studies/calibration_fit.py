@@ -224,7 +224,7 @@ class CalibrationProblem:
         return float(np.sqrt(np.average((self.ratio - self.pivot) ** 2, weights=self._weight)) / self.pivot)
 
     def _spread(self, scores: Floats) -> Floats:
-        """Return the relative standard deviations (points,) between runs."""
+        """Return the relative standard deviation between runs for each of the points."""
         from scipy.special import ndtr
 
         if SPREAD_NUISANCE not in self.nuisances:

@@ -155,7 +155,8 @@ def _load_material(argument: str, name: str) -> Any:
     except ValueError as error:
         if (Path(name).suffix and not name.endswith(".")) or "/" in name:
             raise ArgumentError(
-                f"{{{argument}}} must be the name of a material such as steel (the files come first), got {{got}}",
+                f"{{{argument}}} must be the name of a material such as steel, got {{got}}; "
+                "the first two arguments are the files",
                 got=repr(name),
             ) from None
         raise ArgumentError(f"{{{argument}}} {{why}}", why=str(error).removeprefix("name ")) from None

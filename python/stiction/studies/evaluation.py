@@ -374,7 +374,10 @@ class OverMembers:
         return cls(order, lines[order])
 
     def mean(self, values: Floats) -> Floats:
-        """Return the mean and the ends of its interval (..., 3) for values (members, ...), ignoring NaN."""
+        """Return the mean over members and the ends of its interval, ignoring NaN.
+
+        The values have the shape (members, ...), and the result has (..., 3).
+        """
         if self.scans is not None:
             columns = values.reshape(values.shape[0], -1).T
             rows = [_ends_of(column, intervals.scans_mean(column, *self.scans)) for column in columns]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray
 
 TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
-MIN_STIFFNESS_PRESSURES = 3  # smallest number of pressures for which a stiffness is computed
+MIN_STIFFNESS_PRESSURES = 3  # smallest number of pressures needed to compute a stiffness
 AVERAGED_DIRECTIONS = (
     0.0,
     90.0,

@@ -379,8 +379,8 @@ class AreaInterpolator:
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
         solved, means = result.alongside(load_areas_over_hardness), result.alongside(_load_mean_areas)
-        # With junction growth, the friction itself depends on the areas at the nodes. All loads therefore use these
-        # areas.
+        # With junction growth, the friction itself depends on the areas at the nodes. Areas are therefore
+        # interpolated from the nodes at every load, even at loads that were not solved.
         grows = bool(study.contact.junction_growth)
         if (
             solved is not None

@@ -412,7 +412,10 @@ class Member:
 
 @dataclass(frozen=True)
 class SharedProperties:
-    """Properties that all members of a study share. Lengths are in µm along x, or along y and x."""
+    """Properties shared by all members of a study.
+
+    Lengths are in µm, one per axis: (x,) for profiles, (y, x) for surfaces.
+    """
 
     upper: Body
     lower: Body

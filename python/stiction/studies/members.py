@@ -204,8 +204,8 @@ class LoadedBodies:
     def member(self, index: int, wavelength: float) -> Member:
         """Return a member at a cutoff (µm, 0 for unfiltered scans)."""
         surfaces = self._surfaces
-        # Each pair of scans has its own positions. Surrogates of different pairs of scans need different random
-        # numbers.
+        # Members count from 0 within each pair of scans. Surrogates use the index in the study instead, so that
+        # different pairs of scans get different random numbers.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         member_of_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scans_of(index)).member(member_of_pair)

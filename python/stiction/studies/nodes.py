@@ -236,7 +236,7 @@ class Nodes:
         return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)
 
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return friction coefficients with intervals at other mu0 and tau0, (..., m, t, 3)."""
+        """Return friction coefficients with intervals at given mu0 (m,) and tau0 (t,), as (..., m, t, 3)."""
         names = ("contact_count",) if self.study.is_measured else ()
         return self._table(self._at(loads, (Axis(mu0), Axis(tau0)), self.kinds[0], names))
 

@@ -79,7 +79,7 @@ class Pair:
         self.options = options
         num_bodies = (options.upper is not None) + (options.lower is not None)
         if num_bodies != (2 if options.gap is None else 0):
-            hint = "; {upper_material} and {lower_material} are materials, such as steel; the files come first"
+            hint = "; {upper_material} and {lower_material} are materials; the first two arguments are the files"
             hint = "" if options.upper_material is None and options.lower_material is None else hint
             raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{hint}")
         if options.mu0 is None and options.interface is None:
@@ -656,7 +656,7 @@ class Pair:
             if not self.loads[-1] < max_load:
                 strip = self.are_profiles and self.press == "lines"
                 raise ArgumentError(
-                    "{load} must be below the hardness times the nominal area of {area:.4g} µm², {max_load:.4g} mN"
+                    "{load} must be below {max_load:.4g} mN, the hardness times the nominal area of {area:.4g} µm²"
                     + ("; this is for a width of 1 µm: give a pressure, or a force and its {width}" if strip else ""),
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Resolution of a measured pair: a small additional study at several cutoffs, and slopes of the gap by wavelength."""
+"""Effect of the resolution of a measured pair: a small study at several cutoffs, and the slope from each wavelength."""
 
 from __future__ import annotations
 

@@ -617,7 +617,7 @@ def _parse_study(text: str) -> Study:
     try:
         return parse_study(text, "its study")
     except ValueError as error:
-        raise DamageError(f"has a study that cannot be read: {error}") from None
+        raise DamageError(f"contains a study that cannot be read: {error}") from None
 
 
 def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:

@@ -44,7 +44,7 @@ _SLID_VALUES = {"": True, "1": True, "yes": True, "true": True, "0": False, "no"
 
 
 def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
-    """Parse the friction tests in a table, which must have the columns load, and force or coefficient.
+    """Parse a table of friction tests with a column `load` and a column `force` or `coefficient`.
 
     `TEST_COLUMNS` lists all columns. Columns are separated by tabs, semicolons or commas. With tabs or semicolons,
     decimal commas are accepted. The column `pair` names one of the bodies, which are results or balls. Raises a

@@ -174,7 +174,7 @@ def fault_at(key: str, message: str) -> PydanticCustomError:
 
 
 def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the class name that a key of a table selects; the default is the first name."""
+    """Return the value of a key in a table, one of the names in `cases`; the default is the first of them."""
     value = given.get(key, next(iter(cases)))
     if not isinstance(value, str) or value not in cases:
         names = '" or "'.join(cases)

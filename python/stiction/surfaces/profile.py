@@ -50,8 +50,9 @@ class Body(PlotRepr):
         if self.missing is not None:
             mask = np.array(self.missing)
             if mask.dtype != np.bool_ or mask.shape != heights.shape or mask.all():
-                allowed = f"a mask of shape {heights.shape} that leaves points"
-                raise ValueError(f"missing must be {allowed}, got {mask.dtype} {mask.shape}")
+                given = "True at every point" if mask.all() else f"{mask.dtype} {mask.shape}"
+                allowed = f"a boolean array of shape {heights.shape} that is False at one point or more"
+                raise ValueError(f"missing must be {allowed}, got {given}")
             object.__setattr__(self, "missing", read_only(mask) if mask.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:

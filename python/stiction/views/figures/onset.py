@@ -103,7 +103,7 @@ NUM_CURVE_POINTS = 200  # number of points of an interpolated curve
 
 
 def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
-    """Return the first loading curve up to a load, interpolated by a monotone cubic."""
+    """Return the curve of first loading up to a load, interpolated by a monotone cubic."""
     from scipy.interpolate import PchipInterpolator
 
     fine_loads = np.linspace(0.0, max_load, NUM_CURVE_POINTS)

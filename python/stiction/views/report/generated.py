@@ -251,7 +251,7 @@ def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], st
 def _checked_numbers(
     node_values: xarray.Dataset, points: Floats, area: Floats, contacts: Floats, study: Study, members: int
 ) -> dict[str, Any]:
-    """Return the numbers that checks of generated surfaces compare with their limits, at all nodes."""
+    """Return, for every node, the numbers that are checked against limits to assess generated surfaces."""
     load, mu0, tau0 = (to_leading_order(node_values[name]) for name in ("load", "mu0", "tau0"))
     carried = to_leading_order(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
     surfaces: Any = study.surfaces

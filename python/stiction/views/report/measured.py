@@ -51,7 +51,7 @@ from stiction.views.text import budget_text, dwell_time_text
 # Maximum number of coefficients in a page, which is the product of nodes, loads, cutoffs, rules and directions.
 MAX_MEASURED_COEFFICIENTS = 400_000
 
-_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units that have no prefix
+_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without SI prefix
 
 
 def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
