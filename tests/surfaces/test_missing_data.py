@@ -194,7 +194,7 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(compl
 
 @pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])
 def test_invalid_mask_is_rejected(mask):
-    with pytest.raises(ValueError, match="missing must be a mask"):
+    with pytest.raises(ValueError, match="missing must be a boolean array"):
         Profile(np.zeros(4), spacing=1.0, missing=mask)
 
 
