@@ -1,9 +1,13 @@
 """Test the printing of text from files, limits of reading files, and safe writing."""
 
+import ast
+import itertools
 import os
 import re
+from pathlib import Path
 
 import pytest
+import stiction
 from stiction import _files
 from stiction._files import NotReadableError, new_file, read_content, replaced_file
 from stiction._text import printable, printable_path
@@ -83,3 +87,26 @@ def test_writers_of_one_file_replace_it_whole(tmp_path):
             two.write_bytes(b"mark two")
         assert (tmp_path / "f").read_bytes() == b"mark two"
     assert (tmp_path / "f").read_bytes() == b"mark one"
+
+
+def test_modules_contain_no_text_without_effect():
+    """A string as a statement inside a function is usually the lost second half of a message."""
+    lost = []
+    for path in sorted(Path(stiction.__file__).parent.rglob("*.py")):
+        nodes = list(ast.walk(ast.parse(path.read_text("utf-8"))))
+        functions = [node for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+        documented = {node.body[0] for node in nodes if isinstance(node, ast.ClassDef)}
+        for function in functions:
+            documented |= {function.body[0]}
+            documented |= {node for last, node in itertools.pairwise(function.body) if is_attribute_assignment(last)}
+        statements = {node for function in functions for node in ast.walk(function) if isinstance(node, ast.Expr)}
+        lost += [f"{path.name}:{node.lineno}" for node in statements - documented if is_text(node.value)]
+    assert lost == []
+
+
+def is_attribute_assignment(node):
+    return ast.unparse(node).startswith("self.") and isinstance(node, ast.Assign | ast.AnnAssign)
+
+
+def is_text(node):
+    return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str))

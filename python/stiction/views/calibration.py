@@ -92,8 +92,9 @@ def _fit_lines(interface: Interface, fit: Fit) -> Iterator[str]:
         if fit.sliding in interface.excluded:
             yield f"{text}: excluded by the tests (probability {fit.probability:.1g})."
         elif fit.scale > 1:
-            yield f"{text}: residuals are larger than the errors allow, so the errors were multiplied by "
-            f"{fit.scale:.2g}."
+            yield (
+                f"{text}: residuals are larger than the errors allow, so the errors were multiplied by {fit.scale:.2g}."
+            )
         elif fit.probability < UNLIKELY_PROBABILITY:
             yield f"{text}: a poor fit."
         else:

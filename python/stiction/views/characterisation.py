@@ -280,8 +280,8 @@ class Characterisation:
         result = self.sections
         if result is None:
             steps = self.scale_limited.history[len(self.body.history) :]
-            words = ", then ".join(steps) if steps else "none: S-F surface with all wavelengths; --ls and --lc set "
-            "filters"
+            no_filters = "none: S-F surface with all wavelengths; --ls and --lc set filters"
+            words = ", then ".join(steps) if steps else no_filters
             return [Row("filters", (words,)), *rows]
         if isinstance(result, SectionError):
             names = [item.name for letter in "RW" for item in PROFILE_PARAMETERS[letter]]
