@@ -59,10 +59,10 @@ def test_error_message_names_the_form_field_by_its_label(message, labelled, opti
 
 
 def test_caveats_name_form_fields_by_their_labels():
-    caveats = [{"text": "adhesion is neglected", "cure": "specify --adhesion or --lines", "severity": "caution"}]
+    caveats = [{"text": "adhesion is neglected", "remedy": "specify --adhesion or --lines", "severity": "caution"}]
     assert label_caveats({"value": 1, "caveats": caveats}) == {
         "value": 1,
         "caveats": [
-            {"text": "adhesion is neglected", "cure": 'specify "work of adhesion" or --lines', "severity": "caution"}
+            {"text": "adhesion is neglected", "remedy": 'specify "work of adhesion" or --lines', "severity": "caution"}
         ],
     }

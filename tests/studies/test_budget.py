@@ -232,7 +232,7 @@ def test_pair_given_a_gap_has_interval_from_inputs_only_and_caveat_about_one_pos
     assert np.isnan(exact_result.interval).all()
     for result in (ranged_result, exact_result):
         assert any("a gap has one position" in caveat.text for caveat in result.caveats)
-        assert not any("members that differ" in caveat.cure for caveat in result.caveats)
+        assert not any("members that differ" in caveat.remedy for caveat in result.caveats)
 
 
 def test_material_name_combines_with_numbers_of_the_other_surface() -> None:

@@ -209,11 +209,11 @@ def test_caveat_about_repeated_extreme_ends_when_accepted(tmp_path, monkeypatch)
     def find_repeated_extremes(**options):
         arguments = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
         study = Pair.from_values(upper="codes.csv", lower="codes.csv", **arguments).study
-        return [item for item in find_study_caveats(study) if "(repeated-extreme)" in item.cure]
+        return [item for item in find_study_caveats(study) if "(repeated-extreme)" in item.remedy]
 
     (caveat,) = find_repeated_extremes()
     assert (caveat.severity, caveat.text.partition(":")[0]) == ("caution", "both scans")
-    assert "--missing-value -9999" in caveat.cure
+    assert "--missing-value -9999" in caveat.remedy
     assert find_repeated_extremes(missing_value="-9999") == find_repeated_extremes(accept="repeated-extreme") == []
     (caveat,) = MeasuredFile.from_body(Profile(heights, spacing=100.0), "upper").caveats
     assert caveat.name == "repeated-extreme"

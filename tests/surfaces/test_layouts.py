@@ -433,7 +433,7 @@ def test_codes_for_missing_points_are_named_and_masked(tmp_path):
         path.write_text("x (um),z (um)\n" + "\n".join(body))
         reading = load_reading(path)
         assert "repeated-extreme" in [caveat.name for caveat in reading.caveats]
-        assert f"--missing-value {float(code):g}" in reading.caveats[0].cure
+        assert f"--missing-value {float(code):g}" in reading.caveats[0].remedy
         with pytest.warns(FormatWarning, match="repeated-extreme"):
             read_measurement(path)
         masked = load_reading(path, missing_value=float(code), missing="mask", accept="tall")

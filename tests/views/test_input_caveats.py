@@ -120,18 +120,18 @@ def test_noise_and_peaks_are_caveats_without_cutoff():
     assert any("of the mean square slope" in text for text in caveat_texts(noisy_profile, noisy_profile))
 
 
-def test_cure_offers_no_cutoff_above_a_third_of_the_scan():
+def test_remedy_offers_no_cutoff_above_a_third_of_the_scan():
     noise_profile = Profile(0.1 * np.random.default_rng(2).normal(size=960), spacing=0.5)
     short_profile = self_affine(3, points=200, spacing=0.5, hurst_exponent=0.7, rms=0.01, shortest_wavelength=5.0)
     cutoff = instrument_limit(noise_profile).cut_off
     assert short_profile.extent / 3 < cutoff < noise_profile.extent / 3
-    (cure,) = (
-        caveat.cure
+    (remedy,) = (
+        caveat.remedy
         for caveat in find_input_caveats(noise_profile, short_profile, measured_study())
         if "noise" in caveat.text
     )
-    assert "--cutoff '" not in cure
-    assert "33.3 µm" in cure
+    assert "--cutoff '" not in remedy
+    assert "33.3 µm" in remedy
     with pytest.raises(ValueError, match=r"cutoff must be .*33.3333 µm"):
         pair(noise_profile, short_profile, load="10 MPa", mu0=0.2, effective_modulus="80 GPa", cutoff=f"{cutoff:g} um")
 

@@ -256,7 +256,7 @@ def test_assessments_of_generated_profiles_equal_the_library(generated_dataset, 
                 mu0, float(tau0), cell=indices[0], amplitude=indices[1], way=0, load=load_index
             )
             assert assessment["verdict"] == point.verdict
-            assert [caveat["cure"] for caveat in assessment["caveats"]] == [caveat.cure for caveat in point.caveats]
+            assert [caveat["remedy"] for caveat in assessment["caveats"]] == [caveat.remedy for caveat in point.caveats]
             verdicts.add(point.verdict)
     assert "Do not quote" in verdicts
 

@@ -135,7 +135,7 @@ def test_json_contains_verdict_caveats_and_values():
     (answer,) = record["answers"]
     assert answer["verdict"] == "Do not quote"
     assert answer["caveats"][0]["severity"] == "fault"
-    assert {"text", "cure", "severity"} == set(answer["caveats"][0])
+    assert {"text", "remedy", "severity"} == set(answer["caveats"][0])
     assert answer["sentence"].startswith("There is no coefficient to quote")
     assert [rule["rule"] for rule in answer["rules"]] == ["all", "opposing"]
     assert answer["rules"][0]["value"] == 0.21

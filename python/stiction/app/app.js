@@ -256,7 +256,7 @@ function showResult(answer, scope, isFinal) {
     place.append(line);
   }
   if (isFinal) place.append(createNode("p", {className: `verdict ${VERDICT_CLASSES[answer.verdict]}`}, answer.verdict),
-    createNode("ul", {className: "caveats", tabIndex: 0}, ...answer.caveats.map(({text: words, cure, severity}) => createNode("li", {className: severity}, `${words}; ${cure}`))),
+    createNode("ul", {className: "caveats", tabIndex: 0}, ...answer.caveats.map(({text: words, remedy, severity}) => createNode("li", {className: severity}, `${words}; ${remedy}`))),
     createNode("p", {className: "sentence", id: "sentence", hidden: true}, answer.sentence));
 }
 

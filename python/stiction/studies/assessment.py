@@ -82,7 +82,7 @@ class Caveat:
     """Reason to quote a value with care or not at all, with a remedy."""
 
     text: str
-    cure: str
+    remedy: str
     severity: Severity
     cut_off: float = math.inf
     """Cutoff wavelength (µm) from which the caveat does not apply."""
@@ -103,7 +103,7 @@ class Check(NamedTuple):
     name: str
     limit: float
     text: str
-    cure: str
+    remedy: str
     severity: Severity = "fault"
     shown: str = "digits"  # format of the number: "digit" for one digit, "digits" for two, "percent", or a unit
     about: str = ""  # name of the number in the text; by default the number that is compared with the limit
@@ -123,7 +123,7 @@ class Check(NamedTuple):
         else:
             number_text = format_percent(value) if self.shown == "percent" else format_with_unit(value, self.shown)
         return Caveat(
-            self.text.replace("{}", number_text), self.cure, self.severity, name=self.name, value=checked,
+            self.text.replace("{}", number_text), self.remedy, self.severity, name=self.name, value=checked,
             limit=self.limit,
         )  # fmt: skip
 
@@ -176,9 +176,9 @@ STEEP_SURFACE_CHECK = Check(
 
 
 def _fraction_check(
-    name: str, text: str, cure: str, severity: Severity = "fault", limit: float = MAX_AFFECTED_FRACTION
+    name: str, text: str, remedy: str, severity: Severity = "fault", limit: float = MAX_AFFECTED_FRACTION
 ) -> Check:
-    return Check(name, limit, text, cure, severity, "percent")
+    return Check(name, limit, text, remedy, severity, "percent")
 
 
 ASPERITY_CHECKS: Checks = (
@@ -258,8 +258,8 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
         yield from apply_checks(CONTACT_CHECKS, _compute_checked_numbers(point, study, value))
         return
     if status != friction.STATUS_OK or math.isnan(value.value):
-        text, cure = STATUS_EXPLANATIONS.get(status, STATUS_EXPLANATIONS[""])
-        yield Caveat(text, cure, "fault")
+        text, remedy = STATUS_EXPLANATIONS.get(status, STATUS_EXPLANATIONS[""])
+        yield Caveat(text, remedy, "fault")
         return
     members = value_of(point, "members")
     num_solved = (
@@ -357,24 +357,24 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
     if is_capped(study):
         return ()
 
-    def check(limit: float, text: str, cure: str, severity: Severity) -> Check:
-        return Check("mean_pressure", limit, text, cure, severity, "GPa")
+    def check(limit: float, text: str, remedy: str, severity: Severity) -> Check:
+        return Check("mean_pressure", limit, text, remedy, severity, "GPa")
 
     softer = softer_material(*find_materials(study))
     if softer is not None and softer.hardness is not None:
         low, high = softer.hardness.low, softer.hardness.high
         ends = " to ".join(dict.fromkeys(format_with_unit(end, "GPa") for end in (low, high)))
         text = f"the mean pressure in contact is {{}}, and {softer.name} yields at {ends}"
-        cure = "use --mechanics half-space or --law jackson-green"
-        return ((check(high, text, cure, "fault"), check(low, text, cure, "caution")),)
+        remedy = "use --mechanics half-space or --law jackson-green"
+        return ((check(high, text, remedy, "fault"), check(low, text, remedy, "caution")),)
     if modulus < MAX_RUBBER_MODULUS:
         return ()
     highest, high = YIELD_PRESSURE_RATIO * modulus, METAL_YIELD_PRESSURE_RATIO * modulus
     if study.is_measured:
         yielded = "the mean pressure in contact is {}, at which nearly every material has yielded"
         harder = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
-        cure = "give the hardness of the softer body"
-        return ((check(highest, yielded, cure, "fault"), check(high, harder, "give its hardness", "caution")),)
+        remedy = "give the hardness of the softer body"
+        return ((check(highest, yielded, remedy, "fault"), check(high, harder, "give its hardness", "caution")),)
     text = "the mean pressure in contact is {}, at which hardly any material is still elastic"
     return ((check(highest, text, "use lower heights, a lower D, or a hardness", "caution"),),)
 
@@ -444,10 +444,10 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
                 f"{format_with_unit(strength, 'GPa')}; junction growth, which is taken as 0, would raise the friction "
                 f"of a ductile body {increase_text}"
             )
-            cure = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
+            remedy = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
             if study.contact.adheres:  # the junction growth of adhesive contacts is not solved
-                cure = "compare with the pair without --adhesion, whose contacts grow"
-            yield Caveat(text, cure, "caution")
+                remedy = "compare with the pair without --adhesion, whose contacts grow"
+            yield Caveat(text, remedy, "caution")
     yield from apply_checks(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
 
 
@@ -563,10 +563,10 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     status = contact_status_of(point, study)
     if status == COMPLETE_STATUS:
-        cure = (
+        remedy = (
             "adhesion closes the gap: use stiffer or rougher bodies" if study.contact.adheres else "use a smaller load"
         )
-        yield Caveat("contact is complete: the true area is the nominal one", cure, "fault")
+        yield Caveat("contact is complete: the true area is the nominal one", remedy, "fault")
     elif status == ABOVE_NOMINAL_STATUS:
         text = "the areas of the asperities add up to more than the nominal area"
         yield Caveat(text, "use a smaller load, or the half-space", "fault")

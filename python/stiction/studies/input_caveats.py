@@ -73,7 +73,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
         """Return caveats about the scans of a body: of each kind, the caveat with the longest wavelength."""
         kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
-            found = [Caveat(each.text, f"{each.cure} ({each.name})", "caution") for each in of_scan.caveats]
+            found = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
             if isinstance(scan, JoinedSpectrum):
                 found += _of_scans(scan)
             else:
@@ -97,7 +97,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     named = zip(("both scans", "upper", "lower"), (both, *alone), strict=True)
     caveats = [replace(each, text=f"{name}: {each.text}") for name, of_body in named for each in of_body]
     longest = MAX_CUTOFF_FRACTION * min(_shortest_side(body) for body in (upper, lower))
-    caveats = [replace(each, cure=_without_cutoff(each, longest)) for each in caveats]
+    caveats = [replace(each, remedy=_without_cutoff(each, longest)) for each in caveats]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > MAX_PLAUSIBLE_MU0:
         text = f"μ0 = {mu0:g} is larger than that of any pair of materials"
@@ -115,7 +115,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
 def _without_cutoff(caveat: Caveat, longest: float) -> str:
     """Return the remedy of a caveat, without the cutoff if it exceeds the longest one of both scans (µm)."""
     if not longest < caveat.cut_off < math.inf:
-        return caveat.cure
+        return caveat.remedy
     return (
         f"scan a longer part, as the longest cutoff of both scans is {format_with_unit(longest, 'um')}; "
         "--cutoff none keeps these wavelengths"
@@ -215,27 +215,27 @@ def _of_instrument(
         is_known = limit.origin == "instrument"
         source = "where" if is_known else "perhaps from the instrument:"
         text = f"{_waves(limit)}, {source} {LIMIT_REASONS[limit.reason]}"
-        cure = f"--cutoff '{format_with_unit(limit.cut_off, 'um')}' removes this fraction"
+        remedy = f"--cutoff '{format_with_unit(limit.cut_off, 'um')}' removes this fraction"
         if limit.matters:
-            cure += ", --cutoff none keeps it" if is_known else CUTOFF_REMEDY
+            remedy += ", --cutoff none keeps it" if is_known else CUTOFF_REMEDY
             if is_known and textured:
-                cure += "; --texture concerns lines and humps only"
+                remedy += "; --texture concerns lines and humps only"
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
-        yield Caveat(text, cure, severity, limit.cut_off, has_readings and limit.matters)
+        yield Caveat(text, remedy, severity, limit.cut_off, has_readings and limit.matters)
     hidden = None if limit.matters or textured else find_hidden_noise(body)
     if hidden is not None:
         text = (
             f"noise or aliasing may contribute {100 * hidden.slope_fraction:.0f} % of the mean square slope: the "
             "spectrum flattens at short wavelengths"
         )
-        cure = f"--cutoff '{format_with_unit(hidden.cut_off, 'um')}' removes this fraction, --cutoff none keeps it"
-        yield Caveat(text, f"{cure}; {REPEATED_SCANS_REMEDY}", "caution", hidden.cut_off, has_readings)
+        remedy = f"--cutoff '{format_with_unit(hidden.cut_off, 'um')}' removes this fraction, --cutoff none keeps it"
+        yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden.cut_off, has_readings)
     if blunt.reason == "tip" and blunt.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
         text = f"{_waves(blunt)}, which the tip does not resolve: the surface is steeper"
         # Without a hardness, steeper slopes reduce the true area without limit.
         how: Severity = "fault" if elastic and blunt.matters else "caution"
-        cure = "use a sharper tip" + (", or specify a hardness" if elastic else "")
-        yield Caveat(text, cure, how, blunt.cut_off)
+        remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
+        yield Caveat(text, remedy, how, blunt.cut_off)
     if not isinstance(body, Profile):
         return
     peak = find_peak(power_spectrum(levelled(body, "line")))

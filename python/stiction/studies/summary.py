@@ -403,7 +403,7 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 def _spoils_bracket(caveat: Caveat) -> bool:
     """Return True if a caveat invalidates the bracket, which every fault except too few contacts does."""
-    return caveat.severity == "fault" and caveat.cure != MORE_CONTACTS_REMEDY
+    return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:

@@ -266,7 +266,7 @@ class Characterisation:
             window = "without a window, periodic" if self.periodic else "after a Hann window"
             rows.append(Row("spectrum", (f"{window}; moments over all of its wavelengths",), is_detail=True))
         rows += [
-            Row("" if index else "caveats", (f"{item.text}; {item.cure}",)) for index, item in enumerate(self.caveats)
+            Row("" if index else "caveats", (f"{item.text}; {item.remedy}",)) for index, item in enumerate(self.caveats)
         ]
         return rows
 
@@ -604,7 +604,7 @@ def _file_record(file: str, result: Characterisation) -> dict[str, Any]:
         "file": file, "holds": "profile" if isinstance(body, Profile) else "surface",
         "points": list(np.shape(body.heights)), "spacing_um": np.atleast_1d(body.spacing).tolist(),
         "extent_um": np.atleast_1d(body.extent).tolist(), "history": list(body.history),
-        "caveats": [{"text": item.text, "cure": item.cure, "severity": item.severity} for item in result.caveats],
+        "caveats": [{"text": item.text, "remedy": item.remedy, "severity": item.severity} for item in result.caveats],
     }  # fmt: skip
 
 

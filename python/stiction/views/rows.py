@@ -225,7 +225,7 @@ def _assessment_table(
             "assumptions": ["; ".join(list_assumptions(point.study)) for point, _ in rules],
             "contact status": [point.contact_status for point, _ in rules],
             "verdict": [point.verdict for point, _ in rules],
-            "caveats": ["; ".join(f"{caveat.text}: {caveat.cure}" for caveat in point.caveats) for point, _ in rules],
+            "caveats": ["; ".join(f"{caveat.text}: {caveat.remedy}" for caveat in point.caveats) for point, _ in rules],
         }
     )
 
@@ -321,6 +321,6 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         if point.bracket is None
         else {"from": point.bracket[0], "to": point.bracket[1], "rule": "all", "hardness": point.hardness},
         "caveats": [
-            {"text": caveat.text, "cure": caveat.cure, "severity": caveat.severity} for caveat in point.caveats
+            {"text": caveat.text, "remedy": caveat.remedy, "severity": caveat.severity} for caveat in point.caveats
         ],
     }

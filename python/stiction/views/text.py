@@ -424,7 +424,7 @@ MAX_CAVEATS = 6  # largest number of groups of caveats that are shown for severa
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
     marker = "!" if caveat.severity == "fault" else "-"
-    return wrap_text(f"{marker} {caveat.text}{suffix}; {caveat.cure}", indent="  ", hang="  ")
+    return wrap_text(f"{marker} {caveat.text}{suffix}; {caveat.remedy}", indent="  ", hang="  ")
 
 
 # ---- Quantities ------------------------------------------------------------------------------------------------------

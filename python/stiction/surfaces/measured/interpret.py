@@ -418,7 +418,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         if given is not None:
             if _worst_printed_deviation(x, direction * given, digit, MAX_UNEVENNESS * given) is not None:
                 _reject_uneven(x, measured, digit)  # the given spacing takes precedence
-                numbering = "".join(f"; {caveat.cure}" for caveat in raw.caveats if caveat.name == "numbering")
+                numbering = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
                     f"has positions with a spacing of {abs(measured):.7g} µm, but spacing is {given.text}{numbering}"
                 )

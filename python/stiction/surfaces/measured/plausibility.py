@@ -51,7 +51,7 @@ class PlausibilityCheck(NamedTuple):
 
     name: str
     find: Callable[[Scan], Iterator[str]]
-    cure: str
+    remedy: str
 
 
 def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
@@ -65,7 +65,7 @@ def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
     findings += [(check, text) for check in CHECKS[1:] for text in check.find(scan)]
     return tuple(
-        FileCaveat(check.name, text.partition("|")[0], check.cure.replace("{}", text.partition("|")[2]))
+        FileCaveat(check.name, text.partition("|")[0], check.remedy.replace("{}", text.partition("|")[2]))
         for check, text in findings
     )
 

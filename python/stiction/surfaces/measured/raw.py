@@ -75,10 +75,10 @@ class FileCaveat:
 
     name: str
     text: str
-    cure: str
+    remedy: str
 
     def __str__(self) -> str:
-        return f"{self.text}; {self.cure} ({self.name})"
+        return f"{self.text}; {self.remedy} ({self.name})"
 
 
 @dataclass(frozen=True)

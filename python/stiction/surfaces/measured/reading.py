@@ -115,7 +115,7 @@ class Reading(Generic[_Body]):
             "missing_points": self.missing, "encoding": source.encoding, "separator": source.separator,
             "decimal_mark": source.decimal_mark, "lines": None if source.lines is None else list(source.lines),
             "lines_above": source.lines_above, "lines_below": source.lines_below,
-            "caveats": [{"name": caveat.name, "text": caveat.text, "cure": caveat.cure} for caveat in self.caveats],
+            "caveats": [{"name": caveat.name, "text": caveat.text, "remedy": caveat.remedy} for caveat in self.caveats],
         }  # fmt: skip
 
 

@@ -147,8 +147,8 @@ def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: An
     caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
         text = f"its header line {printable(declared.scale)!r} is a factor or a range of heights; it is not applied"
-        cure = "accept it if the heights are in their unit; otherwise multiply them by the factor first"
-        caveats = (FileCaveat("scale", text, cure),)
+        remedy = "accept it if the heights are in their unit; otherwise multiply them by the factor first"
+        caveats = (FileCaveat("scale", text, remedy),)
     raw = Raw(
         heights, unit=unit, factor=declared.factor, codes=(*declared.codes, *counts), stated=declared.spacing,
         size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,

@@ -268,7 +268,7 @@ def _checked_numbers(
 def _reason_record(reason: Caveat | Check) -> dict[str, Any]:
     """Return the text, remedy, severity and number of a reason for a page."""
     number = _number_format(reason) if isinstance(reason, Check) and "{}" in reason.text else None
-    return {"text": reason.text, "cure": reason.cure, "severity": reason.severity, "number": number}
+    return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number}
 
 
 def _number_format(check: Check) -> dict[str, Any]:

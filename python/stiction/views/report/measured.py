@@ -301,7 +301,7 @@ def _assessments(result: Result) -> list[dict[str, Any]]:
             "covered": answer.covered,
             "sentence": printable(sentence_text(answer), MAX_TEXT_LENGTH * 4),
             "caveats": [
-                {name: printable(getattr(caveat, name), MAX_TEXT_LENGTH) for name in ("text", "cure", "severity")}
+                {name: printable(getattr(caveat, name), MAX_TEXT_LENGTH) for name in ("text", "remedy", "severity")}
                 for caveat in answer.caveats
             ],
             "slopes": slopes_text(answer),

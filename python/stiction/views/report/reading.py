@@ -47,7 +47,7 @@ def reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tupl
     rows.append(
         ("given, not read from the file", ", ".join(_option_text(*item) for item in specified.items()) or "nothing")
     )
-    rows += [("caveat", f"{caveat.text}; {caveat.cure}") for caveat in reading.caveats]
+    rows += [("caveat", f"{caveat.text}; {caveat.remedy}") for caveat in reading.caveats]
     return rows
 
 

@@ -199,8 +199,8 @@ const MAX_OPEN_CAVEATS = 3; // caveats shown without opening the list
 
 function verdictElements(verdict, caveats) {
   const kind = VERDICT_CLASSES[verdict];
-  const list = (some) => (some.length ? [element("ul", {class: "caveats"}, ...some.map(({text, cure, severity}) =>
-    element("li", {class: severity}, `${text.replace(/^[a-z]/, (letter) => letter.toUpperCase())}; ${cure}.`)))] : []);
+  const list = (some) => (some.length ? [element("ul", {class: "caveats"}, ...some.map(({text, remedy, severity}) =>
+    element("li", {class: severity}, `${text.replace(/^[a-z]/, (letter) => letter.toUpperCase())}; ${remedy}.`)))] : []);
   const rest = caveats.slice(MAX_OPEN_CAVEATS);
   return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(caveats.slice(0, MAX_OPEN_CAVEATS)),
     ...(rest.length ? [element("details", {}, element("summary", {}, `${rest.length} more`), ...list(rest))] : []))];

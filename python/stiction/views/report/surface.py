@@ -43,7 +43,7 @@ def surface_page(
 def _meaning(characterisation: Characterisation) -> str:
     """Return caveats, the small-slope estimate, and the effect of a finer scan as markup."""
     caveats = "".join(
-        f"<li>{escaped(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.cure}.')}</li>"
+        f"<li>{escaped(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats
     )
     values = [f"{value:.2f}" for value in characterisation.friction]
