@@ -3,6 +3,7 @@
 import html
 import json
 
+import numpy as np
 import pytest
 from stiction.app.form import (
     FIELDS,
@@ -13,6 +14,7 @@ from stiction.app.form import (
     page_facts,
     replace_option_names,
 )
+from stiction.app.preview import preview_scan
 from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_choices
 
 
@@ -46,9 +48,10 @@ def test_form_adds_units_to_quantities_but_not_to_texts():
         ("--hardness must be above 0, got '0 GPa'", "\"hardness\" must be above 0, got '0 GPa'", "hardness"),
         (
             "--adhesion is for --mechanics half-space",
-            '"work of adhesion" is for "contact model" half-space',
+            '"work of adhesion" is for "contact model": half-space (exact)',
             "adhesion",
         ),
+        ("--missing-value -999 marks points", '"missing value" -999 marks points', "missing-value"),
         ("--offsets is for lines; for maps give --lines", "--offsets is for lines; for maps give --lines", ""),
         ("a.csv: cannot be read", "a.csv: cannot be read", ""),
     ],
@@ -66,3 +69,26 @@ def test_caveats_name_form_fields_by_their_labels():
             {"text": "adhesion is neglected", "remedy": 'specify "work of adhesion" or --lines', "severity": "caution"}
         ],
     }
+
+
+def test_preview_names_form_fields_and_choices_by_their_labels(tmp_path):
+    heights = np.random.default_rng(1).standard_normal((16, 16))
+    reading = {"unit": "um", "spacing": "1 um"}
+    np.save(tmp_path / "missing.npy", np.where(heights > 2, np.nan, heights))
+    error = preview_scan(f"{tmp_path / 'missing.npy'}", reading)["error"]
+    labels = dict(FIELDS["missing"].choices)
+    assert f'"missing points": {labels["mask"]}' in error
+    assert f'"missing points": {labels["interpolate"]}' in error
+    np.save(tmp_path / "code.npy", np.where(heights > 1.5, -999, heights))
+    warning = preview_scan(f"{tmp_path / 'code.npy'}", reading)["warning"]
+    assert '"missing value" -999' in warning
+    assert "--" not in error + warning
+
+
+@pytest.mark.parametrize("choice", [value for value, _ in FIELDS["missing"].choices])
+def test_preview_reads_missing_points_with_each_choice_of_the_form(choice, tmp_path):
+    heights = np.random.default_rng(1).standard_normal((16, 16))
+    heights[5, 5:8] = np.nan
+    np.save(tmp_path / "missing.npy", heights)
+    record = preview_scan(f"{tmp_path / 'missing.npy'}", {"unit": "um", "spacing": "1 um", "missing": choice})
+    assert record["points"] == 256

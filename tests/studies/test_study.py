@@ -462,6 +462,7 @@ class TestStudyKeys:
                 documented_values.setdefault((title, key.strip("`")), values)
         assert documented_values["`[contact]`", "effective_modulus"] == "a pressure above 0"
         assert documented_values["`[contact]`", "hardness"] == "a pressure above 0"
+        assert documented_values["`[surfaces]`, measured", "gap"] == "`true`"
         assert documented_values["`[contact]`", "work_of_adhesion"] == "an energy per area, at least 0"
         assert "range" in documented_values["`[known]`", "hardness"]
         assert "hurst_exponent" in study_keys_text()

@@ -52,7 +52,8 @@ def page_facts() -> str:
     return html.escape(json.dumps(facts, ensure_ascii=False))
 
 
-_OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)")
+_OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
+"""Pattern of an option, with the next word of the message, which may be its value."""
 
 
 def find_first_option(message: str) -> str:
@@ -62,11 +63,15 @@ def find_first_option(message: str) -> str:
 
 
 def replace_option_names(message: str) -> str:
-    """Return a message of a command with the options of the form replaced by the labels of their fields."""
+    """Return a message of a command with the options of the form replaced by the labels of their fields and choices."""
 
     def field_label(match: re.Match[str]) -> str:
         field = FIELDS.get(match[1])
-        return f'"{field.label.partition(",")[0]}"' if field else match[0]
+        if field is None:
+            return match[0]
+        label, value = f'"{field.label.partition(",")[0]}"', match[2]
+        choice = dict(field.choices).get(value)
+        return f"{label}: {choice}" if choice else label if value is None else f"{label} {value}"
 
     return _OPTION_PATTERN.sub(field_label, message)
 

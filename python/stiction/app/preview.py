@@ -17,6 +17,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP
 from stiction._number_format import format_with_unit
+from stiction.app.form import replace_option_names
 from stiction.studies.pair_options import split_list
 from stiction.surfaces.measured.reading import load_reading
 from stiction.surfaces.preparation import levelled
@@ -45,7 +46,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
                 check_roughness(levelled_body)
                 height, slope = float(levelled_body.heights.std()), rms_gradient(levelled_body, "seven-point")
         except (ValueError, ImportError, MemoryError) as error:
-            return {"error": str(error) or "not enough memory for this scan"}
+            return {"error": replace_option_names(str(error)) or "not enough memory for this scan"}
     is_profile = isinstance(levelled_body, Profile)
     names = ("Pq", "Pdq") if is_profile else ("Sq", "Sdq")
     size = " × ".join(format_with_unit(item, "um") for item in np.atleast_1d(body.extent)[::-1])
@@ -57,11 +58,12 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
         )
     else:
         kind, image = "png", render_png(levelled_body.heights, levelled_body.extent)
+    warning_texts = [*scan.caveats, *(item.message for item in caught_warnings)]
     return {
         "holds": "profile" if is_profile else "surface", names[0]: height, names[1]: slope,
         "words": f"{size}, {points} points; {names[0]} {format_with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
         "points": int(np.size(body.heights)), "reading": str(scan),
-        "warning": "; ".join([*map(str, scan.caveats), *(str(item.message) for item in caught_warnings)]),
+        "warning": replace_option_names("; ".join(map(str, warning_texts))),
         "picture": f"data:image/{kind};base64,{base64.b64encode(image).decode()}",
     }  # fmt: skip
 

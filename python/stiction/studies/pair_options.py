@@ -505,7 +505,8 @@ class ReadingOptions(OptionGroup):
         "interpolate.",
         usual="error", is_common=True,
         field=FormField(
-            label="missing points", place="scan", empty="are an error", choices=(("interpolate", "fill them"),)
+            label="missing points", place="scan", empty="are an error",
+            choices=(("mask", "leave them out"), ("interpolate", "interpolate")),
         ),
     )] = None  # fmt: skip
     missing_value: Annotated[Values | None, Option(

@@ -172,7 +172,7 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
     if annotation is Quantity:  # lengths in measured files, which have a separate parser
         return ["a length"]
     if get_origin(annotation) is Literal:
-        return [f'`"{value}"`' for value in get_args(annotation)]
+        return [f"`{_toml_text(value)}`" for value in get_args(annotation)]
     if isinstance(annotation, type) and issubclass(annotation, values.Table):
         if "start" in annotation.model_fields:
             spacing = ", spacing" if "spacing" in annotation.model_fields else ""
@@ -235,4 +235,6 @@ def _toml_text(value: Any) -> str:
     if isinstance(value, values.Table):
         entries = ((name, _toml_text(getattr(value, name))) for name in type(value).model_fields)
         return f"{{ {', '.join(f'{name} = {text}' for name, text in entries)} }}"
+    if isinstance(value, bool):
+        return "true" if value else "false"
     return f'"{value}"' if isinstance(value, str) else f"{value}"
