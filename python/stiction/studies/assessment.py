@@ -45,49 +45,49 @@ YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 
 MAX_RUBBER_MODULUS = 0.1  # GPa: bodies with a smaller E* are assumed to be rubber or gels, which do not yield
 
-MIN_TOTAL_CONTACTS = 10  # smallest number of contacts, over all members, for which a mean is quoted
+MIN_TOTAL_CONTACTS = 10  # smallest total number of contacts in all members for which a mean may be quoted
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
 
-MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # above this fraction of the load on one contact, the value is not quoted
-CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # above this fraction of the load at the edge, the value has a caveat
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # above this fraction of the load on one contact, the value has a caveat
+MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # largest fraction of the load on one contact at which a value may be quoted
+CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # largest fraction of the load at the edge that causes no caveat
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # largest fraction of the load on one contact that causes no caveat
 
-MERGED_AREA_FRACTION = 0.3  # ratio of true to nominal area above which the contacts are few because they have merged
-MAX_AFFECTED_FRACTION = 0.5  # fraction of the load, of the members or of the scan length above which there is a caveat
-MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated points in a scan above which there is a caveat
-MAX_SPACING_RATIO = 3.0  # ratio of the spacings of two scans above which the coarser scan is too coarse
+MERGED_AREA_FRACTION = 0.3  # ratio of true to nominal area above which contacts are assumed to have merged
+MAX_AFFECTED_FRACTION = 0.5  # largest fraction of the load, members or scan length that causes no caveat
+MAX_INTERPOLATED_FRACTION = 0.02  # largest fraction of interpolated scan points that causes no caveat
+MAX_SPACING_RATIO = 3.0  # largest ratio of the grid spacings of two scans that causes no caveat
 
 NEARLY_BULK_STRENGTH = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
-MAX_SEIZING_FRACTION = 0.025  # fraction of seizing input samples above which the interval has no upper end
+MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above which the interval has no upper end
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
 
-MAX_NEGLECTED_ADHESION = 0.05  # fraction of the load that adhesion may add to the contacts without a caveat
-TYPICAL_WORK_OF_ADHESION = 5e-5  # mN/µm, which is 50 mJ/m²: typical of solids in air
+MAX_NEGLECTED_ADHESION = 0.05  # largest load added by adhesion, relative to the applied load, that causes no caveat
+TYPICAL_WORK_OF_ADHESION = 5e-5  # mN/µm (50 mJ/m²), a typical value for solids in air
 RIM_ATTRACTION_FACTOR = 4.3
-"""Factor of the attraction in the rim around contacts, fitted to 395 solved pairs with E* from 2 MPa to 200 GPa.
+"""Factor of the attraction in the rim around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
 
 docs/explanation/adhesion.md describes the fit.
 """
 
 MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
-ROUND_UP_FACTOR = 1 + 1e-12  # rounds a number halfway between two digits up, such as 2.25, as the report does
-MAX_RELATIVE_HALF_WIDTH = 0.5  # ratio of the half width of an interval to the value above which there is a caveat
+ROUND_UP_FACTOR = 1 + 1e-12  # rounds ties such as 2.25 up, as the report does
+MAX_RELATIVE_HALF_WIDTH = 0.5  # largest relative half width of an interval that causes no caveat
 
 
 @dataclass(frozen=True)
 class Caveat:
-    """Reason to quote a value with care or not at all, with a remedy."""
+    """Reason not to quote a value, or to quote it with care, and its remedy."""
 
     text: str
     remedy: str
     severity: Severity
     cut_off: float = math.inf
-    """Cutoff wavelength (µm) from which the caveat does not apply."""
+    """Cutoff wavelength (µm) at and above which the caveat does not apply."""
     has_readings: bool = False
-    """True if the interval covers the results both with and without the wavelengths that the caveat is about."""
+    """True if the interval covers the results with and without the wavelengths that the caveat concerns."""
     name: str = ""
     """Name of the number that was compared with a limit, in `QUANTITIES` or `_compute_checked_numbers`; may be empty.
     """
@@ -98,7 +98,10 @@ class Caveat:
 
 
 class Check(NamedTuple):
-    """Limit of a number, and the caveat of points that exceed it. In the text, {} stands for the number `about`."""
+    """Upper limit of a number, and the caveat for points that exceed the limit.
+
+    The placeholder {} in the text stands for the number `about`.
+    """
 
     name: str
     limit: float
@@ -114,7 +117,7 @@ class Check(NamedTuple):
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
-        """Return the caveat for a point at which the checked number exceeds the limit."""
+        """Return the caveat for a point whose checked number exceeds the limit."""
         value, checked = (float(numbers[name]) for name in (self.shown_name, self.name))
         if self.shown in ("digits", "digit"):
             number_text = format_significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
@@ -128,7 +131,7 @@ class Check(NamedTuple):
         )  # fmt: skip
 
 
-Checks = Sequence[Sequence[Check]]  # groups of checks; a group reports only its first failed check
+Checks = Sequence[Sequence[Check]]  # groups of checks; each group reports only its first failed check
 
 VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
 """Text of the assessment, by the worst severity of all caveats."""
@@ -262,11 +265,9 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
         yield Caveat(text, remedy, "fault")
         return
     members = value_of(point, "members")
-    num_solved = (
-        float(point["ok"].min()) if "ok" in point else math.nan
-    )  # counted in the direction with the fewest solutions
+    num_solved = float(point["ok"].min()) if "ok" in point else math.nan  # minimum over the sliding directions
     if num_solved < MAX_AFFECTED_FRACTION * members:
-        text = f"only {num_solved:.0f} of {members:.0f} members have an answer"
+        text = f"only {num_solved:.0f} of {members:.0f} members have a coefficient"
         yield Caveat(text, "check the statuses, and try another load", "fault")
     numbers = _compute_checked_numbers(point, study, value)
     pressures = list_pressure_checks(study, modulus_of(point, study))
@@ -281,7 +282,7 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
 
 
 def find_smallest_limit(name: str) -> float | None:
-    """Return the smallest limit of a number in the checks for all bodies; None if no check limits the number."""
+    """Return the smallest limit of the named number in the checks for all bodies, or None if there is no limit."""
     return min(
         (check.limit for group in (CONTACT_COUNT_CHECKS, *CONTACT_CHECKS) for check in group if check.name == name),
         default=None,
@@ -299,12 +300,12 @@ def compute_value_numbers(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return the checked numbers that follow from coefficients and contact counts, at one point or at arrays of points.
+    """Compute the numbers to be checked from coefficients and contact counts, for one point or arrays of points.
 
-    `is_merged` is True where contacts have merged over much of the nominal area. They are few, but each averages over
-    many asperities.
+    `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
+    merged contact averages over many asperities.
     """
-    value, lower, upper, mu0, count = (np.asarray(each, float) for each in (value, lower, upper, mu0, contact_count))
+    value, lower, upper, mu0, count = (np.asarray(array, float) for array in (value, lower, upper, mu0, contact_count))
     separate = np.where(is_merged, np.nan, count)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio_to_mu0 = np.where((mu0 > 0) & (np.asarray(tau0) == 0), value / mu0, np.nan)
@@ -349,10 +350,10 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
 
 
 def list_pressure_checks(study: Study, modulus: float) -> Checks:
-    """Return checks of whether elastic bodies would yield, from their hardness or, if unknown, from typical values.
+    """Return checks for yielding of elastic bodies, based on their hardness or, if it is unknown, on typical values.
 
-    There are no checks if the contact model limits the pressure, or if the effective modulus (GPa) is so small that the
-    bodies are rubber or gels.
+    Returns no checks if the contact model limits the pressure, or if the effective modulus (GPa) is so small that the
+    bodies are probably rubber or gels.
     """
     if is_capped(study):
         return ()
@@ -382,10 +383,10 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
 def assess_ensemble(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any]
 ) -> tuple[list[list[Caveat | Check]], NDArray[np.intp]]:
-    """Assess many points of generated bodies by their statuses and checked numbers (...).
+    """Assess many points of generated bodies from their statuses and checked numbers (arrays of equal shape).
 
-    Returns the distinct lists of reasons, faults first, and the index of the list of each point. A reason is a failed
-    check, or a caveat about a status.
+    Returns the distinct lists of reasons, with faults first, and for each point the index of its list. A reason is a
+    failed check, or a caveat about a status.
     """
     reasons: list[Caveat | Check] = []
     failed = []
@@ -410,7 +411,7 @@ def assess_ensemble(
 
 
 def find_verdict(reasons: Iterable[Caveat | Check]) -> str:
-    """Return the text of the assessment by the worst severity of caveats or failed checks."""
+    """Return the text of the assessment for the worst severity among the caveats or failed checks."""
     severities = {reason.severity for reason in reasons}
     return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
@@ -445,7 +446,7 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
                 f"of a ductile body {increase_text}"
             )
             remedy = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
-            if study.contact.adheres:  # the junction growth of adhesive contacts is not solved
+            if study.contact.adheres:  # the model has no junction growth of adhesive contacts
                 remedy = "compare with the pair without --adhesion, whose contacts grow"
             yield Caveat(text, remedy, "caution")
     yield from apply_checks(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
@@ -471,7 +472,7 @@ def _find_seizure_caveats(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected adhesion, a range of adhesion below the resolution, and missing uncertainty."""
+    """Yield caveats about neglected adhesion, an unresolved range of adhesion, and an incomplete interval."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load(point, study)
         min_added = MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0  # the asperity model has no adhesion
@@ -482,9 +483,11 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             options = "" if study.uses_half_space else "--mechanics half-space and "
             yield Caveat(text, f"specify {options}--adhesion ('0 mJ/m^2' if there is none)", "caution")
         return
-    given, resolved = range_of(point, study)
-    if resolved > given:
-        ends = f"{format_with_unit(resolved, 'um')}, the smallest on this grid, not {format_with_unit(given, 'um')}"
+    study_range, resolved = range_of(point, study)
+    if resolved > study_range:
+        ends = (
+            f"{format_with_unit(resolved, 'um')}, the smallest on this grid, not {format_with_unit(study_range, 'um')}"
+        )
         text = f"the range of adhesion is {ends}"
         yield Caveat(
             text, "the pull-off force is close to that of a short range; scan more finely for the rest", "caution"
@@ -573,7 +576,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return the ratio of true to nominal area; NaN for generated profiles, which have no nominal area."""
+    """Return the ratio of true to nominal area, or NaN for generated profiles, which have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return value_of(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

@@ -1,8 +1,8 @@
 """Combined uncertainty of a coefficient of static friction, and its budget: the contribution of each input.
 
 The uncertain inputs, the scatter between positions, and the unresolved roughness are propagated by sampling (JCGM 101,
-2008). Forces are linear in mu0 and tau0. The true area is interpolated as a function of the hardness. By similarity,
-the solution at (F, E*, H) equals the solution at (cF, cE*, cH).
+2008). The forces are linear in mu0 and tau0, and the true area is interpolated as a function of the hardness. By
+similarity, the solution at (F, E*, H) equals the solution at (cF, cE*, cH).
 """
 
 from __future__ import annotations
@@ -41,14 +41,13 @@ UPPER_SCANS_INPUT, LOWER_SCANS_INPUT = "which piece of the upper part", "which p
 SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
 """Sources of uncertainty of the mean over scans and positions, which are not inputs of the study."""
 
-INTERFACE_INPUT = "interface"  # name of the input that contains mu0 and tau0 jointly
-# quantiles at which an input is held constant; the remaining width is averaged over them
+INTERFACE_INPUT = "interface"  # name of the joint input of mu0 and tau0
+# quantiles of an exact input, over which the remaining width is averaged
 EXACT_QUANTILES = (0.1, 0.5, 0.9)
-MAX_BUDGETS = 100  # largest number of coefficients for which a budget is computed
-# largest relative difference between a given mu0 or tau0 and the value in the study for which the range in the study
-# applies
+MAX_BUDGETS = 100  # largest number of coefficients with an uncertainty budget
+# largest relative difference between mu0 or tau0 and its value in the study at which its range in the study applies
 SAME_INPUT_TOLERANCE = 1e-3
-MAX_EXPONENT = 50.0  # largest exponent in the factor between two tests, which prevents an overflow
+MAX_EXPONENT = 50.0  # largest exponent in the factor between two tests; prevents an overflow
 DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
@@ -77,13 +76,12 @@ def add_uncertainty(
     study = result.study
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
-    # Areas at other hardnesses are solved at the loads of the study. Evaluating further loads must not change the
-    # intervals at these loads.
+    # Additional loads must not change the intervals at the loads of the study, so both are evaluated separately.
     is_own = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_own.any() and not is_own.all():
         parts = [
-            add_uncertainty(at.isel(load=np.flatnonzero(each)), result, budget=budget, tests=tests)
-            for each in (is_own, ~is_own)
+            add_uncertainty(at.isel(load=np.flatnonzero(mask)), result, budget=budget, tests=tests)
+            for mask in (is_own, ~is_own)
         ]
         return _merged(parts)
     inputs, strengths = find_inputs(study), []
@@ -99,7 +97,7 @@ def add_uncertainty(
     shape = tuple(at.sizes[dim] for dim in dims)
     scatters: dict[tuple[int, ...], ScansMean | None] = {}
     surfaces: Any = study.surfaces
-    if math.prod(surfaces.scan_counts) > 1:  # the variance of each coefficient is decomposed by scan and position
+    if math.prod(surfaces.scan_counts) > 1:  # decompose the variance of each coefficient by scan and position
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scans_of(table["repetition"].values)
@@ -165,9 +163,10 @@ def add_uncertainty(
 
 
 def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator) -> Columns:
-    """Return H' (GPa) and the growth of the true area for all mu0 and tau0, at the study's own hardness.
+    """Return the hardness under shear H' (GPa) and the growth of the true area for all mu0 and tau0.
 
-    Empty without a hardness. Without junction growth H' is the hardness.
+    Both are computed at the hardness in the study. The result is empty if the study has no hardness. Without junction
+    growth, H' equals the hardness.
     """
     if (hardness := areas.hardness) is None:
         return {}
@@ -187,19 +186,19 @@ Columns = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
 def _columns(table: xarray.Dataset) -> Columns:
-    """Return the dimensions and values of all variables, because indexing a dataset directly is slow."""
-    return {str(name): (tuple(map(str, each.dims)), each.values) for name, each in table.variables.items()}
+    """Return the dimensions and values of all variables, which are faster to index than the dataset."""
+    return {str(name): (tuple(map(str, variable.dims)), variable.values) for name, variable in table.variables.items()}
 
 
 def _numbers_at(columns: Columns, where: Mapping[str, int]) -> dict[str, Any]:
-    """Return the values of all variables at the given indices of dimensions."""
+    """Return the values of all variables at the indices `where` along the dimensions."""
     return {
         name: values[tuple(where.get(dim, slice(None)) for dim in dims)] for name, (dims, values) in columns.items()
     }
 
 
 def _ends_about_zero(own: _CoefficientSamples, point: Floats) -> tuple[float, float]:
-    """Return the ends of the 95 % interval around a coefficient of 0, for which relative errors are undefined.
+    """Return the limits of the 95 % interval around a coefficient of 0, for which relative errors are undefined.
 
     The interval contains the coefficient and its sampling interval, and is not below 0.
     """
@@ -225,7 +224,7 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
 
 
 def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floats) -> Floats:
-    """Return the coefficients to report with the ends of their intervals; the shape is that of `dims` and statistic."""
+    """Return the coefficients to report and the limits of their intervals (*dims, statistic)."""
     found = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = found[..., 1]
     found[..., 1] = np.where((low < 0) & (found[..., 0] >= 0), 0.0, low)
@@ -242,7 +241,7 @@ NEGLIGIBLE_COEFFICIENT = 1e-9
 
 
 class _CoefficientSamples:
-    """One coefficient of `at_load`, with the samples of the inputs that determine its interval.
+    """Coefficient from `at_load` with samples of the inputs that determine its interval.
 
     `names` lists the uncertain inputs and sources of sampling uncertainty; it is empty if there is no coefficient or no
     interval.
@@ -256,8 +255,7 @@ class _CoefficientSamples:
         self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
-        # The range of an input applies only to the central value in the study, not to other values at which the result
-        # is evaluated.
+        # The range of mu0 or tau0 in the study does not apply to other values of mu0 or tau0.
         for name, own in (("mu0", self.mu0), ("tau0", self.tau0)):
             of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
             middle = self.inputs[name].value if name in self.inputs and of_interface is None else of_interface
@@ -265,22 +263,21 @@ class _CoefficientSamples:
                 self.inputs.pop(name, None)
                 strengths = ()
         value, lower, upper = point["friction_all_round"].tolist()
-        if study.is_gap:  # a gap is pressed at a single position
+        if study.is_gap:  # a gap has a single position
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # range of coefficients that finer scans could give, extended by the sampling interval
+        # possible coefficients with finer scans, extended by the sampling interval
         self.bracket: tuple[float, float] | None = None
-        # Joint samples of mu0 and tau0 (with the hardness, if available), followed by the samples with mu0 or tau0 at
-        # its bound.
+        # The first entry has joint samples of mu0 and tau0, the others have mu0 or tau0 at its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
         self.growth = find_junction_growth(study)  # α of junction growth
-        # ratio of true areas with and without junction growth, at the study's own inputs
+        # ratio of true areas with and without junction growth for the inputs in the study
         self.own_growth = float(point.get("area_growth", 1.0))
         hardness = study.contact.hardness
-        self.finest: tuple[float, float] | None = None  # range of coefficients that finer scans could give
+        self.finest: tuple[float, float] | None = None  # possible coefficients with finer scans
         free = study.uses_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
             contacts = float(point["contact_count"][0]) * float(point["members"])
@@ -290,10 +287,10 @@ class _CoefficientSamples:
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         error, members = width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
-        # Standard deviation of one member in one direction around the mean, relative to the mean.
+        # relative standard deviation of a single member in a single direction around the mean
         self.scatter = spread / (DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
-        places = {POSITIONS_INPUT: error}  # relative standard errors of the mean by source
+        places = {POSITIONS_INPUT: error}  # relative standard error of the mean from each source
         if of_parts is not None:
             whole = math.sqrt(sum(of_parts.variances)) or 1.0
             places = {
@@ -305,10 +302,10 @@ class _CoefficientSamples:
         self.names = (*self.inputs, *((INTERFACE_INPUT,) if strengths else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
-        """Return the 95 % interval, with some inputs held at given quantiles.
+        """Return the 95 % interval with some inputs fixed at the given quantiles.
 
-        The interval contains the value. It also contains the sampling interval and the range for finer scans, unless
-        these sources are held.
+        The interval contains the value. It also contains the sampling interval and the possible coefficients with finer
+        scans, unless these sources are fixed.
         """
         fixed = fixed or {}
         parts = [self.value]
@@ -319,9 +316,9 @@ class _CoefficientSamples:
         return extend_interval(self._sampled_interval(fixed), *parts)
 
     def width_left(self, name: str) -> float:
-        """Return the mean width of the interval that would remain if an input were exact at one of its values.
+        """Return the mean width of the interval that would remain if the named input were exact.
 
-        Widths are compared as those of the friction angle, which has an upper bound where samples seize.
+        Widths are compared as differences of the friction angle, which stays finite if samples seize.
         """
         angles = [_angle(self._sampled_interval({name: part})) for part in EXACT_QUANTILES]
         (low, high), sampled = self.interval(), _angle(self._sampled_interval({}))
@@ -333,31 +330,37 @@ class _CoefficientSamples:
         return self._ends(fixed)
 
     def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
-        """Return the ends of the 95 % interval of the samples times a factor, extended to mu0 or tau0 at its bound."""
+        """Return the limits of the 95 % interval of the samples times a factor.
+
+        The interval is extended to the samples with mu0 or tau0 at its bound.
+        """
         strengths = self.strengths[:1] if INTERFACE_INPUT in fixed else self.strengths
         ends = [_ends(self._friction_samples(fixed, wait, strength) * factor) for strength in strengths or (None,)]
         return min(low for low, _ in ends), max(high for _, high in ends)
 
     @property
     def fraction_seizing(self) -> float:
-        """Fraction of the input samples for which the interface seizes."""
+        """Fraction of the input samples with seizure."""
         if self.growth is None:
             return 0.0
         samples = self._friction_samples({}, strength=self.strengths[0] if self.strengths else None)
         return float(np.isinf(samples).mean())
 
     def _under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
-        """Return the contact pressure H' (GPa) under shear; NaN at seizure. `alpha` is the central value by default."""
+        """Return the contact pressure H' (GPa) under shear, or NaN at seizure.
+
+        By default, `alpha` is the central value in the study.
+        """
         if self.growth is None:
             return hardness
         found = solve_yield_condition(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
         return float(found) if found.ndim == 0 else found
 
     def _grown(self, hardness: Floats, tau0: Any, pressure: Any, modulus: Any = 1.0) -> Any:
-        """Return the ratio of the true area at the onset of sliding to the area before shear; infinite at seizure.
+        """Return the ratio of the true area at the onset of sliding to the true area before shear.
 
-        `pressure` is H' of `_under_shear`. The ratio is 1 for tau0 = 0, because friction then does not depend on the
-        area.
+        The ratio is infinite at seizure. It is 1 for tau0 = 0, because friction then does not depend on the area.
+        `pressure` is the value of `_under_shear` (GPa).
         """
         if self.growth is None or (np.ndim(tau0) == 0 and tau0 == 0):
             return 1.0
@@ -366,7 +369,7 @@ class _CoefficientSamples:
         )
 
     def next_test(self) -> tuple[float, float]:
-        """Return the 95 % prediction interval of one more member in one direction.
+        """Return the 95 % prediction interval for a single new member in a single direction.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the interval is above 0.
         """
@@ -380,7 +383,10 @@ class _CoefficientSamples:
         return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
-        """Return the coefficient after a dwell time (s) with its interval; NaN if the pressure reaches the hardness."""
+        """Return the coefficient after a dwell time (s) and its interval.
+
+        They are NaN if the nominal pressure reaches the hardness.
+        """
         creep, hardness = find_creep(self.study), self.areas.hardness
         assert creep is not None, "a study with dwell times has a creep exponent"
         assert hardness is not None, "a study with dwell times has a hardness"
@@ -388,7 +394,7 @@ class _CoefficientSamples:
         if pressure >= left:
             return math.nan, math.nan, math.nan
         ends = np.array([left]), np.array([hardness])
-        area, grown = (self._grown(each, self.tau0, self._under_shear(each, self.mu0, self.tau0)) for each in ends)
+        area, grown = (self._grown(end, self.tau0, self._under_shear(end, self.mu0, self.tau0)) for end in ends)
         if not np.isfinite(area).all():
             return math.nan, math.nan, math.nan
         area = self.areas.area_ratio(self.load, ends[0], 1.0) * area
@@ -400,12 +406,12 @@ class _CoefficientSamples:
         self, fixed: Mapping[str, float], wait: float = 1.0, strength: Strength | None = None
     ) -> Floats:
         key = self.names, tuple(fixed.items()), self.load, wait
-        if key not in self.areas.cache:  # cached for all mu0 and tau0 of a load
+        if key not in self.areas.cache:  # shared by all mu0 and tau0 at a load
             self.areas.cache[key] = self._input_samples(fixed, wait)
         columns, scores, samples, hardness, area, modulus = self.areas.cache[key]
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
-        # Samples are sorted by the coefficient, so that quantiles of this component are quantiles of the coefficient.
+        # Sorting by the coefficient makes quantiles of the interface samples quantiles of the coefficient.
         if strength is not None:
             own, growth = strength[2:]
             with_own = 1.0 if own is None else self.areas.area_ratio(self.load, own, 1.0)
@@ -441,7 +447,7 @@ class _CoefficientSamples:
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats, Floats | float]:
-        """Return uniform samples and normal scores by name, inputs, hardness, area ratio and modulus ratio."""
+        """Return samples of the inputs: uniform, normal scores, values, hardness, area ratio and modulus ratio."""
         from scipy.special import ndtri
 
         cube = stratified_points(len(self.names) + 1)
@@ -458,17 +464,19 @@ class _CoefficientSamples:
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
-    """Return the ends of an interval after extending it to contain the values."""
+    """Return the interval extended to contain the values."""
     return min(ends[0], *values), max(ends[1], *values)
 
 
 def _angle(ends: tuple[float, float]) -> float:
-    """Return the difference of the friction angles at the two ends of an interval; the upper end may be infinite."""
+    """Return the difference between the friction angles at the limits of an interval."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
 def _ends(values: NDArray[Any]) -> tuple[float, float]:
-    """Return the ends of the 95 % interval of samples; the upper end is infinite if over 2.5 % of them are.
+    """Return the limits of the 95 % interval of samples.
+
+    The upper limit is infinite if more than 2.5 % of the samples are infinite.
 
     Raises
     ------
@@ -478,7 +486,7 @@ def _ends(values: NDArray[Any]) -> tuple[float, float]:
     if np.isnan(values).any():
         count = int(np.count_nonzero(np.isnan(values)))
         raise ValueError(
-            f"the inputs are too uncertain: {count} of {values.size} samples of them have no coefficient; "
+            f"the inputs are too uncertain: {count} of their {values.size} samples have no coefficient; "
             "specify narrower ranges"
         )
     ordered = np.sort(values)  # four times faster than `numpy.quantile`
@@ -487,7 +495,7 @@ def _ends(values: NDArray[Any]) -> tuple[float, float]:
 
 
 def _quantile(ordered: NDArray[Any], part: float) -> float:
-    """Return a quantile of sorted samples, by linear interpolation or, with infinite samples, as a step function."""
+    """Return a quantile of sorted samples by linear interpolation, or as a step function if samples are infinite."""
     if np.isinf(ordered[-1]):
         return float(ordered[max(math.ceil(part * ordered.size) - 1, 0)])
     place = part * (ordered.size - 1)

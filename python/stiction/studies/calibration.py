@@ -1,8 +1,9 @@
 """Calibration: mu0 and tau0 from friction tests on scanned surfaces.
 
-A test gives a coefficient y at a load, and its surfaces give the six sums of both forces at this load. So
-y (F_N0 + mu0 F_Nm + tau0 F_Na) = F_T0 + mu0 F_Tm + tau0 F_Ta, which is linear in mu0 and tau0. For small slopes and
-friction at all contacts it is y = mu0 + tau0 A/F, and the tests separate mu0 and tau0 only if A/F varies among them.
+A test gives a coefficient y at a load, and its surfaces give six sums over the contacts at this load. They satisfy y
+(F_N0 + mu0 F_Nm + tau0 F_Na) = F_T0 + mu0 F_Tm + tau0 F_Ta, which is linear in mu0 and tau0. For small slopes and
+friction at all contacts, this reduces to y = mu0 + tau0 A/F. The tests separate mu0 and tau0 only if A/F varies among
+them.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from stiction.studies.interfaces import (
     list_sliding_rules,
 )
 
-MIN_TESTS = 3  # smallest number of tests with sliding for which errors are estimated from the scatter
+MIN_TESTS = 3  # smallest number of tests with sliding whose scatter gives an estimate of the errors
 
 
 def calibrate(
@@ -49,7 +50,7 @@ def calibrate(
     sliding : {"both", "all", "opposing"}
         Sliding rule. With "both", the rule "all" comes first unless the tests exclude it and fit the other rule.
     mu0, tau0 : float, tau0 in GPa or as text
-        Exact value of one of them, if it is known.
+        Exact value of mu0 or tau0, if it is known.
     outliers : bool
         True if the tests may have outliers; their errors then follow Student's t instead of a normal distribution.
 
@@ -64,12 +65,12 @@ def calibrate(
 
     Notes
     -----
-    The tests are linear in mu0 and tau0 at given gain, areas, hardness, creep and moduli. The density of mu0 and tau0
-    is computed on a grid, which is exact even if all tests have the same A/F. Their priors are uniform in mu0 and in
-    tau0 A/F, from 0. Gain, areas and ranges are marginalized by adaptive importance sampling. Residuals are compared
-    with the errors at the best fit of all parameters; if they are larger, the errors are known only up to a factor.
-    Runs have relative offsets; the prior of their standard deviation is half a Cauchy distribution with the median
-    10 %.
+    For fixed gain, areas, hardness, creep and moduli, the tests are linear in mu0 and tau0. The density of mu0 and tau0
+    is computed on a grid, so it is correct even if all tests have the same A/F. The priors are uniform in mu0 and in
+    tau0 A/F, from 0. Gain, areas and ranges are marginalized by adaptive importance sampling. At the best fit of all
+    parameters, the residuals are compared with the errors. If the residuals are too large, the errors are assumed to be
+    known only up to a factor. Runs have relative offsets, whose standard deviation has a half-Cauchy prior with a
+    median of 10 %.
 
     Examples
     --------
@@ -89,16 +90,18 @@ def calibrate(
         raise ValueError(f"tests must be a sequence of FrictionTest, got {short_repr(tests)}")
     tests = tuple(tests)
     if not any(test.slid for test in tests):
-        raise ValueError("tests must contain a test that slid; tests that did not slide are only lower bounds")
+        raise ValueError(
+            "tests must contain a test with sliding, because a test without sliding gives only a lower bound"
+        )
     common = number("common", common)
     if not 0 <= common < 1:
         raise ValueError(f"common must be at least 0 and below 1, got {common!r}")
     has_no_error = {test.uncertainty is None for test in tests}
     if len(has_no_error) > 1:
-        raise ValueError("uncertainty must be given for all tests or for none")
+        raise ValueError("uncertainty must be given for all tests or for no test")
     if True in has_no_error and sum(test.slid for test in tests) < MIN_TESTS:
         raise ValueError(
-            f"uncertainty is needed for fewer than {MIN_TESTS} tests, because their scatter is a poor estimate"
+            f"uncertainty must be given for fewer than {MIN_TESTS} tests, because their scatter is a poor estimate"
         )
     known = (
         None if mu0 is None else number("mu0", mu0),
@@ -108,11 +111,11 @@ def calibrate(
         raise ValueError("mu0 and tau0 must not be negative")
     available = [rule for rule in SLIDING_RULES if all(rule in list_sliding_rules(test.result) for test in tests)]
     if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
-        available = available[:1]  # both rules are the same for a ball
+        available = available[:1]  # both rules give the same friction for a ball
     rules = available if sliding == "both" else [sliding]
     if not rules or not set(rules) <= set(available):
         raise ValueError(
-            f"sliding must be a rule that all results have ({', '.join(available) or 'none'}), got {sliding!r}"
+            f"sliding must be a rule of all results ({', '.join(available) or 'there is none'}), got {sliding!r}"
         )
     problems = [CalibrationProblem(tests, rule, common, known, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]

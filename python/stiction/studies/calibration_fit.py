@@ -32,24 +32,24 @@ from stiction.studies.interfaces import (
     evaluate_friction,
 )
 
-MIN_VARIATION = 0.1  # smallest relative standard deviation of A/F among tests that separates mu0 and tau0
-# nuisance points per round of adaptation, and largest number of nuisance points for the result
+MIN_VARIATION = 0.1  # smallest relative standard deviation of A/F at which the tests separate mu0 and tau0
+# numbers of nuisance points: in each round of adaptation, and largest number for the result
 ROUND_POINTS, MAX_POINTS = 256, 8192
-# number of nuisance points for the result: the first value, doubled for each parameter, but at most the second value
+# initial number of nuisance points for the result: doubled for each parameter (first), at most (second)
 FINAL_POINTS = 256, 1024
-MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; points with larger scores get zero weight
+MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores are clipped
 MAX_ROUNDS = 8  # largest number of rounds of adaptation
 MIN_SAMPLE_FRACTION = 0.4  # ratio of effective sample size to number of nuisance points at which the adaptation ends
-MIN_EFFECTIVE = 300.0  # smallest effective sample size of the result; more nuisance points are used until it is reached
+MIN_EFFECTIVE = 300.0  # smallest effective sample size of the result
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that represent their joint distribution
-# increase of -2 ln(density) from the maximum of the density to the edge of the grid: 5.8 standard deviations
+# increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations)
 GRID_DEPTH = 34.0
-PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal, Student's t
+PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal distribution (Student's t)
 OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
 MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior of the relative standard deviation between runs
 
-MAX_GRID_POINTS = 256  # number of nuisance points in one batch if there is junction growth
+MAX_GRID_POINTS = 256  # largest number of nuisance points in a batch with junction growth
 GAIN_NUISANCE, SPREAD_NUISANCE = "gain", "spread between runs"  # names of nuisance parameters
 
 
@@ -60,24 +60,24 @@ class _Best:
     mu0: float
     tau0: float  # GPa
     scores: Floats  # (nuisances,)
-    residuals: Floats  # (tests with sliding,) residuals in units of the errors
-    slope: Floats  # derivatives of weighted residuals and scores with respect to the free strengths and the scores
-    robust: Floats  # (tests,) square roots of the weights, which are smaller for outliers
+    residuals: Floats  # (tests with sliding,), in units of the errors
+    slope: Floats  # derivatives of weighted residuals and scores by free strengths and scores
+    robust: Floats  # (tests,) square roots of weights, smaller for outliers
     scale: float  # factor by which the errors are multiplied, if no errors are given
 
 
 @dataclass(frozen=True)
 class _Cells:
-    """Limits of the grid: a range of tau0 for each nuisance point, and a range of mu0 at each tau0."""
+    """Limits of the grid of mu0 and tau0 for each nuisance point."""
 
-    triangle: Floats  # (points, 2, 3) upper rows of the triangular factors of the equations
+    triangle: Floats  # first two rows of the triangular factors (points, 2, 3)
     depth: float
-    # (points,) ends of the range of tau0, GPa
+    # limits of the range of tau0 in GPa (points,)
     low: Floats
     high: Floats
-    # (points, tau0) best mu0 with junction growth; without growth it follows from the triangular factors
+    # best mu0 with junction growth (points, tau0); without growth the triangular factors determine it
     best: Floats | None = None
-    below: Any = None  # (points, tau0) widths of the ranges of mu0 below and above the best value
+    below: Any = None  # widths of the mu0 range below and above the best value (points, tau0)
     above: Any = None
 
 
@@ -86,12 +86,12 @@ class _Grid:
     """Grid cells for each nuisance point, with the logarithm of the probability in each cell."""
 
     cells: _Cells
-    # (points, tau0, mu0) log probabilities, before the prior of the nuisance parameters is added
+    # log probabilities without the prior of the nuisance parameters (points, tau0, mu0)
     log_probability: Floats
 
 
 class CalibrationProblem:
-    """Equations of all tests, rub · mu0 + stick · tau0 = right, with errors and nuisance parameters.
+    """Equations rub · mu0 + stick · tau0 = right of all tests, with errors and nuisance parameters.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ class CalibrationProblem:
         self.has_errors = tests[0].uncertainty is not None
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
-        else:  # errors of unknown size are assumed to be proportional to the coefficients
+        else:  # without given errors, errors are proportional to the coefficients
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         scatters: dict[Hashable, float] = {}
         for equation in self._friction:
@@ -140,7 +140,7 @@ class CalibrationProblem:
             *([GAIN_NUISANCE] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
             *([SPREAD_NUISANCE] if len(self._members) else []),
         ]  # fmt: skip
-        """Names of the nuisance parameters. Each of them is a standard normal score."""
+        """Names of the nuisance parameters, each of which is a standard normal score."""
         middle = self._columns(np.zeros((1, len(self.nuisances))))
         self.ratio = middle[1][0] / middle[0][0]
         """A/F (1/GPa) of each test at zero scores. If contacts grow, A is the area at the measured coefficient."""
@@ -151,10 +151,11 @@ class CalibrationProblem:
     def _columns(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the coefficients rub, stick and right (points, tests) of the equations at scores (points, nuisances).
+        """Return the coefficients rub, stick and right of the equations for the given scores (points, nuisances).
 
-        If mu0 and tau0 (GPa) of shape (points, ...) are given, stick has the shape (points, tests, ...) and includes
-        the junction growth at these values. Otherwise the junction growth follows from the measured coefficients.
+        The coefficients have the shape (points, tests). If mu0 and tau0 (GPa) of shape (points, ...) are given, stick
+        has the shape (points, tests, ...) and includes the junction growth at these values. Otherwise the junction
+        growth is computed from the measured coefficients.
         """
         from scipy.special import ndtr
 
@@ -191,7 +192,7 @@ class CalibrationProblem:
         return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
 
     def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return directions (runs, tests) and sizes (runs,) of the relative offsets of runs, in units of the errors.
+        """Return directions and sizes of the relative offsets of runs in units of the errors (runs, tests), (runs,).
 
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
         the fit low.
@@ -199,15 +200,15 @@ class CalibrationProblem:
         self._run_errors = np.zeros(len(self.slid))
         if not len(self._members):
             return np.zeros((0, len(self.slid))), np.zeros(0)
-        rub, stick, right = (each[0] for each in middle)
+        rub, stick, right = (column[0] for column in middle)
         mu0, tau0 = _nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
         shifts = self._members * (rub * mu0 + stick * tau0) / self.error
-        # Offset of each test per unit of spread; unlike the directions, it includes tests without sliding.
+        # Unlike the directions, the offset per unit of spread includes the tests without sliding.
         self._run_errors = (shifts * self.error).sum(axis=0)
         shifts = np.where(self.slid, shifts, 0.0)
         sizes = np.linalg.norm(shifts, axis=1)
-        there = sizes > 0
-        return shifts[there] / sizes[there, np.newaxis], sizes[there]
+        is_used = sizes > 0
+        return shifts[is_used] / sizes[is_used, np.newaxis], sizes[is_used]
 
     @cached_property
     def _weight(self) -> Floats:
@@ -215,16 +216,16 @@ class CalibrationProblem:
 
     @property
     def pivot(self) -> float:
-        """Weighted mean of the true area per load A/F of the tests, 1/GPa."""
+        """Weighted mean of A/F over the tests (1/GPa)."""
         return float(np.average(self.ratio, weights=self._weight))
 
     @property
     def variation(self) -> float:
-        """Weighted standard deviation of A/F, divided by the mean."""
+        """Weighted standard deviation of A/F relative to its mean."""
         return float(np.sqrt(np.average((self.ratio - self.pivot) ** 2, weights=self._weight)) / self.pivot)
 
     def _spread(self, scores: Floats) -> Floats:
-        """Return the relative standard deviation between runs for each of the points."""
+        """Return the relative standard deviation between runs for the given scores (points,)."""
         from scipy.special import ndtr
 
         if SPREAD_NUISANCE not in self.nuisances:
@@ -233,12 +234,12 @@ class CalibrationProblem:
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * part))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return decorrelated equations (points, slid tests, 3) in units of the errors, and the log of their norms."""
+        """Return decorrelated equations in units of the errors (points, slid tests, 3) and their log norms (points,)."""
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
         return self._independent(rows, scale, spread)
 
     def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Decorrelate rows (points, slid tests, k) within runs; return them in units of the errors, and log norms."""
+        """Return rows decorrelated within runs, and their log norms (points, slid tests, k), (points,)."""
         norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
             unit = self._offsets[:, self.slid]
@@ -251,13 +252,13 @@ class CalibrationProblem:
     def _residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return residuals (points, slid tests, ...) in units of the errors, and the columns with junction growth.
+        """Return residuals in units of the errors (points, slid tests, ...), and the columns with junction growth.
 
-        mu0 and tau0 (GPa) have the shape (points, ...). Residuals of seizing interfaces are infinite.
+        mu0 and tau0 (GPa) have the shape (points, ...). Residuals are infinite at seizure.
         """
         columns = self._columns(scores, mu0, tau0)
         cells = tuple(1 for _ in mu0.shape[1:])
-        rub, right = (each.reshape(*each.shape, *cells) for each in (columns[0], columns[2]))
+        rub, right = (column.reshape(*column.shape, *cells) for column in (columns[0], columns[2]))
         with np.errstate(invalid="ignore"):
             misfit = right - rub * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
             misfit = misfit[:, self.slid] / self.error[self.slid].reshape(-1, *cells)
@@ -270,9 +271,9 @@ class CalibrationProblem:
 
     @cached_property
     def best(self) -> _Best:
-        """Best fit of mu0, tau0 and nuisance parameters.
+        """Best fit of mu0, tau0 and the nuisance parameters.
 
-        Offsets of runs are free parameters, so that residuals contain only the scatter within runs. Outliers have
+        Offsets of runs are free parameters, so that residuals contain only the scatter within runs. Outliers get
         smaller weights.
         """
         from scipy.optimize import least_squares
@@ -300,7 +301,7 @@ class CalibrationProblem:
             return strength
 
         def grown(points: Floats) -> Floats:
-            """Return residuals (points, slid tests) with junction growth."""
+            """Return the residuals with junction growth (points, slid tests)."""
             mu0, tau0 = np.transpose([values(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._residuals(to_scores(points[:, len(free) :]), scales, 1e6 * scales, mu0, tau0)
@@ -331,7 +332,7 @@ class CalibrationProblem:
             start = _nonnegative(equations(x[np.newaxis, len(free) :])[0], np.ones(len(at_middle)), self.known)
             x[: len(free)] = np.array(start)[free] * size[free] + 1e-9
             while self.grows and free and not np.isfinite(residuals(x)).all() and x[: len(free)].max() > 1e-9:
-                x[: len(free)] /= 2  # halve the strengths, because the interface seizes
+                x[: len(free)] /= 2  # halve the strengths until the interface does not seize
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
             misfit = residuals(x)[: len(at_middle)] / robust[self.slid]
@@ -347,7 +348,7 @@ class CalibrationProblem:
         return _Best(float(mu0), float(tau0), scores, misfit, slope, robust, scale)
 
     def fit(self) -> Fit:
-        """Return the joint distribution of mu0 and tau0, and the quality of the fit."""
+        """Return the joint distribution of mu0 and tau0 and the quality of the fit."""
         from scipy.stats import chi2, linregress
 
         best = self.best
@@ -373,56 +374,63 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _mean_ratio(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return the weighted mean A/F (1/GPa), (samples,), of tests that slid, at scores (samples, nuisances)."""
+        """Return the weighted mean A/F in 1/GPa of the tests with sliding (samples,)."""
         rub, stick, _ = self._columns(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
 
     @cached_property
     def growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests; None if α differs between tests, or if no test depends on it."""
-        grown = [each.yields.growth for each in self._friction if each.yields and each.yields.growth]
+        """Junction growth α of the tests, or None if α differs between tests or has no effect on them."""
+        grown = [equation.yields.growth for equation in self._friction if equation.yields and equation.yields.growth]
         if grown:
-            return grown[0] if len({each.text for each in grown}) == 1 else None
-        depend = [depends_on_growth(each, self.best.mu0, self.best.tau0) for each in self._friction]
+            return grown[0] if len({growth.text for growth in grown}) == 1 else None
+        depend = [depends_on_growth(equation, self.best.mu0, self.best.tau0) for equation in self._friction]
         return parse_input("junction_growth", 0.0) if any(depend) else None
 
     def _growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of α of the tests; NaN if α differs between tests, or if no test depends on it."""
+        """Return samples of α of the tests, or NaN if α differs between tests or has no effect on them."""
         from scipy.special import ndtr
 
         if self.growth is None or self.growth.is_exact:
             return np.full(NUM_STRENGTH_PAIRS, math.nan if self.growth is None else self.growth.value)
-        keys = [each.yields.key("junction_growth") for each in self._friction if each.yields and each.yields.growth]
+        keys = [
+            equation.yields.key("junction_growth")
+            for equation in self._friction
+            if equation.yields and equation.yields.growth
+        ]
         return np.asarray(self.growth.quantile(ndtr(scores[keys[0]])))
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """Range of hardness that all tests share; None if the tests have different hardnesses or none."""
+        """Hardness range that all tests share, or None without a common hardness."""
         first = self._friction[0].yields
-        yields = [each.yields for each in self._friction]
-        names = {each.key("hardness") if each and "hardness" in each.known else "" for each in yields}
+        yields = [equation.yields for equation in self._friction]
+        names = {law.key("hardness") if law and "hardness" in law.known else "" for law in yields}
         return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
 
     def _hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the hardness (GPa) that all tests share; NaN if there is no common hardness."""
+        """Return samples of the hardness (GPa) that all tests share, or NaN without a common hardness."""
         from scipy.special import ndtr
 
         first = self._friction[0]
         if self.shared_hardness is not None and first.yields is not None:
             return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.yields.key("hardness")])))
-        ones = {each.hardness for each in self._friction}
-        return np.full(NUM_STRENGTH_PAIRS, first.hardness if len(ones) == 1 else math.nan)
+        hardnesses = {equation.hardness for equation in self._friction}
+        return np.full(NUM_STRENGTH_PAIRS, first.hardness if len(hardnesses) == 1 else math.nan)
 
     # ---- Density of mu0 and tau0 given the nuisances ----------------------------------------------------------------
 
     def _grid(self, points: Floats) -> _Grid:
-        """Return the grid of mu0 and tau0 for each point of the nuisance parameters and the logarithm of the scale."""
+        """Return the grids of mu0 and tau0 for all nuisance points.
+
+        The last coordinate of a point is the logarithm of the scale of the errors.
+        """
         from scipy.special import log_ndtr
 
         if self.grows and len(points) > MAX_GRID_POINTS:
             parts = np.array_split(points, math.ceil(len(points) / MAX_GRID_POINTS))
-            return _concatenate([self._grid(each) for each in parts])
+            return _concatenate([self._grid(part) for part in parts])
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
         columns, spread = self._columns(scores), self._spread(scores)
         rows, norm = self._rows(columns, scale, spread)
@@ -464,9 +472,9 @@ class CalibrationProblem:
             error = scale * self.error[test]
             if len(self._members):
                 error = np.hypot(error, spread * self._run_errors[test])
-            rubbing, lacking = (each[:, test, np.newaxis, np.newaxis] for each in (rub, right))
+            rubbing, lacking = (column[:, test, np.newaxis, np.newaxis] for column in (rub, right))
             log += log_ndtr((rubbing * mu0 + stick[:, test] * tau0 - lacking) / error[:, np.newaxis, np.newaxis])
-        # The prior is uniform in mu0 and in tau0 A/F at all areas, junction growths and gains.
+        # The prior is uniform in mu0 and in tau0 A/F for all values of the nuisance parameters.
         best = log.reshape(len(points), -1).argmax(axis=1) if self.grows else np.zeros(len(points), int)
         sticking = stick.reshape(*stick.shape[:2], -1)[np.arange(len(points)), :, best]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -476,7 +484,7 @@ class CalibrationProblem:
             )  # fmt: skip
         if self.known[1] is None:
             volume = volume + np.log((cells.high - cells.low) / count)
-        volume = np.where(np.isfinite(volume), volume, 0.0)  # avoids NaN if all interfaces seize
+        volume = np.where(np.isfinite(volume), volume, 0.0)  # avoids NaN if the interface seizes everywhere
         width = np.log(step) if self.known[0] is None else np.zeros(step.shape)
         log += (norm + volume)[:, np.newaxis, np.newaxis] + width[..., np.newaxis]
         return _Grid(cells, np.where(np.isfinite(log), log, -np.inf))
@@ -488,9 +496,9 @@ class CalibrationProblem:
     def _around_growth(
         self, cells: _Cells, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _Cells:
-        """Return the limits of the grid around the best mu0 with junction growth.
+        """Return grid limits around the best mu0 with junction growth.
 
-        `columns` must be the columns for the measured coefficients.
+        `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
         robust = self.best.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
 
@@ -507,7 +515,7 @@ class CalibrationProblem:
             return best_coefficients(residuals, start, tau0)
 
         if self.known[1] is None:
-            # Each test limits tau0. The largest tau0 follows from mu0 = 0 and the area at the measured coefficient.
+            # Each test limits tau0: tau0 is largest for mu0 = 0 and the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = 2 * (math.sqrt(cells.depth) + math.sqrt(robust.size)) * error[:, self.slid] / robust
             with np.errstate(divide="ignore"):
@@ -518,12 +526,12 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, the coefficient increases more slowly with mu0, but no more slowly than without growth.
+        # Below the best mu0, the slope is smaller, but at least the slope without junction growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 
     def _coefficients(self, cells: _Cells, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
-        """Return the first value and the step of the mu0 grid at each tau0, by indices of points and of rows."""
+        """Return the first value and the step of the mu0 grid at each tau0."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
         if cells.best is None:
@@ -544,7 +552,7 @@ class CalibrationProblem:
     # ---- Nuisances --------------------------------------------------------------------------------------------------
 
     def _sample(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
-        """Return samples of mu0, tau0 (GPa) and scores (samples, nuisances).
+        """Return samples of mu0, tau0 (GPa) and the scores of the nuisance parameters.
 
         If `freedom` is given, all errors share an unknown factor.
         """
@@ -555,7 +563,7 @@ class CalibrationProblem:
         for seed in range(1, MAX_ROUNDS if active else 0):
             if _effective(log_weight) > MIN_SAMPLE_FRACTION * ROUND_POINTS:
                 break
-            power = 1.0  # exponent that flattens the weights while a few points dominate
+            power = 1.0  # smaller powers flatten weights that a few points dominate
             while power > 1e-3 and _effective(power * log_weight) < 0.15 * ROUND_POINTS:
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
@@ -572,7 +580,7 @@ class CalibrationProblem:
         return self._resample(points, grid, log_weight)
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return mean and covariance of the first proposal for nuisance parameters and the logarithm of the scale."""
+        """Return the mean and covariance of the first proposal for the nuisance parameters and the log scale."""
         moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
@@ -589,7 +597,7 @@ class CalibrationProblem:
     def _weigh(
         self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _Grid, Floats]:
-        """Draw points from the proposal, and return them with their grids and log weights."""
+        """Draw points from the proposal, and return the points, their grids and their log weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -608,15 +616,15 @@ class CalibrationProblem:
         return points, grid, np.where(np.isfinite(log), log, -np.inf)
 
     def _resample(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
-        """Draw samples from the grid cells of all nuisance points, in proportion to their weights."""
+        """Draw samples of mu0, tau0 (GPa) and scores from the grid cells of all nuisance points by weight."""
         random = np.random.default_rng(0)
         inside = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             excess = log_weight - np.logaddexp.reduce(inside, axis=1)
-        excess = np.where(np.isfinite(log_weight), excess, 0.0)  # avoids NaN if all interfaces seize
+        excess = np.where(np.isfinite(log_weight), excess, 0.0)  # avoids NaN if the interface seizes everywhere
         log = inside + excess[:, np.newaxis]
         total = np.cumsum(np.exp(log - log.max()))
-        # Systematic resampling represents nuisance points and their cells in proportion to their weights.
+        # Systematic resampling draws each cell in proportion to its weight.
         wanted = (np.arange(NUM_STRENGTH_PAIRS) + random.random()) / NUM_STRENGTH_PAIRS * total[-1]
         place = np.minimum(np.searchsorted(total, wanted), total.size - 1)
         place = random.permutation(place)
@@ -630,17 +638,17 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def advice(self) -> tuple[tuple[str, float, float], ...]:
-        """Return three plans for further tests that separate mu0 and tau0, each with expected standard errors.
+        """Return plans for further tests that separate mu0 and tau0, each with the expected standard errors.
 
-        All tests have the median relative error of the present tests, or 5 % if the tests have no errors.
+        The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
         mu0, tau0 = self.best.mu0, self.best.tau0
         at = self.best.scores[np.newaxis], np.array([mu0]), np.array([tau0])
-        rub, stick, _ = (each[0] for each in self._columns(*at))
+        rub, stick, _ = (column[0] for column in self._columns(*at))
         predicted = rub * mu0 + stick * tau0
         relative = float(np.median(self.error / np.maximum(predicted, 1e-12))) if self.has_errors else 0.05
         ratio, count = self.pivot, len(self.error)
-        # Hertz: A/F is proportional to F^(-1/3), here over loads that differ by a factor of 100
+        # By Hertz, A/F is proportional to F^(-1/3); the loads cover a factor of 100.
         ball_ratio = 10 ** (1 / 3)
         plans = (
             ("a smooth ball below yield, two decades of load", ratio * np.geomspace(1 / ball_ratio, ball_ratio, count)),
@@ -661,12 +669,12 @@ def _concatenate(grids: Sequence[_Grid]) -> _Grid:
     """Concatenate the grids of several batches of nuisance points."""
     cells = [grid.cells for grid in grids]
     names = ("triangle", "low", "high", *(("best", "below", "above") if cells[0].best is not None else ()))
-    joined: dict[str, Any] = {name: np.concatenate([getattr(each, name) for each in cells]) for name in names}
+    joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in cells]) for name in names}
     return _Grid(replace(cells[0], **joined), np.concatenate([grid.log_probability for grid in grids]))
 
 
 def _run_members(tests: Sequence[FrictionTest]) -> Floats:
-    """Return an indicator matrix (runs, tests) of the tests in each run.
+    """Return the indicator matrix of the tests in each run (runs, tests).
 
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.
     """
@@ -678,7 +686,7 @@ def _run_members(tests: Sequence[FrictionTest]) -> Floats:
 
 
 def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
-    """Return the least-squares mu0 and tau0 (GPa), at least 0, of weighted equations (tests, 3)."""
+    """Solve weighted equations (tests, 3) for nonnegative mu0 and tau0 (GPa) by least squares."""
     from scipy.optimize import lsq_linear
 
     free = [value is None for value in known]
@@ -693,7 +701,7 @@ def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) ->
 
 
 def _triangle(rows: Floats) -> Floats:
-    """Return the triangular factors (points, 3, 3) of equations (points, tests, 3), with positive diagonals."""
+    """Return the triangular QR factors of equations (points, tests, 3) with positive diagonals (points, 3, 3)."""
     if rows.shape[1] < 3:
         rows = np.concatenate([rows, np.zeros((len(rows), 3 - rows.shape[1], 3))], axis=1)
     factor: Floats = np.asarray(np.linalg.qr(rows, mode="r"))
@@ -705,7 +713,7 @@ def _triangle(rows: Floats) -> Floats:
 
 
 def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 in which -2 ln(density) at the best mu0 >= 0 is within `depth` of its minimum."""
+    """Return the range of tau0 (GPa) in which -2 ln(density) exceeds its minimum by at most `depth` at the best mu0."""
     one, both = triangle[:, 0], triangle[:, 1]
     curvature = both[:, 1] ** 2 + one[:, 1] ** 2  # for mu0 = 0
     centre, at_bound = both[:, 2] / both[:, 1], (both[:, 1] * both[:, 2] + one[:, 1] * one[:, 2]) / curvature
@@ -728,7 +736,7 @@ def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
 
 
 def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 like `_range`, but for a fixed mu0."""
+    """Return the range of tau0 (GPa) as in `_range`, but for a fixed mu0."""
     one, both = triangle[:, 0], triangle[:, 1]
     curvature = both[:, 1] ** 2 + one[:, 1] ** 2
     centre = (both[:, 1] * both[:, 2] + one[:, 1] * (one[:, 2] - one[:, 0] * mu0)) / curvature
@@ -738,6 +746,6 @@ def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Float
 
 
 def _effective(log_weight: Floats) -> float:
-    """Return the effective sample size for the given log weights."""
+    """Return the effective sample size of samples with the given log weights."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

@@ -8,20 +8,20 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# number of values of tau0 in one scan of its range, and number of successively finer scans
+# numbers of tau0 values in a search of the range, and of successively finer searches
 NUM_SCAN_POINTS, NUM_SCANS = 13, 3
 NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps for the best mu0 at a given tau0
 DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0
 
 Residuals = Callable[[Floats, Floats], Floats]
-"""Function that maps mu0 and tau0 (GPa), (points, ...), to residuals (points, tests, ...) in units of the errors.
+"""Function from mu0 and tau0 in GPa (points, ...) to residuals in units of the errors (points, tests, ...).
 
 Residuals are infinite at seizure.
 """
 
 
 def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the best mu0 >= 0 for each tau0, by the Gauss-Newton method.
+    """Compute the best nonnegative mu0 for each tau0 by the Gauss-Newton method.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tupl
 
 
 def range_of_strength(squares: Callable[[Floats], Floats], highest: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the sum of squares exceeds its minimum by at most `depth`.
+    """Return the range of tau0 (GPa) in which the sum of squared residuals is within `depth` of its minimum.
 
     Parameters
     ----------
