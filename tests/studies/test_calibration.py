@@ -510,7 +510,7 @@ def test_calibrate_preserves_given_parameters() -> None:
 @pytest.mark.parametrize(
     ("call", "pattern"),
     [
-        (lambda: calibrate([]), "must contain a test that slid"),
+        (lambda: calibrate([]), "must contain a test with sliding"),
         (lambda: calibrate([3]), "must be a sequence of FrictionTest"),
         (lambda: FrictionTest(BALL, 1), "either coefficient or force"),
         (lambda: FrictionTest(BALL, 1, coefficient=0.1, force=1), "either coefficient or force"),

@@ -118,7 +118,7 @@ def test_interval_width_is_a_multiple_of_the_standard_error_of_pairs(dataset, ta
 
 
 def test_friction_table_rejects_study_of_profiles(small_result):
-    with pytest.raises(ValueError, match="must be of a study of surfaces by the half-space"):
+    with pytest.raises(ValueError, match="must be from a study of generated height maps"):
         friction_table(small_result)
 
 

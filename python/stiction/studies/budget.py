@@ -190,10 +190,10 @@ def _columns(table: xarray.Dataset) -> Columns:
     return {str(name): (tuple(map(str, variable.dims)), variable.values) for name, variable in table.variables.items()}
 
 
-def _numbers_at(columns: Columns, where: Mapping[str, int]) -> dict[str, Any]:
+def _numbers_at(columns: Columns, indices: Mapping[str, int]) -> dict[str, Any]:
     """Return the values of all variables at the indices `where` along the dimensions."""
     return {
-        name: values[tuple(where.get(dim, slice(None)) for dim in dims)] for name, (dims, values) in columns.items()
+        name: values[tuple(indices.get(dim, slice(None)) for dim in dims)] for name, (dims, values) in columns.items()
     }
 
 
@@ -204,8 +204,8 @@ def _ends_about_zero(own: _CoefficientSamples, point: Floats) -> tuple[float, fl
     """
     cube = stratified_points(2)
     mu0, tau0 = (
-        own.inputs[name].quantile(cube[:, at]) if name in own.inputs else value
-        for at, (name, value) in enumerate((("mu0", own.mu0), ("tau0", own.tau0)))
+        own.inputs[name].quantile(cube[:, column]) if name in own.inputs else value
+        for column, (name, value) in enumerate((("mu0", own.mu0), ("tau0", own.tau0)))
     )
     low, high = extend_interval(
         _ends(np.broadcast_to(own.friction.coefficient(mu0, tau0), (NUM_SAMPLES,))), *point.tolist()
@@ -225,15 +225,15 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
 
 def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floats) -> Floats:
     """Return the coefficients to report and the limits of their intervals (*dims, statistic)."""
-    found = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
-    low = found[..., 1]
-    found[..., 1] = np.where((low < 0) & (found[..., 0] >= 0), 0.0, low)
-    there = ~np.isnan(known).any(axis=-1)  # the upper end may be infinite
-    found[there] = known[there]
+    combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
+    low = combined[..., 1]
+    combined[..., 1] = np.where((low < 0) & (combined[..., 0] >= 0), 0.0, low)
+    is_known = ~np.isnan(known).any(axis=-1)  # the upper end may be infinite
+    combined[is_known] = known[is_known]
     if study.surfaces.both_readings and "cut_off" in dims:  # the value at the first cutoff is quoted
-        over = np.moveaxis(found, dims.index("cut_off"), 0)
+        over = np.moveaxis(combined, dims.index("cut_off"), 0)
         over[0, ..., 1], over[0, ..., 2] = np.fmin.reduce(over[..., 1]), np.fmax.reduce(over[..., 2])
-    return found
+    return combined
 
 
 NEGLIGIBLE_COEFFICIENT = 1e-9
@@ -308,19 +308,19 @@ class _CoefficientSamples:
         scans, unless these sources are fixed.
         """
         fixed = fixed or {}
-        parts = [self.value]
+        values = [self.value]
         if not set(fixed) & set(SAMPLING_INPUTS):
-            parts += self.sampling
+            values += self.sampling
         if UNRESOLVED_INPUT not in fixed and self.finest is not None and self.bracket is not None:
-            parts += self.finest if set(fixed) & set(SAMPLING_INPUTS) else self.bracket
-        return extend_interval(self._sampled_interval(fixed), *parts)
+            values += self.finest if set(fixed) & set(SAMPLING_INPUTS) else self.bracket
+        return extend_interval(self._sampled_interval(fixed), *values)
 
     def width_left(self, name: str) -> float:
         """Return the mean width of the interval that would remain if the named input were exact.
 
         Widths are compared as differences of the friction angle, which stays finite if samples seize.
         """
-        angles = [_angle(self._sampled_interval({name: part})) for part in EXACT_QUANTILES]
+        angles = [_angle(self._sampled_interval({name: quantile})) for quantile in EXACT_QUANTILES]
         (low, high), sampled = self.interval(), _angle(self._sampled_interval({}))
         return min(float(np.mean(angles)) / sampled, 1.0) * (high - low) if sampled > 0 else high - low
 
@@ -353,8 +353,8 @@ class _CoefficientSamples:
         """
         if self.growth is None:
             return hardness
-        found = solve_yield_condition(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
-        return float(found) if found.ndim == 0 else found
+        pressure = solve_yield_condition(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
+        return float(pressure) if pressure.ndim == 0 else pressure
 
     def _grown(self, hardness: Floats, tau0: Any, pressure: Any, modulus: Any = 1.0) -> Any:
         """Return the ratio of the true area at the onset of sliding to the true area before shear.
@@ -390,10 +390,10 @@ class _CoefficientSamples:
         creep, hardness = find_creep(self.study), self.areas.hardness
         assert creep is not None, "a study with dwell times has a creep exponent"
         assert hardness is not None, "a study with dwell times has a hardness"
-        left = hardness * wait**-creep.value
-        if pressure >= left:
+        hardness_left = hardness * wait**-creep.value
+        if pressure >= hardness_left:
             return math.nan, math.nan, math.nan
-        ends = np.array([left]), np.array([hardness])
+        ends = np.array([hardness_left]), np.array([hardness])
         area, grown = (self._grown(end, self.tau0, self._under_shear(end, self.mu0, self.tau0)) for end in ends)
         if not np.isfinite(area).all():
             return math.nan, math.nan, math.nan
@@ -413,18 +413,22 @@ class _CoefficientSamples:
         growth = None
         # Sorting by the coefficient makes quantiles of the interface samples quantiles of the coefficient.
         if strength is not None:
-            own, growth = strength[2:]
-            with_own = 1.0 if own is None else self.areas.area_ratio(self.load, own, 1.0)
-            softness = np.full(strength[0].shape, self.areas.hardness or np.nan) if own is None else own
+            hardness_samples, growth = strength[2:]
+            with_own = 1.0 if hardness_samples is None else self.areas.area_ratio(self.load, hardness_samples, 1.0)
+            softness = (
+                np.full(strength[0].shape, self.areas.hardness or np.nan)
+                if hardness_samples is None
+                else hardness_samples
+            )
             pressure = self._under_shear(softness, *strength[:2], growth)
             with_own = with_own * self._grown(softness, strength[1], pressure)
             with np.errstate(invalid="ignore"):
                 order = np.argsort(self.friction.coefficient(*strength[:2], with_own))
-            place = order[(columns[INTERFACE_INPUT] * order.size).astype(int)]
-            mu0, tau0 = strength[0][place], strength[1][place]
-            growth = None if growth is None else growth[place]
-            if own is not None:
-                hardness = own[place] * hardness / float(self.areas.hardness or 1.0)
+            indices = order[(columns[INTERFACE_INPUT] * order.size).astype(int)]
+            mu0, tau0 = strength[0][indices], strength[1][indices]
+            growth = None if growth is None else growth[indices]
+            if hardness_samples is not None:
+                hardness = hardness_samples[indices] * hardness / float(self.areas.hardness or 1.0)
                 area = self.areas.area_ratio(self.load, hardness, modulus)
         if self.growth is not None:
             alpha = samples.get("junction_growth", self.growth.value) if growth is None else growth
@@ -433,16 +437,18 @@ class _CoefficientSamples:
             hardness = pressure
         middle = self.friction.coefficient(self.mu0, self.tau0, self.own_growth)
         with np.errstate(invalid="ignore"):
-            found = np.broadcast_to(self.value * self.friction.coefficient(mu0, tau0, area) / middle, (NUM_SAMPLES,))
+            coefficients = np.broadcast_to(
+                self.value * self.friction.coefficient(mu0, tau0, area) / middle, (NUM_SAMPLES,)
+            )
         seizes = np.broadcast_to(np.isinf(area), (NUM_SAMPLES,))
-        found = np.where(seizes, 1.0, found)
+        coefficients = np.where(seizes, 1.0, coefficients)
         if UNRESOLVED_INPUT in columns and self.finest is not None:
-            least = np.minimum(mu0 + tau0 / np.where(seizes, np.inf, hardness), found)
-            most = np.maximum(found * (self.finest[1] / self.value), least)
-            found = least + columns[UNRESOLVED_INPUT] * (most - least)
+            lowest = np.minimum(mu0 + tau0 / np.where(seizes, np.inf, hardness), coefficients)
+            highest = np.maximum(coefficients * (self.finest[1] / self.value), lowest)
+            coefficients = lowest + columns[UNRESOLVED_INPUT] * (highest - lowest)
         if self.places:
-            found = found * np.exp(sum(error * scores[name] for name, error in self.places.items()))
-        return np.where(seizes, np.inf, np.maximum(found, 0.0))
+            coefficients = coefficients * np.exp(sum(error * scores[name] for name, error in self.places.items()))
+        return np.where(seizes, np.inf, np.maximum(coefficients, 0.0))
 
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
@@ -452,7 +458,7 @@ class _CoefficientSamples:
 
         cube = stratified_points(len(self.names) + 1)
         columns = dict(zip(self.names, cube.T, strict=False))
-        columns |= {name: np.full(NUM_SAMPLES, part) for name, part in fixed.items() if name in columns}
+        columns |= {name: np.full(NUM_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns}
         samples = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
         hardness = samples.get("hardness", np.full(NUM_SAMPLES, self.areas.hardness or np.nan))
         if (creep := find_creep(self.study)) is not None:
@@ -494,10 +500,10 @@ def _ends(values: NDArray[Any]) -> tuple[float, float]:
     return low, high
 
 
-def _quantile(ordered: NDArray[Any], part: float) -> float:
+def _quantile(ordered: NDArray[Any], probability: float) -> float:
     """Return a quantile of sorted samples by linear interpolation, or as a step function if samples are infinite."""
     if np.isinf(ordered[-1]):
-        return float(ordered[max(math.ceil(part * ordered.size) - 1, 0)])
-    place = part * (ordered.size - 1)
-    index = min(int(place), ordered.size - 2)
-    return float(ordered[index] + (place - index) * (ordered[index + 1] - ordered[index]))
+        return float(ordered[max(math.ceil(probability * ordered.size) - 1, 0)])
+    position = probability * (ordered.size - 1)
+    index = min(int(position), ordered.size - 2)
+    return float(ordered[index] + (position - index) * (ordered[index + 1] - ordered[index]))

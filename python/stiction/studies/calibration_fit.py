@@ -160,9 +160,9 @@ class CalibrationProblem:
         from scipy.special import ndtr
 
         cells = () if mu0 is None else mu0.shape[1:]
-        at = dict(zip(self.nuisances, np.clip(scores, -MAX_SCORE, MAX_SCORE).T, strict=True))
+        score_of = dict(zip(self.nuisances, np.clip(scores, -MAX_SCORE, MAX_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in cells)
-        probability = {name: ndtr(values).reshape(shape) for name, values in at.items()}
+        probability = {name: ndtr(values).reshape(shape) for name, values in score_of.items()}
         areas: dict[Hashable, Floats] = {}  # cached by load and surfaces
 
         def area(test: int) -> Floats:
@@ -175,14 +175,16 @@ class CalibrationProblem:
                     areas[key] = equation.yields.area(probability, ShearStrength(self.sliding, *sheared))
                 factor = factor * areas[key]
             if equation.scatter > 0:
-                factor = factor * np.exp(self._scatters[equation.surfaces] * at[equation.surfaces]).reshape(shape)
+                factor = factor * np.exp(self._scatters[equation.surfaces] * score_of[equation.surfaces]).reshape(shape)
             return np.broadcast_to(factor, (len(scores), *cells))
 
         def column(name: str) -> Floats:
             return np.array([getattr(equation, name) for equation in self._friction])
 
         gain = (
-            np.exp(self.common * at[GAIN_NUISANCE])[:, np.newaxis] if GAIN_NUISANCE in at else np.ones((len(scores), 1))
+            np.exp(self.common * score_of[GAIN_NUISANCE])[:, np.newaxis]
+            if GAIN_NUISANCE in score_of
+            else np.ones((len(scores), 1))
         )
         # The measured coefficient is the gain times the true coefficient; errors refer to the measured coefficient.
         rub = gain * column("rub") - self.measured * column("rub_normal")
@@ -230,11 +232,11 @@ class CalibrationProblem:
 
         if SPREAD_NUISANCE not in self.nuisances:
             return np.zeros(len(scores))
-        part = np.minimum(ndtr(scores[:, self.nuisances.index(SPREAD_NUISANCE)]), 1 - 1e-9)
-        return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * part))
+        probability = np.minimum(ndtr(scores[:, self.nuisances.index(SPREAD_NUISANCE)]), 1 - 1e-9)
+        return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return decorrelated equations in units of the errors (points, slid tests, 3) and their log norms (points,)."""
+        """Return decorrelated equations in units of the errors (points, slid tests, 3) and log norms (points,)."""
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
         return self._independent(rows, scale, spread)
 
@@ -625,10 +627,10 @@ class CalibrationProblem:
         log = inside + excess[:, np.newaxis]
         total = np.cumsum(np.exp(log - log.max()))
         # Systematic resampling draws each cell in proportion to its weight.
-        wanted = (np.arange(NUM_STRENGTH_PAIRS) + random.random()) / NUM_STRENGTH_PAIRS * total[-1]
-        place = np.minimum(np.searchsorted(total, wanted), total.size - 1)
-        place = random.permutation(place)
-        point, row, column = np.unravel_index(place, grid.log_probability.shape)
+        targets = (np.arange(NUM_STRENGTH_PAIRS) + random.random()) / NUM_STRENGTH_PAIRS * total[-1]
+        indices = np.minimum(np.searchsorted(total, targets), total.size - 1)
+        indices = random.permutation(indices)
+        point, row, column = np.unravel_index(indices, grid.log_probability.shape)
         low, high = grid.cells.low[point], grid.cells.high[point]
         tau0 = low + (high - low) * (row + random.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
         start, step = self._coefficients(grid.cells, point, row, tau0)
@@ -656,12 +658,12 @@ class CalibrationProblem:
             ("as many tests with the same film on a body twice as hard", np.full(count, ratio / 2)),
         )
         plans_with_errors = []
-        for words, more in plans:
-            ratios = np.concatenate([np.full(count, ratio), more])
+        for plan, further_ratios in plans:
+            ratios = np.concatenate([np.full(count, ratio), further_ratios])
             errors = relative * np.maximum(mu0 + tau0 * ratios, 1e-12)
             matrix = np.stack([1 / errors, ratios / errors], axis=1)
             covariance = np.linalg.inv(matrix.T @ matrix)
-            plans_with_errors.append((words, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
+            plans_with_errors.append((plan, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
         return tuple(plans_with_errors)
 
 
@@ -714,32 +716,35 @@ def _triangle(rows: Floats) -> Floats:
 
 def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) in which -2 ln(density) exceeds its minimum by at most `depth` at the best mu0."""
-    one, both = triangle[:, 0], triangle[:, 1]
-    curvature = both[:, 1] ** 2 + one[:, 1] ** 2  # for mu0 = 0
-    centre, at_bound = both[:, 2] / both[:, 1], (both[:, 1] * both[:, 2] + one[:, 1] * one[:, 2]) / curvature
-    corner = one[:, 2] / np.where(one[:, 1] == 0, 1e-300, one[:, 1])
+    first, second = triangle[:, 0], triangle[:, 1]
+    curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # for mu0 = 0
+    centre, at_bound = (
+        second[:, 2] / second[:, 1],
+        (second[:, 1] * second[:, 2] + first[:, 1] * first[:, 2]) / curvature,
+    )
+    corner = first[:, 2] / np.where(first[:, 1] == 0, 1e-300, first[:, 1])
 
     def of(tau0: Floats) -> Floats:
-        mu0 = one[:, 2] - one[:, 1] * tau0  # best mu0 times a positive factor
-        return np.asarray((both[:, 2] - both[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
+        mu0 = first[:, 2] - first[:, 1] * tau0  # best mu0 times a positive factor
+        return np.asarray((second[:, 2] - second[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
-    least = np.min([of(np.maximum(each, 0.0)) for each in (centre, at_bound, corner, np.zeros(len(centre)))], axis=0)
-    top = least + depth
-    at_least = (both[:, 2] - both[:, 1] * at_bound) ** 2 + (one[:, 2] - one[:, 1] * at_bound) ** 2
-    half, half_bound = np.sqrt(top) / both[:, 1], np.sqrt(np.maximum(top - at_least, 0.0) / curvature)
+    lowest = np.min([of(np.maximum(each, 0.0)) for each in (centre, at_bound, corner, np.zeros(len(centre)))], axis=0)
+    top = lowest + depth
+    at_least = (second[:, 2] - second[:, 1] * at_bound) ** 2 + (first[:, 2] - first[:, 1] * at_bound) ** 2
+    half, half_bound = np.sqrt(top) / second[:, 1], np.sqrt(np.maximum(top - at_least, 0.0) / curvature)
     ends = []
     for sign in (-1.0, 1.0):
         end = centre + sign * half
-        ends.append(np.where(one[:, 2] - one[:, 1] * end >= 0, end, at_bound + sign * half_bound))
+        ends.append(np.where(first[:, 2] - first[:, 1] * end >= 0, end, at_bound + sign * half_bound))
     low = np.maximum(ends[0], 0.0)
     return low, np.maximum(ends[1], low + 1e-9 * np.abs(half_bound) + 1e-300)
 
 
 def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) as in `_range`, but for a fixed mu0."""
-    one, both = triangle[:, 0], triangle[:, 1]
-    curvature = both[:, 1] ** 2 + one[:, 1] ** 2
-    centre = (both[:, 1] * both[:, 2] + one[:, 1] * (one[:, 2] - one[:, 0] * mu0)) / curvature
+    first, second = triangle[:, 0], triangle[:, 1]
+    curvature = second[:, 1] ** 2 + first[:, 1] ** 2
+    centre = (second[:, 1] * second[:, 2] + first[:, 1] * (first[:, 2] - first[:, 0] * mu0)) / curvature
     half = np.sqrt(depth / curvature)
     low = np.maximum(centre - half, 0.0)
     return low, np.maximum(centre + half, low + half)

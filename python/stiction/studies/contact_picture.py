@@ -1,6 +1,6 @@
 """Individual contacts: the contact picture of a typical member, stored as a file, and a table of all contacts.
 
-Results store only sums over contacts, so the members are solved again.
+A result stores only sums over contacts, so its members are computed again.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 PICTURE_FILE = "picture.nc"  # name of the file in the folder of a result
 MAX_PICTURE_SIZE = 512  # largest number of rows or columns of a stored map
-LOADS_PER_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads of the adhesion figure, in units of the pull-off force
-# ratio of the size of the map to the size of the magnified window around the contact with the largest load
+LOADS_PER_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads of the adhesion figure relative to the pull-off force
+# ratio of map size to size of the magnified window around the contact with the largest load
 ZOOM_DIVISOR = 8
 MIN_ZOOM_SIZE = 16
 
@@ -55,29 +55,29 @@ _CONTACT_VARIABLES = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# units in column names of the quantities that are dimensions of the members
+# units that are appended to the column names of member dimensions
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
 def contact_picture(result: Result | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Return heights, contacts and pressures of the member whose true contact area is nearest to the mean.
+    """Return the heights, contacts and pressures of the member with the true area nearest to the mean.
 
     Parameters
     ----------
     result : Result, or xarray.Dataset of member sums
         Result of measured bodies; generated bodies have no contact picture.
     load : float, mN, optional
-        By default the first load of interest of the study.
+        By default the first load in the table `[friction]` of the study.
 
     Returns
     -------
     xarray.Dataset or None
-        For maps: upper_height and lower_height (µm) with dimensions height_y and height_x, and patch, the number of the
-        contact at each point, from 1. With the half-space also zoom_pressure (GPa) and zoom_height (µm) with dimensions
-        zoom_y and zoom_x, around the interior contact with the largest load. For lines: lower_height and gap (µm) with
-        dimension height_x. With dimension contact: contact_x, contact_y, contact_force, contact_patch_area,
-        contact_slope_x, contact_slope_y, contact_at_edge. Attributes: member, load_mN, x and y (µm, shift of the upper
-        body). None if no member has a solution.
+        For maps: upper_height and lower_height (µm) with dimensions height_y and height_x, and patch, which is the
+        number of the contact at each point, counted from 1. With the half-space also zoom_pressure (GPa) and
+        zoom_height (µm) with dimensions zoom_y and zoom_x, around the interior contact with the largest load. For
+        lines: lower_height and gap (µm) with dimension height_x. With dimension contact: contact_x, contact_y,
+        contact_force, contact_patch_area, contact_slope_x, contact_slope_y, contact_at_edge. Attributes: member,
+        load_mN, x and y (µm, shift of the upper body). Returns None if the solver failed for all members.
 
     Raises
     ------
@@ -107,9 +107,9 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
 
 
 def coming_and_going(result: Result) -> xarray.Dataset | None:
-    """Return load, contact area (µm²) and approach of an adhesive member in loading and unloading.
+    """Compute load, contact area and approach of an adhesive member during loading and unloading.
 
-    Returns None for bodies without adhesion, and if the solver fails.
+    Returns None for bodies without adhesion, or if the solver fails.
     """
     import xarray
 
@@ -139,14 +139,20 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
 
 
 def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
-    """Read the contact picture stored alongside a result, if there is one; `StoreError` if it is damaged."""
+    """Read the contact picture stored alongside a result, or return None if there is none.
+
+    Raises a `StoreError` if the file is damaged.
+    """
     zoom = ("zoom_pressure", "zoom_height") if result.study.uses_half_space else ()
     body_variables = ("upper_height", "patch", *zoom) if result.study.is_areal else ("gap",)
     return read_companion(result.path / PICTURE_FILE, (*_CONTACT_VARIABLES, "lower_height", *body_variables))
 
 
 def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:
-    """Return the first pair of measured profiles that touch at a load (mN), their approach and offset (µm), or None."""
+    """Return the first pair of measured profiles that touch at a load (mN), with approach and offset (µm).
+
+    Returns None if no pair touches.
+    """
     members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
     touching = np.flatnonzero(np.isfinite(members["approach"].values) & (members["contact_count"].values > 0))
     if not touching.size:
@@ -159,7 +165,7 @@ def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profil
 
 
 def find_typical_index(area: Floats) -> int:
-    """Return the index of the area nearest to the mean, ignoring NaN."""
+    """Return the index of the area that is nearest to the mean, ignoring NaN."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
@@ -216,7 +222,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
 
 
 def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map of contact numbers in which each asperity contact is a disc with the area of the contact."""
+    """Return a map of contact numbers that shows each asperity contact as a disc of the same area."""
     numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         low, high = (
@@ -233,7 +239,7 @@ def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
 
 
 def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None) -> pandas.DataFrame:
-    """Solve some members at elastic loads (mN) and return all their contacts in the format of `Result.contacts`."""
+    """Return all contacts of some members at elastic loads (mN), in the format of `Result.contacts`."""
     import pandas
 
     study = result.study
@@ -257,7 +263,9 @@ def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int]
                 columns |= {"slope_x": table.slope_x, "slope_y": table.slope_y, "at_edge": table.at_edge}
                 frames.append(pandas.DataFrame({"member": index} | columns))
     if not frames:
-        raise ValueError("the members have no contacts at these loads, or no solution; give other loads or members")
+        raise ValueError(
+            "the members have no contacts at these loads, or the solver failed; give other loads or members"
+        )
     return pandas.concat(frames, ignore_index=True)
 
 

@@ -17,23 +17,23 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-STEEPEST_FRACTION = 0.1  # fraction of the points of a body that count as steep
+STEEPEST_FRACTION = 0.1  # fraction of the grid points of a body that count as steep
 
 STORED_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
-"""Probabilities of the stored quantiles of contact areas, and of pressures weighted by the true contact area."""
+"""Probabilities of the stored quantiles of contact area, and of pressure weighted by true contact area."""
 
-MAX_CELLS_OF_SMALL_CONTACT = 4  # largest number of grid cells of a contact that counts as barely resolved
+MAX_CELLS_OF_SMALL_CONTACT = 4  # largest number of grid cells of a barely resolved contact
 
 
 @dataclass(frozen=True, eq=False)
 class PairSlopes:
-    """Slopes of both bodies of a pair at every grid point, along x and, for maps, along y."""
+    """Slopes of both bodies of a pair at all grid points, along x and, for maps, also along y."""
 
     upper: list[Floats]
     lower: list[Floats]
     steep: dict[str, NDArray[np.bool_]]  # masks of the steep points of each body
-    limits: dict[str, float]  # smallest slope within each mask
-    measured: Any = ...  # mask of points that are measured on both bodies
+    limits: dict[str, float]  # smallest slope at the steep points of each body
+    measured: Any = ...  # mask of the points that are measured on both bodies
 
     @classmethod
     def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
@@ -49,7 +49,7 @@ class PairSlopes:
         return cls(slopes_by_side["upper"], slopes_by_side["lower"], steep, limits, measured)
 
     def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
-        """Return the rms gradient of the gap, and its rms slopes along directions (degrees)."""
+        """Compute the rms gradient of the gap and its rms slopes along the given directions (degrees)."""
         gap = [(above - below)[self.measured] for above, below in zip(self.upper, self.lower, strict=True)]
         squares = [float(np.square(slope).mean()) for slope in gap]
         if len(gap) == 1:
@@ -64,7 +64,7 @@ class PairSlopes:
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
-    """Compute the slopes at every point, along x and, for maps, along y."""
+    """Compute the slopes at all grid points, along x and, for maps, also along y."""
     from stiction.mechanics.patches import slopes
 
     return slopes(body.heights, body.spacings, periodic=False)
@@ -78,12 +78,12 @@ class ContactList:
     y: Floats
     force: Floats  # mN
     area: Floats  # projected
-    slope_x: Floats  # mean slope; a contact opposes motion in the directions in which the slope is positive
+    slope_x: Floats  # mean slope; the contact opposes motion in directions of positive slope
     slope_y: Floats
     cells: Floats  # number of grid cells
     at_edge: NDArray[np.bool_]  # True if the contact reaches the edge of the grid
     pressure: Floats  # (p,), GPa
-    weight: Floats  # (p,), fraction of the true contact area on which each pressure acts
+    weight: Floats  # (p,), fraction of the true contact area under each pressure
 
     def compute_statistics(self) -> dict[str, Any]:
         """Compute the stored statistics: load fractions, and quantiles of contact area and pressure."""
@@ -98,7 +98,7 @@ class ContactList:
 
 
 def _compute_quantiles(values: Floats) -> Floats:
-    """Compute quantiles equal to those of `numpy.quantile`, ten times faster for few values."""
+    """Compute the same quantiles as `numpy.quantile`, ten times faster for short arrays."""
     ordered, position = np.sort(values), np.array(STORED_PROBABILITIES) * (values.size - 1)
     below = position.astype(np.intp)
     low, high, weight = ordered[below], ordered[np.minimum(below + 1, values.size - 1)], position - below
@@ -161,7 +161,7 @@ def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> Conta
 
 
 def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
-    """Compute the fraction of the load on the steepest tenth of each body, from the mean slopes of contacts."""
+    """Compute the fraction of the load on the steepest tenth of each body from the mean slopes of the contacts."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total = table.force.sum()
     return {

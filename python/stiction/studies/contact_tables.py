@@ -43,20 +43,20 @@ from stiction.studies.values import (
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # directions of motion of measured areas, in degrees
 MAX_DIRECTIONS = 360  # largest number of directions of motion of measured areas
-# factor by which the load curve of asperities on lines extends below the smallest and above the largest given load
+# factor of the extension of the load curve below and above the given loads (asperities on lines)
 LINE_LOAD_MARGIN = 30.0
 NUM_LINE_LOADS = 25
-# the same factor for half-planes, which is smaller because every load needs a separate solution
+# smaller factor for half-planes, which need a separate solution for each load
 HALF_PLANE_LOAD_MARGIN = 10.0
 NUM_HALF_PLANE_LOADS = 7
-MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio between successive loads of areal contact
+MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio of successive loads of areal contacts
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
 
 
 class HertzCylinderTable(Table):
-    """Table of a contact law for elastic cylinders with a given width."""
+    """Parameters of the contact law for elastic cylinders of given width."""
 
     name: Literal["hertz-cylinder"]
     width: Length
@@ -67,7 +67,7 @@ class HertzCylinderTable(Table):
 
 
 class JacksonGreenTable(Table):
-    """Table of the contact law of Jackson and Green, with the yield strength and Poisson's ratio of the softer body."""
+    """Parameters of the contact law of Jackson and Green: yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
     yield_strength: Modulus
@@ -84,7 +84,7 @@ LAW_TABLES: dict[str, type[LawTable]] = {"hertz-cylinder": HertzCylinderTable, "
 
 
 def _read_law(value: object) -> LawName | LawTable:
-    """Parse a contact law, given by its name or as a table of its parameters."""
+    """Parse a contact law from its name or from a table of its parameters."""
     for name in LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
@@ -124,9 +124,9 @@ PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]
 
 
 class OnsetTable(Table):
-    """Friction parameters of the stored onset of sliding, which assumes friction at all contacts.
+    """Friction parameters for the onset of sliding, with friction at all contacts.
 
-    The onset with other parameters needs another run.
+    The result stores the onset for these parameters only.
     """
 
     mu0: float = Field(default=0.4, ge=0, description="Molecular friction coefficient.")
@@ -136,7 +136,7 @@ class OnsetTable(Table):
     @model_validator(mode="after")
     def _resists_sliding(self) -> OnsetTable:
         if self.mu0 == 0 and float(self.tau0) == 0:
-            raise ValueError("mu0 and tau0 must not both be 0: the bodies would slide without friction")
+            raise ValueError("mu0 and tau0 must not both be 0, because the bodies would slide without friction")
         return self
 
 
@@ -148,7 +148,7 @@ LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `fric
 
 
 class ContactTable(Case):
-    """Keys of the table `[contact]` that apply to all contact models and all kinds of surfaces."""
+    """Keys of the table `[contact]` for all contact models and all kinds of surfaces."""
 
     effective_modulus: Modulus = Field(
         default=quantity("10 GPa", "pressure"), description="Effective modulus E* of both bodies."
@@ -156,7 +156,7 @@ class ContactTable(Case):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Name of the quantity that is prescribed at each loading step: approach or load."""
+        """Name of the quantity that is prescribed at each loading step."""
         return "load"
 
     def steps(self) -> Floats:
@@ -173,10 +173,10 @@ class ContactTable(Case):
 
     def degrees(self) -> Floats:
         """Return all directions of motion, in degrees from +x towards +y."""
-        return np.array([degrees_of(way) for way in self.directions_of_motion()])
+        return np.array([degrees_of(direction) for direction in self.directions_of_motion()])
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that form dimensions of a result."""
         return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
 
 
@@ -184,7 +184,7 @@ class ContactTable(Case):
 
 
 class GeneratedContact(ContactTable):
-    """Keys of the contact table that define the motion of generated surfaces."""
+    """Keys of the contact table for the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
@@ -214,13 +214,13 @@ class GeneratedContact(ContactTable):
         return chosen if isinstance(chosen, tuple) else (chosen,)
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are given as lists, and so are dimensions."""
+        """Return the sliding rules and directions (degrees) that form dimensions because they are given as lists."""
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
         return {name: values for name, values in super().motions().items() if is_list[name]}
 
 
 class GeneratedLoads(GeneratedContact):
-    """Keys of the contact table that define the loads on generated surfaces."""
+    """Keys of the contact table for the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -235,7 +235,7 @@ class GeneratedLoads(GeneratedContact):
 
 
 class MeasuredContact(ContactTable):
-    """Keys of the contact table for measured surfaces, which are pressed to loads; both sliding rules apply."""
+    """Keys of the contact table for measured surfaces at given loads, with results for both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -317,10 +317,13 @@ class HalfSpaceContactTable(ContactTable):
     @model_validator(mode="after")
     def _has_consistent_growth(self) -> HalfSpaceContactTable:
         if self.junction_growth and self.hardness is None:
-            raise fault_at("junction_growth", "must not be given without a hardness: elastic contacts do not grow")
+            raise fault_at(
+                "junction_growth", "must not be given without a hardness, because elastic contacts do not grow"
+            )
         if self.junction_growth and self.adheres:
             raise fault_at(
-                "junction_growth", "must be 0 with a work of adhesion: sliding contacts with adhesion are not solved"
+                "junction_growth",
+                "must be 0 with a work of adhesion, because the model has no junction growth of adhesive contacts",
             )
         return self
 
@@ -348,7 +351,7 @@ class HalfSpaceContactTable(ContactTable):
         return self
 
     def solver_arguments(self) -> dict[str, Any]:
-        """Return the keyword arguments of `half_space` except bodies, loads and motion."""
+        """Return keyword arguments of `half_space` that describe material, boundary and tilt."""
         return {
             "effective_modulus": float(self.effective_modulus),
             "boundary": self.boundary,
@@ -380,11 +383,11 @@ class AsperityContactTable(ContactTable):
     curvature: CurvatureKey = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of a contact model that set the direction of motion; none for pairs pressed to loads."""
+        """Return the arguments of a contact model for the direction of motion, or no arguments for given loads."""
         return {}
 
     def model(self, sliding: Sliding | None = None) -> ContactModel:
-        """Return the contact model for a sliding rule; the default is the first rule of the table."""
+        """Return the contact model for a sliding rule, by default the first rule of the table."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -396,7 +399,7 @@ class AsperityContactTable(ContactTable):
 
 
 class GeneratedAsperities(AsperityContactTable, GeneratedContact):
-    """Keys of the contact table for asperities of generated surfaces, which are pressed to given approaches."""
+    """Keys of the contact table for asperities of generated surfaces at given approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
@@ -412,7 +415,9 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
     @model_validator(mode="after")
     def _has_valid_onset(self) -> Self:
         if self.onset is not None and isinstance(as_law(self.model().law), HertzCylinder):
-            raise fault_at("onset", "must not be given with cylinders: the displacement under a line load has no limit")
+            raise fault_at(
+                "onset", "must not be given with cylinders, because the displacement under a line load has no limit"
+            )
         return self
 
     @property
@@ -425,7 +430,7 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
         return array_of(self.approach)
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of a contact model that set the direction of motion."""
+        """Return the arguments of a contact model for the direction of motion."""
         return {"shear": self.shear, "direction": self.direction}
 
 
@@ -503,25 +508,25 @@ CONTACT_CASES: dict[str, dict[str, type[Contact]]] = {
     "measured lines": {"asperities": AsperitiesOfMeasuredLines, "half-space": HalfSpaceOfMeasuredLines},
     "measured areas": {"half-space": HalfSpaceOfMeasuredAreas, "asperities": AsperitiesOfMeasuredAreas},
 }
-"""Classes of the table by kind of bodies and key `mechanics`; the first class of each kind is the default."""
+"""Classes of the table by kind of bodies and value of `mechanics`; the first class of each kind is the default."""
 
 SHARED_CONTACT_TABLES: tuple[type[ContactTable], ...] = (
     AsperityContactTable, GeneratedAsperities, MeasuredContact, GeneratedContact, MeasuredAreasContact,
     HalfSpaceContactTable, GeneratedLoads,
 )  # fmt: skip
-"""Base classes whose keys several tables share; messages about misplaced keys name these classes."""
+"""Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
 
 
 def select_contact_case(
     surfaces: type[GeneratedSurfaces | MeasuredSurfaces], table: Mapping[str, Any]
 ) -> type[Contact]:
-    """Return the class of a contact table for the kind of surfaces and for the key `mechanics` of the table."""
+    """Return the class of a contact table for the given surfaces and the key `mechanics` in the table."""
     cases = CONTACT_CASES[surfaces.bodies]
     return cases[chosen("mechanics", table, cases)]
 
 
 def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | MeasuredSurfaces) -> Contact:
-    """Read a contact table and check that it is consistent with the surfaces."""
+    """Parse a contact table and check that it is consistent with the surfaces."""
     case = select_contact_case(type(surfaces), value)
     check_keys(value, case, SHARED_CONTACT_TABLES)
     contact = case.model_validate(value)
@@ -557,15 +562,15 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
 
 
 def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
-    """Return the given loads (mN) together with a geometric series of loads that extends below and above them."""
+    """Return the given loads (mN) combined with a geometric series that extends below and above the given loads."""
     curve = np.geomspace(requested.min() / ratio, requested.max() * ratio, steps)
-    # Given loads are kept exactly; loads of the series that nearly equal a given load are dropped.
+    # Loads of the series that nearly equal a given load are dropped.
     is_new = np.abs(curve[:, np.newaxis] / requested - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([requested, curve[is_new]]))
 
 
 def _fill_loads(requested: Floats) -> Floats:
-    """Return the given loads (mN) with loads between them, so that ratios are at most `MAX_AREAL_LOAD_RATIO`."""
+    """Insert loads (mN) between the given loads, so that successive ratios are at most `MAX_AREAL_LOAD_RATIO`."""
     requested = np.unique(requested)
     steps = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
@@ -578,9 +583,9 @@ def _fill_loads(requested: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which a measured pair is solved: the given loads, and loads around and between them.
+    """Return the loads (mN) at which a measured pair is computed: given loads, and loads around and between them.
 
-    All loads are below `max_load`. For areas there are `num_smaller` loads below the given loads, and the ratio of
+    All loads are below `max_load` (mN). For areas, `num_smaller` loads are below the given loads, and the ratio of
     successive loads is at most `MAX_AREAL_LOAD_RATIO`.
     """
     requested = np.atleast_1d(float_array("loads", loads))
@@ -593,7 +598,7 @@ def choose_load_steps(
     else:
         below = requested.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
         steps = np.unique(np.concatenate([_fill_loads(requested), below, [requested.max() * MAX_AREAL_LOAD_RATIO]]))
-    # Given loads are kept exactly; other loads are rounded to six digits.
+    # Only additional loads are rounded, to six digits.
     exact = set(requested.tolist())
     rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in steps.tolist()])
     lowest, highest = VALID_RANGES["force"]

@@ -19,23 +19,23 @@ class Elasticity:
     """Elasticity of a pair of bodies, with the properties of the softer body."""
 
     effective_modulus: float  # GPa
-    compliance_share: float = 0.5  # fraction of the compliance that the lower body contributes; 0.5 if only E* is given
+    compliance_share: float = 0.5  # contribution of the lower body to the compliance; 0.5 if only E* is given
     poisson_ratio: float | None = None  # Poisson's ratio of the softer body
     hardness: float | None = None  # hardness of the softer body, GPa
-    source: str = ""  # origin of the modulus as a text, if materials are given
+    source: str = ""  # description of the modulus, if materials are given
     hardness_source: str = ""
     materials: tuple[str, str] | None = None  # names of the materials of the upper and the lower body
     poisson_ratios: tuple[float, float] | None = None  # Poisson's ratios of the upper and the lower body
-    alias_note: str = ""  # note about standard names, if materials were given by alternative names
+    alias_note: str = ""  # note about alternative names of materials
 
 
 def find_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> Elasticity:  # fmt: skip
-    """Return the elasticity of a pair from E*, from Young's moduli and Poisson's ratios, or from materials.
+    """Return the elasticity of a pair of bodies from E*, from Young's moduli and Poisson's ratios, or from materials.
 
-    Raises a `ValueError` if not exactly one of these is given, or if a value is invalid.
+    Raises a `ValueError` if not exactly one of these alternatives is given, or if a value is invalid.
     """
     modulus, upper, lower = effective_modulus, upper_material, lower_material
     for side, name in (("upper", upper), ("lower", lower)):
@@ -74,7 +74,7 @@ def find_elasticity(
         return Elasticity(value, poisson_ratio=None if ratios is None else ratios[0])
     moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
     if len(moduli) > 2:
-        raise ArgumentError("{young} must be one modulus or two, got {got}", got=repr(young))
+        raise ArgumentError("{young} must be one or two moduli, got {got}", got=repr(young))
     if ratios is None:
         raise ArgumentError(
             "{young} needs {poisson}: one value for both bodies, or the values of the upper and the lower body"
@@ -142,14 +142,17 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
 
 
 def _format_alias_note(names: Iterable[tuple[str, str]]) -> str:
-    """Return a note that lists alternative names of materials with their standard names."""
-    aliases = [f'"{given}"{{}} as {name}' for given, name in names if not is_name_of(given, name)]
+    """Return a note about alternative names of materials, with their standard names."""
+    aliases = [f'"{alternative}"{{}} as {name}' for alternative, name in names if not is_name_of(alternative, name)]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
     return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text
 
 
 def _load_material(argument: str, name: str) -> Any:
-    """Load a material by its name. The error message names the argument, and has a hint if a file was given."""
+    """Load a material by name.
+
+    The error message names the argument. If the name looks like a file, the message has a hint.
+    """
     try:
         return material(name)
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Evaluation of results at given loads. A load can be defined in three ways.
+"""Evaluation of results at given loads, with three definitions of the load.
 
 *mean*: the mean normal load of the ensemble equals the given load, and values are ratios of means, as in the figures of
 the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load. *normal*: the
@@ -53,15 +53,18 @@ if TYPE_CHECKING:
 
 LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-SPREAD_QUANTILES = (0.1, 0.9)  # quantiles over single members that are reported as spread_low and spread_high
+SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of single members (spread_low and spread_high)
 NEGLIGIBLE_LOAD_RATIO = 0.01
-"""Ratio of load to pull-off force below which the load is negligible, so that a coefficient has no meaning."""
+"""Ratio of load to pull-off force below which the load is negligible and a coefficient has no meaning."""
 
 
-MIN_STIFFNESS_STEPS = 3  # smallest number of approaches or loads for which a stiffness is computed
+MIN_STIFFNESS_STEPS = 3  # smallest number of approaches or loads needed to compute a stiffness
 
 COMPLETE_STATUS, ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
-"""Statuses of contacts whose true area equals the nominal area, or exceeds it (a sum over overlapping asperities)."""
+"""Statuses of contacts whose true area equals or exceeds the nominal area.
+
+The sum of areas exceeds the nominal area if asperities overlap.
+"""
 
 
 def at_load(
@@ -74,10 +77,10 @@ def at_load(
     ----------
     result : Result, or xarray.Dataset of member sums
     loads : (l,) array_like of float, mN
-        Above 0. For bodies that adhere, a load of 0 is evaluated at `unloaded_load`.
+        Loads above 0. For adhesive bodies, a load of 0 is evaluated at `unloaded_load`.
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
-        By default the values of the study. Other values need no new solutions.
+        By default the values in the study. Other values need no new computation of contacts.
     reading : {"mean", "elastic", "normal"}, optional
         Definition of the load; by default "mean" for generated bodies and "elastic" for measured bodies.
     of : {"shifts", "surrogates"}, optional
@@ -97,9 +100,8 @@ def at_load(
         fraction_slipped; at the mean load of an ensemble the latter two are means weighted by the load of each pair.
         Measured bodies also have contact statistics, quantiles of areas and pressures, slopes of the gap and
         `gentle_friction`. The last dimension is statistic ("mean", "lower", "upper"). spread_low and spread_high are
-        the limits between which four of five members lie, reading_difference is the relative difference between the
-        three definitions of the load, members is the number of members, and ok is the number of members with a
-        coefficient.
+        the 10th and 90th percentiles of single members, reading_difference is the relative difference between the three
+        definitions of the load, members is the number of members, and ok is the number of members with a coefficient.
 
     Raises
     ------
@@ -133,20 +135,20 @@ def at_load(
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
     if measured and _is_requested("reading_difference", names):
-        # Largest relative difference between friction at the elastic load and at the normal load of each member.
+        # largest relative difference between the coefficients at the elastic and the normal load of the members
         other: Reading = "normal" if reading == "elastic" else "elastic"
         members = _members_before_growth(result, values, *material, other, of, names)
         if areas is not None:
             members = _with_growth(members, result, areas, of)
-        there = members["friction_coefficient"].mean(("repetition", "direction"))
-        here = point["friction_all_round"].sel(statistic="mean")
-        rest = [str(dim) for dim in here.dims if dim not in (*CELLS, "load")]
-        point["reading_difference"] = abs(there / here - 1).max(rest).variable
+        other_mean = members["friction_coefficient"].mean(("repetition", "direction"))
+        mean = point["friction_all_round"].sel(statistic="mean")
+        rest = [str(dim) for dim in mean.dims if dim not in (*CELLS, "load")]
+        point["reading_difference"] = abs(other_mean / mean - 1).max(rest).variable
     return point.assign_attrs(reading=reading)
 
 
 def is_unloaded(result: Result) -> bool:
-    """Return True if all loads of the study are negligible compared with the mean pull-off force."""
+    """Return whether all loads of the study are negligible compared with the mean pull-off force."""
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
@@ -154,7 +156,7 @@ def is_unloaded(result: Result) -> bool:
 
 
 def unloaded_load(result: Result) -> float:
-    """Return a negligible load (mN) of adhesive bodies: the smallest solved load, or an even smaller load."""
+    """Return a negligible load (mN) for adhesive bodies: the smallest computed load or, if needed, a smaller load."""
     negligible = NEGLIGIBLE_LOAD_RATIO * min(_pull_offs(result))
     lowest = float(result.study.contact.steps()[0])
     return lowest if lowest < negligible else 0.1 * negligible
@@ -169,20 +171,20 @@ def _pull_offs(result: Result) -> list[float]:
 
 
 def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return axes (degrees, 0 to 180) with two opposite directions, and the indices (a, 2) of the directions."""
+    """Return the axes with two opposite directions (degrees, 0 to 180), and the indices of these directions (a, 2)."""
     angles = np.mod(directions, 360.0)
-    found, places = [], []
+    axes, places = [], []
     for index, angle in enumerate(angles):
         opposite = np.flatnonzero(np.abs(np.mod(angles - angle - 180.0 + 1e-6, 360.0)) < 2e-6)
         if angle < 180.0 and opposite.size:
-            found.append(float(angle))
+            axes.append(float(angle))
             places.append((index, int(opposite[0])))
-    order = np.argsort(found)
-    return np.array(found)[order], np.array(places, np.intp).reshape(-1, 2)[order]
+    order = np.argsort(axes)
+    return np.array(axes)[order], np.array(places, np.intp).reshape(-1, 2)[order]
 
 
 def _is_requested(name: str, names: Collection[str] | None) -> bool:
-    """Return True if a quantity is to be evaluated: any quantity if no names are given."""
+    """Return whether a quantity is requested; all quantities are requested if no names are given."""
     return names is None or name in names
 
 
@@ -192,23 +194,23 @@ def _is_requested(name: str, names: Collection[str] | None) -> bool:
 def _evaluate_ensemble(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Return ensemble means at loads, as `friction_map` does, with the dimension statistic."""
+    """Return the ensemble means at the given loads like `friction_map`, with the dimension statistic."""
     import xarray
 
-    def read(what: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
-        """Evaluate a quantity at steps where the mean normal load equals the loads, averaged over directions."""
+    def read(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
+        """Evaluate a quantity at the given mean normal loads, averaged over groups of directions."""
 
         def average_groups(piece: xarray.Dataset) -> xarray.Dataset:
-            found = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
-            found = found.mean("way", skipna=False, keep_attrs=True).rename(group="direction")
-            return found.assign_coords(direction=("direction", np.arange(found.sizes["direction"], dtype=float)))
+            grouped = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
+            grouped = grouped.mean("way", skipna=False, keep_attrs=True).rename(group="direction")
+            return grouped.assign_coords(direction=("direction", np.arange(grouped.sizes["direction"], dtype=float)))
 
-        return ensemble_map(result, loads, mu0, tau0, what, None if groups is None else average_groups)
+        return ensemble_map(result, loads, mu0, tau0, name, None if groups is None else average_groups)
 
     head = result.head
     first = read("friction_coefficient")
     variables: dict[str, Any] = {"friction_coefficient": _with_statistic(first, "friction_coefficient")}
-    # The area and stiffness at a mean load depend slightly on mu0 and tau0, because friction changes the load.
+    # Area and stiffness depend slightly on mu0 and tau0, because friction changes the normal load.
     variables["status"] = first["status"].variable
     every, about = None, first
     if "direction" in head.dims:
@@ -255,22 +257,22 @@ def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
 
 
 def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
-    """Return loads (mN) in equal ratios, from the largest load of any first step to the largest load of all cells."""
+    """Return loads (mN) in equal ratios that cover the loads of a result."""
     elastic = Result.of(result).means(["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
     if not highest > 0:
-        raise ValueError("no pair of this result touches within its steps, so there is nothing to draw")
+        raise ValueError("no pair of this result is in contact at any step, so there is nothing to draw")
     lowest = float(elastic.isel({find_step_dimension(elastic.to_dataset(name="load_of_step")): 0}).max())
     if not 1e-6 * highest < lowest < 0.5 * highest:
         lowest = 1e-6 * highest if lowest < highest / 2 else highest / 10
     return np.asarray(np.geomspace(lowest, highest, steps))
 
 
-DEFAULT_LOADS = 3  # number of loads at which a result is shown if its study specifies no load
+DEFAULT_LOADS = 3  # number of loads at which a result is shown if the study has no loads
 
 
 def default_loads(result: Result) -> Floats:
-    """Return the loads (mN) of the study or, if it has none, a few loads within the range of the result.
+    """Return the loads (mN) of the study or, if the study has none, a few loads within the range of the result.
 
     Raises a `ValueError` if there is no contact.
     """
@@ -290,30 +292,30 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
 
     order = OverMembers.of(study, members)
     several = members.sizes["direction"] > 1
-    there = members.variables
-    dims = [str(dim) for dim in there["friction_coefficient"].dims if dim != "repetition"]
+    tables = members.variables
+    dims = [str(dim) for dim in tables["friction_coefficient"].dims if dim != "repetition"]
     variables: dict[str, Any] = {}
     for name in members.data_vars:
         if name in ("normal_load", "tangential_load") and not _is_requested(name, names):
-            continue  # these quantities are reported for single members only
-        values = there[name]
+            continue  # only reported for single members
+        values = tables[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
-            found = order.mean(values.transpose("repetition", *own).values)
+            means = order.mean(values.transpose("repetition", *own).values)
             limit = QUANTITIES[str(name)].bounds[1]
-            found = np.where(found > limit, np.maximum(limit, found[..., :1]), found)
-            variables[str(name)] = ((*own, "statistic"), found, values.attrs)
+            means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
+            variables[str(name)] = ((*own, "statistic"), means, values.attrs)
     if "contact_area_fraction" in variables:
         own_dims, fraction, words = variables["contact_area_fraction"]
         status, fraction = _contact_status(fraction, uses_half_space=study.uses_half_space)
         variables["contact_area_fraction"] = (own_dims, fraction, words)
         variables["contact_status"] = (own_dims[:-1], status, attributes_of("contact_status"))
-    coefficient = there["friction_coefficient"].transpose("repetition", *dims).values
+    coefficient = tables["friction_coefficient"].transpose("repetition", *dims).values
     at = dims.index("direction") + 1
-    status = there["status"].transpose("repetition", *dims).values
+    status = tables["status"].transpose("repetition", *dims).values
     ok = status == friction.STATUS_OK
     counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
-    # the most frequent status, if no member has a coefficient
+    # most frequent status, for points at which no member has a coefficient
     frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
     common = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), frequent)
     rest = [dim for dim in dims if dim != "direction"]
@@ -346,7 +348,10 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
 
 
 def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return statuses of area fractions (..., 3), and fractions that are at most 1 (half-space) or NaN above 1."""
+    """Return the statuses of true area fractions (..., 3), and the fractions limited to 1.
+
+    In the asperity model, fractions above 1 become NaN instead.
+    """
     above = fraction[..., 0] > 1
     status = np.where(above, COMPLETE_STATUS if uses_half_space else ABOVE_NOMINAL_STATUS, friction.STATUS_OK)
     limited = np.minimum(fraction, 1.0) if uses_half_space else np.where(above[..., np.newaxis], np.nan, fraction)
@@ -355,7 +360,7 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
 
 @dataclass(frozen=True, eq=False)
 class OverMembers:
-    """Statistical dependence between members: none, between neighbours on lines, or between pairs that share a scan."""
+    """Statistical dependence between members: independent, neighbours on lines, or pairs that share a scan."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -363,7 +368,10 @@ class OverMembers:
 
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
-        """Determine the dependence. Members on adjacent lines, or at adjacent positions of a line, are neighbours."""
+        """Determine the dependence between members from their positions.
+
+        Members on adjacent lines, or at adjacent positions of a line, are neighbours.
+        """
         surfaces: Any = study.surfaces
         if math.prod(surfaces.scan_counts) > 1:
             return cls(scans=surfaces.scans_of(np.asarray(places["repetition"])))
@@ -374,9 +382,9 @@ class OverMembers:
         return cls(order, lines[order])
 
     def mean(self, values: Floats) -> Floats:
-        """Return the mean over members and the ends of its interval, ignoring NaN.
+        """Return the mean over the members and the limits of its interval, ignoring NaN.
 
-        The values have the shape (members, ...), and the result has (..., 3).
+        The values have the shape (members, ...), and the result has the shape (..., 3).
         """
         if self.scans is not None:
             columns = values.reshape(values.shape[0], -1).T
@@ -385,7 +393,7 @@ class OverMembers:
         if self.order is None or self.lines is None:
             return np.stack(intervals.sample_mean(values), axis=-1)
         flat = values[self.order].reshape(values.shape[0], -1)
-        # Columns with the same missing members are evaluated together, which saves time.
+        # Columns with the same missing members are evaluated together to save time.
         masks, group = np.unique(np.isfinite(flat).T, axis=0, return_inverse=True)
         ends = np.empty((flat.shape[1], 3))
         for number, mask in enumerate(masks):
@@ -395,10 +403,10 @@ class OverMembers:
 
 
 def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
-    """Return the mean and the ends of its interval; the ends are above 0 if no value is negative."""
+    """Return the mean and the limits of its interval, which are above 0 if no value is negative."""
     if found is None:
-        known = values[np.isfinite(values)]
-        return float(known.mean()) if known.size else np.nan, np.nan, np.nan
+        finite = values[np.isfinite(values)]
+        return float(finite.mean()) if finite.size else np.nan, np.nan, np.nan
     ends = intervals.mean_interval(found.mean, found.half_width, np.nanmin(values) < 0)
     return found.mean, float(ends[0]), float(ends[1])
 
@@ -413,7 +421,7 @@ def member_values(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: Reading = "elastic", of: Kind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member at given loads of this member.
+    """Evaluate each member of a result at given loads.
 
     Parameters
     ----------
@@ -430,7 +438,7 @@ def member_values(
         dimensions of the cells, repetition and load (and fraction_below), and are evaluated at the elastic load.
     """
     if reading == "mean":
-        raise ValueError("reading must be 'elastic' or 'normal': members have no mean load")
+        raise ValueError("reading must be 'elastic' or 'normal', because a single member has no mean load")
     result = Result.of(result)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     material = material_of(result, mu0, tau0)
@@ -461,18 +469,18 @@ def _members_before_growth(
 # ---- Junction growth -------------------------------------------------------------------------------------------------
 
 
-def areas_of(at: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
-    """Return the true area as a function of hardness and E*, at the loads of a dataset from `at_load`."""
+def areas_of(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
+    """Return the true area at the loads of a dataset from `at_load`, as a function of hardness and E*."""
     result = Result.of(result)
-    study, loads = result.study, at["load"].values
-    area = at["contact_area"].sel(statistic="mean")
+    study, loads = result.study, dataset["load"].values
+    area = dataset["contact_area"].sel(statistic="mean")
     ratio = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
-    gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
+    gradient = float(dataset["rms_gradient"].sel(statistic="mean").mean())
     return AreaInterpolator.from_result(loads, ratio, gradient, growth_of_area(result, loads), study, result)
 
 
 def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolator:
-    """Return the true area as a function of hardness at the study's E*, for a dataset of `member_values`."""
+    """Return the true area at the loads of a dataset from `member_values`, as a function of hardness."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
     study = result.study
@@ -480,26 +488,29 @@ def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolat
 
 
 def mean_areas(result: Result) -> Floats:
-    """Return the mean true area (µm²) of the members at the solved loads; callers use `Result.mean_areas`."""
+    """Return the mean true area (µm²) of the members at the computed loads.
+
+    `Result.mean_areas` caches these areas.
+    """
     zero = np.zeros(1)
     areas = _members_before_growth(result, result.study.contact.steps(), zero, zero, "elastic", None, ())
     return np.asarray(areas["contact_area"].mean([dim for dim in areas["contact_area"].dims if dim != "load"]).values)
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:
-    """Return d ln(A/F) / d ln F, where A is the mean true area, at loads (mN)."""
+    """Return the derivative d ln(A/F) / d ln F of the mean true area A at the given loads (mN)."""
     steps = result.study.contact.steps()
     if steps.size > 1:
         ratio = result.mean_areas / steps
-        known = np.isfinite(ratio) & (ratio > 0)
-        if known.sum() > 1:
-            slope = np.gradient(np.log(ratio[known]), np.log(steps[known]))
-            return np.asarray(np.interp(np.log(loads), np.log(steps[known]), slope))
+        is_known = np.isfinite(ratio) & (ratio > 0)
+        if is_known.sum() > 1:
+            slope = np.gradient(np.log(ratio[is_known]), np.log(steps[is_known]))
+            return np.asarray(np.interp(np.log(loads), np.log(steps[is_known]), slope))
     return np.zeros(loads.size)
 
 
 def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
-    """Return the ratio of the true area at the onset of sliding to the area before shear, (loads, mu0, tau0).
+    """Return the ratio of the true area at the onset of sliding to the area before shear (loads, mu0, tau0).
 
     The ratio is infinite at seizure.
     """
@@ -511,26 +522,28 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
 
 
 def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
-    """Return member values whose adhesive forces act on the true area at the onset of sliding."""
+    """Return member values with adhesive forces on the true area at the onset of sliding."""
     import xarray
 
     study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
     grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *members["sliding"].values.tolist())}
     factor = np.stack([grown[rule] for rule in members["sliding"].values.tolist()])
     with np.errstate(invalid="ignore"):
-        more = xarray.Variable(("sliding", "load", "mu0", "tau0"), np.where(tau0 > 0, tau0 * (factor - 1), 0.0))
+        added_strength = xarray.Variable(
+            ("sliding", "load", "mu0", "tau0"), np.where(tau0 > 0, tau0 * (factor - 1), 0.0)
+        )
     six = member_sums(result, members["load"].values, of=of)
     dims = members["friction_coefficient"].dims
     loads = {
-        f"{name}_load": members[f"{name}_load"] + (more * six[f"{name}_adhesive"].variable).transpose(*dims)
+        f"{name}_load": members[f"{name}_load"] + (added_strength * six[f"{name}_adhesive"].variable).transpose(*dims)
         for name in ("normal", "tangential")
     }
     normal, tangential = (loads[f"{name}_load"].transpose(*dims).values for name in ("normal", "tangential"))
     status = members["status"].transpose(*dims).values.copy()
-    known = status == friction.STATUS_OK
-    status[known & (normal <= 0)] = friction.STATUS_SELF_LOCKED
-    seizes = (members["normal_load"].variable * 0.0 + more).transpose(*dims).values
-    status[known & np.isinf(seizes)] = friction.STATUS_SEIZURE
+    has_coefficient = status == friction.STATUS_OK
+    status[has_coefficient & (normal <= 0)] = friction.STATUS_SELF_LOCKED
+    seizes = (members["normal_load"].variable * 0.0 + added_strength).transpose(*dims).values
+    status[has_coefficient & np.isinf(seizes)] = friction.STATUS_SEIZURE
     with np.errstate(invalid="ignore", divide="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
     onset = np.where(np.isfinite(grown["all"]), grown["all"], np.nan)
@@ -546,7 +559,7 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolato
 def member_sums(
     result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, of: Kind | None = None
 ) -> xarray.Dataset:
-    """Return contact sums of each member at elastic loads (mN), by default the sums that define both forces.
+    """Return contact sums of all members at elastic loads (mN), by default the six sums of both forces.
 
     The dimensions are cells, repetition, sliding, direction and load.
     """
@@ -556,19 +569,20 @@ def member_sums(
     study = result.study
 
     def read(piece: xarray.Dataset) -> xarray.Dataset:
-        sums, off = _curves(piece, loads, names)
+        sums, crossing = _curves(piece, loads, names)
         dims = (*cells_of(piece), "repetition", *MOTIONS, "load")
-        values = np.broadcast_arrays(*map(off.at, sums.values()))
-        kept = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
+        values = np.broadcast_arrays(*map(crossing.at, sums.values()))
+        coordinates = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
         return xarray.Dataset(
-            {name: (dims, each) for name, each in zip(sums, values, strict=True)}, _motions_of(piece, study) | kept
+            {name: (dims, each) for name, each in zip(sums, values, strict=True)},
+            _motions_of(piece, study) | coordinates,
         )
 
     return _evaluate_pieces(result, of, read)
 
 
 def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
-    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN), with a jackknife interval.
+    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN) and its jackknife interval.
 
     The dimensions are cells, sliding, load, mu0, tau0 and statistic. The value is NaN if mean(F_N) is not above 0.
     """
@@ -587,13 +601,13 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
     left_out.add(np.moveaxis(moved, 0, -1))
     half = left_out.half_width() if six.sizes["repetition"] >= intervals.MIN_SAMPLE_SIZE else np.nan
     values = np.stack([mean, np.maximum(mean - half, 0.0), mean + half], axis=-1)
-    words = attributes_of("friction_coefficient")
-    return xarray.DataArray(values, dims=(*dims, "mu0", "tau0", "statistic"), attrs=words)
+    attributes = attributes_of("friction_coefficient")
+    return xarray.DataArray(values, dims=(*dims, "mu0", "tau0", "statistic"), attrs=attributes)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PerLoad:
-    """Forces over the elastic load: tangential = elastic + mu0 rub + tau0 stick, and similarly normal = 1 + ..."""
+    """Forces per elastic load: tangential = elastic + mu0 rub + tau0 stick, and normal = 1 + ... likewise."""
 
     elastic: float = 0.0
     rub: float = 1.0
@@ -603,7 +617,7 @@ class PerLoad:
 
     @classmethod
     def of(cls, six: Mapping[str, Any], **more: Any) -> Self:
-        """Divide the means of the six sums by the elastic load."""
+        """Divide the means of the six contact sums by the elastic load."""
         per = {name: float(six[name] / six["normal_elastic"]) for name in SIX_SUMS}
         return cls(
             elastic=per["tangential_elastic"], rub=per["tangential_frictional"], stick=per["tangential_adhesive"],
@@ -611,7 +625,7 @@ class PerLoad:
         )  # fmt: skip
 
     def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """Compute mu_s if the true area is `area` times the computed area."""
+        """Compute mu_s for a true area of `area` times the computed true area."""
         tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
         return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
@@ -621,28 +635,28 @@ def _evaluate_pieces(
 ) -> xarray.Dataset:
     import xarray
 
-    parts = [read(piece) for piece in result.pieces() if piece.sizes["repetition"]]
-    whole = parts[0] if len(parts) == 1 else xarray.concat(
-        parts, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
+    pieces = [read(piece) for piece in result.pieces() if piece.sizes["repetition"]]
+    whole = pieces[0] if len(pieces) == 1 else xarray.concat(
+        pieces, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )  # fmt: skip
     if "surrogate" not in whole.coords:
         return whole
-    made = whole["surrogate"].values.astype(bool)
-    wanted = bool(made.all()) if of is None else of == "surrogates"
-    if not (made == wanted).any():
+    is_surrogate = whole["surrogate"].values.astype(bool)
+    wanted = bool(is_surrogate.all()) if of is None else of == "surrogates"
+    if not (is_surrogate == wanted).any():
         raise ValueError(f"of must not be {of!r}: the result has no such members")
-    return whole.isel(repetition=np.flatnonzero(made == wanted))
+    return whole.isel(repetition=np.flatnonzero(is_surrogate == wanted))
 
 
 _FRICTION = ("friction_coefficient", "normal_load", "tangential_load", "status", "contact_area", *GAP)
-"""Quantities that are always evaluated: intervals of friction need the true area and the slopes of the gap."""
+"""Quantities that are always evaluated, because intervals of friction need the true area and the slopes of the gap."""
 
 
 def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading,
     names: Collection[str] | None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate members in memory, as `member_values` does for a result.
+    """Evaluate members in memory like `member_values`.
 
     If the steps are loads, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate
     besides `_FRICTION`; None stands for all.
@@ -651,22 +665,25 @@ def _evaluate_piece(
 
     cells, step = cells_of(piece), find_step_dimension(piece)
     lead = (*cells, "repetition")
-    there = piece.variables
-    sums, off = _curves(piece, loads)
+    tables = piece.variables
+    sums, crossing = _curves(piece, loads)
     motions = [name for name in MOTIONS if name in piece.dims]
-    six = {name: off.at(values) for name, values in sums.items()} if reading == "elastic" else {}
+    six = {name: crossing.at(values) for name, values in sums.items()} if reading == "elastic" else {}
     if reading == "elastic":
         normal, tangential = compute_loads(six, mu0, tau0)
-        reached, below = off.reached[..., None, None, :, None, None], off.below[..., None, None, :, None, None]
+        reached, below = (
+            crossing.reached[..., None, None, :, None, None],
+            crossing.below[..., None, None, :, None, None],
+        )
     else:
-        # (..., load, mu0, tau0) for the step at which the normal load of each member equals the given load
+        # (..., load, mu0, tau0) at the step where the normal load equals the given load
         normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
             carried = np.where(normal > 0, normal, np.nan) if step == "load" else normal
-        own = Crossing.of(carried, loads, ratio=step == "load").without_gaps(normal, loads)
-        reached, below = (np.moveaxis(each, -1, -3) for each in (own.reached, own.below))
-        normal, tangential = (np.moveaxis(own.at(each), -1, -3) for each in (normal, tangential))
+        own_crossing = Crossing.of(carried, loads, ratio=step == "load").without_gaps(normal, loads)
+        reached, below = (np.moveaxis(each, -1, -3) for each in (own_crossing.reached, own_crossing.below))
+        normal, tangential = (np.moveaxis(own_crossing.at(each), -1, -3) for each in (normal, tangential))
     status = _status(piece, loads, normal, reached, below)
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
@@ -680,30 +697,30 @@ def _evaluate_piece(
     rules = [str(each) for each in piece["sliding"].values] if "sliding" in motions else []
     if six and {"opposing", "all"} <= set(rules):
         rubbing = six["tangential_frictional"]
-        both = [np.take(rubbing, rules.index(rule), axis=len(lead)) for rule in ("opposing", "all")]
+        rubbing_by_rule = [np.take(rubbing, rules.index(rule), axis=len(lead)) for rule in ("opposing", "all")]
         with np.errstate(divide="ignore", invalid="ignore"):
-            # The denominator is the sum of F |t·s|. It equals the load except for terms of second order in the slopes.
-            opposing = both[0] / both[1]
+            # The denominator is the sum of F |t·s|, which equals the load to first order in the slopes.
+            opposing = rubbing_by_rule[0] / rubbing_by_rule[1]
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
-    wanted = None if names is None else {*_FRICTION, *names}
+    requested = None if names is None else {*_FRICTION, *names}
     for name in INTERPOLATED_QUANTITIES:
-        if name != "normal_elastic" and not _is_requested(name, wanted):
+        if name != "normal_elastic" and not _is_requested(name, requested):
             continue
-        if name in there and step in there[name].dims:
-            read = off.at(_over(there[name], (*lead, step)), sums=QUANTITIES[name].proportional)
-            variables[name] = ((*lead, "load"), read, there[name].attrs)
+        if name in tables and step in tables[name].dims:
+            read = crossing.at(_over(tables[name], (*lead, step)), sums=QUANTITIES[name].proportional)
+            variables[name] = ((*lead, "load"), read, tables[name].attrs)
     for name in DISTRIBUTIONS:
-        if name in there and _is_requested(name, wanted):
-            read = off.at(_over(there[name], (*lead, "fraction_below", step)), sums=False)
-            variables[name] = ((*lead, "fraction_below", "load"), read, there[name].attrs)
+        if name in tables and _is_requested(name, requested):
+            read = crossing.at(_over(tables[name], (*lead, "fraction_below", step)), sums=False)
+            variables[name] = ((*lead, "fraction_below", "load"), read, tables[name].attrs)
     for name in (*GAP, "pull_off"):
-        if name in there:
-            variables[name] = there[name]
-    if "pull_off" in there:
-        # NaN if the pull-off force is missing
-        bounds = (_over(there["pull_off_is_bound"], lead) != 0).astype(np.float64)
+        if name in tables:
+            variables[name] = tables[name]
+    if "pull_off" in tables:
+        # 1 for a lower bound, 0 for a value
+        bounds = (_over(tables["pull_off_is_bound"], lead) != 0).astype(np.float64)
         variables["share_of_pull_off_bounds"] = (lead, bounds, attributes_of("share_of_pull_off_bounds"))
-        parts = {name: _over(there[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
+        parts = {name: _over(tables[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
         unloaded = compute_load("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
         variables["friction_at_no_load"] = (
             (*lead, "sliding", "mu0", "tau0"), unloaded, attributes_of("friction_at_no_load"),
@@ -716,97 +733,100 @@ def _evaluate_piece(
         name: (name, each, attributes_of(name)) for name, each in parameters.items()
     }
     variables = _add_ratios(variables, piece.coords.get("nominal_area"))
-    variables = {name: each for name, each in variables.items() if _is_requested(name, wanted)}
+    variables = {name: each for name, each in variables.items() if _is_requested(name, requested)}
     return xarray.Dataset(variables, coordinates, piece.attrs)
 
 
 def _curves(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS
 ) -> tuple[dict[str, Floats], Crossing]:
-    """Return the sums of the members, and the crossings of their elastic loads with the given loads."""
+    """Return the contact sums of the members, and the crossings of their elastic loads with the given loads."""
     step = find_step_dimension(piece)
     lead = (*cells_of(piece), "repetition")
-    # variables instead of arrays with coordinates, whose handling takes longer than the computation
-    there = piece.variables
-    elastic = _over(there["normal_elastic"], (*lead, step))
+    # Arrays with coordinates would take longer to handle than to evaluate.
+    tables = piece.variables
+    elastic = _over(tables["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
-    sums = {name: _over(there[name], (*lead, *MOTIONS, step), missing=True) for name in names}
+    sums = {name: _over(tables[name], (*lead, *MOTIONS, step), missing=True) for name in names}
     return sums, Crossing.of(curve, loads, ratio=step == "load").without_gaps(curve, loads)
 
 
 def _motions_of(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for the sliding rule and the direction, if the result has a single rule or direction."""
+    """Return coordinates for a single sliding rule or direction, which is not a dimension of the result."""
     values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.degrees())}
     return {name: ((name,), values[name][:1], attributes_of(name)) for name in MOTIONS if name not in piece.dims}
 
 
 def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add ratios of sums, and remove the sums that are not needed otherwise."""
+    """Add the ratios of contact sums, and remove sums that are not shown."""
     dims, elastic = variables["normal_elastic"][:2]
-    found: dict[str, Any] = {}
+    ratios: dict[str, Any] = {}
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]
         pressure = pull_off.values / float(nominal_area)
         variables["pull_off_pressure"] = (pull_off.dims, pressure, attributes_of("pull_off_pressure"))
     if nominal_area is not None:
         area = float(nominal_area)
-        found["contact_area_fraction"] = variables["contact_area"][1] / area
-        found["nominal_pressure"] = np.broadcast_to(elastic, elastic.shape) / area
+        ratios["contact_area_fraction"] = variables["contact_area"][1] / area
+        ratios["nominal_pressure"] = np.broadcast_to(elastic, elastic.shape) / area
         for name in PER_AREA:
             if (stiffness := QUANTITIES[name].numerator) in variables:
-                found[name] = 1e3 * variables[stiffness][1] / area  # of mN/µm³
+                ratios[name] = 1e3 * variables[stiffness][1] / area  # of mN/µm³
     with np.errstate(divide="ignore", invalid="ignore"):
         carried = variables["contact_load"][1] if "contact_load" in variables else elastic
-        found["mean_pressure"] = carried / variables["contact_area"][1]
+        ratios["mean_pressure"] = carried / variables["contact_area"][1]
     sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
     for name, (numerator, _) in VALIDITY_RATIOS.items():
         if numerator in sums and name not in sums:
-            found[name] = validity_ratio(name, sums)
-    kept = {name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_PARTS}
-    return kept | {name: (dims, values, attributes_of(name)) for name, values in found.items()}
+            ratios[name] = validity_ratio(name, sums)
+    shown = {name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_PARTS}
+    return shown | {name: (dims, values, attributes_of(name)) for name, values in ratios.items()}
 
 
 def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Return values as floats with the dimensions in the given order; dimensions in `missing` get the length 1."""
-    own = [dim for dim in dims if dim in array.dims]
-    values = array.transpose(*own).values.astype(np.float64)
+    """Return the values as floats with the dimensions in the given order.
+
+    If `missing` is true, missing dimensions are added with the length 1.
+    """
+    own_dims = [dim for dim in dims if dim in array.dims]
+    values = array.transpose(*own_dims).values.astype(np.float64)
     if not missing:
         return values
-    return np.asarray(values[tuple(slice(None) if dim in own else np.newaxis for dim in dims)])
+    return np.asarray(values[tuple(slice(None) if dim in own_dims else np.newaxis for dim in dims)])
 
 
 def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
-    """Return the status of each member, with dimensions (..., sliding, direction, load, mu0, tau0)."""
-    known = np.isfinite(normal)
-    locked = known & (normal <= 0)
-    status = friction.combine_status(touched=True, reached=known & reached & ~locked, locked=locked, below=below)
+    """Return the status of each member (..., sliding, direction, load, mu0, tau0)."""
+    is_known = np.isfinite(normal)
+    locked = is_known & (normal <= 0)
+    status = friction.combine_status(touched=True, reached=is_known & reached & ~locked, locked=locked, below=below)
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = find_step_dimension(piece)
     if "status" in piece:
-        # The status of a member without a coefficient is the status of the first step above the load.
+        # Without a coefficient, the status at the first step above the load applies.
         codes = _over(piece.variables["status"], (*cells_of(piece), "repetition", step)).astype(int)
         ladder = piece[step].values
-        place = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)
-        why = np.array(STATUSES)[codes[..., place]][..., None, None, :, None, None]
-        why = np.broadcast_to(why, status.shape)
-        replace = (status != friction.STATUS_OK) & (why != friction.STATUS_OK)
-        status[replace] = why[replace]
+        step_index = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)
+        step_status = np.array(STATUSES)[codes[..., step_index]][..., None, None, :, None, None]
+        step_status = np.broadcast_to(step_status, status.shape)
+        replace = (status != friction.STATUS_OK) & (step_status != friction.STATUS_OK)
+        status[replace] = step_status[replace]
     return status
 
 
 def estimate_by_slopes(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Compute `gentle_friction` from rms gradients of gaps (...) and rms slopes along directions (..., direction)."""
-    known = (gradient[..., np.newaxis] > 0) & (slope > 0)
-    steep, along = (np.where(known, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope))
-    found = [
+    """Compute the small-slope estimate of friction from rms gradients (...) and rms slopes (..., direction)."""
+    has_slopes = (gradient[..., np.newaxis] > 0) & (slope > 0)
+    steep, along = (np.where(has_slopes, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope))
+    estimates = [
         gentle_friction(
             mu0[:, np.newaxis], tau0, rms_gradient=steep, rms_slope=along, effective_modulus=modulus, sliding=rule
         )
         for rule in rules
     ]
-    values = np.where(known[..., np.newaxis, :, np.newaxis, np.newaxis], np.stack(found, axis=-4), np.nan)
+    values = np.where(has_slopes[..., np.newaxis, :, np.newaxis, np.newaxis], np.stack(estimates, axis=-4), np.nan)
     return {
         "gentle_friction": (
             [*dims, "sliding", "direction", "mu0", "tau0"], values, attributes_of("gentle_friction")

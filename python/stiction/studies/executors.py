@@ -16,7 +16,7 @@ from stiction._text import MAX_PATH_LENGTH, printable
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
-# Number of grid points above which several threads compute one transform; threads slow smaller transforms down.
+# smallest number of grid points at which several threads speed up a transform
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
@@ -24,14 +24,14 @@ CONNECTION_TIMEOUT = "15s"
 
 
 @contextlib.contextmanager
-def enter_executor(given: Executor | None) -> Iterator[Executor]:
-    """Enter the given executor, which the caller has to shut down, or a new executor of threads.
+def enter_executor(executor: Executor | None) -> Iterator[Executor]:
+    """Enter the given executor, or a new executor of threads that is shut down at the end.
 
     Raises a `StudyError` if a worker process ends.
     """
     try:
-        if given is not None:
-            yield given
+        if executor is not None:
+            yield executor
         else:
             with thread_executor() as pool:
                 yield pool
@@ -41,7 +41,10 @@ def enter_executor(given: Executor | None) -> Iterator[Executor]:
 
 @contextlib.contextmanager
 def thread_executor(workers: int | None = None) -> Iterator[Executor]:
-    """Enter an executor of threads, by default one per core. Raises a `RuntimeError` if no thread can start."""
+    """Enter an executor of threads, by default with one thread per core.
+
+    Raises a `RuntimeError` if no thread can start.
+    """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     pool = ThreadPoolExecutor(workers or cores or 1, thread_name_prefix="stiction")
     pool.submit(int)
@@ -56,10 +59,10 @@ def thread_executor(workers: int | None = None) -> Iterator[Executor]:
 def use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Return the function of a task, wrapped so that otherwise idle threads help with its transforms.
+    """Return the function of a task, wrapped so that idle threads help with its transforms.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
-    of tasks, and `points` the number of grid points of each task.
+    of tasks, and `points` is the number of grid points of each task.
     """
     workers = executor._max_workers if isinstance(executor, ThreadPoolExecutor) else 1
     threads_per_task = workers // max(tasks, 1)
@@ -91,7 +94,7 @@ def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterat
         progress.TimeElapsedColumn(), progress.TextColumn("left"), progress.TimeRemainingColumn(),
     )  # fmt: skip
     is_notebook = Console().is_jupyter
-    # In a notebook, rich needs ipywidgets for a bar. Without ipywidgets it prints one line of text at the end.
+    # Without ipywidgets, rich shows no bar in a notebook but prints one line of text at the end.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
     is_hidden = not (console.is_terminal or is_notebook)
     with progress.Progress(*columns, console=console, transient=console.is_terminal, disable=is_hidden) as bar:
@@ -100,12 +103,12 @@ def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterat
 
 
 class ClusterError(ValueError):
-    """Error raised if a cluster cannot be reached, or fails."""
+    """Error raised if a cluster cannot be reached or fails."""
 
 
 @contextlib.contextmanager
 def _without_disconnect_log() -> Iterator[None]:
-    """Suppress the log of the Dask client about a lost scheduler, because a `ClusterError` reports the loss."""
+    """Suppress log messages of Dask about a lost scheduler, which a `ClusterError` reports."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
     levels = [logger.level for logger in loggers]
     try:
@@ -119,16 +122,20 @@ def _without_disconnect_log() -> Iterator[None]:
 
 @contextlib.contextmanager
 def connect_cluster(address: str) -> Iterator[Executor]:
-    """Connect to the workers of a Dask scheduler by its address.
+    """Connect to the Dask scheduler at the given address, and yield an executor.
 
     Raises a `ClusterError` if the scheduler does not respond, or if its workers die.
     """
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
-        raise ClusterError("a cluster needs the package distributed: pip install distributed") from None
+        raise ClusterError(
+            "a cluster needs the package distributed; install it with: pip install distributed"
+        ) from None
     if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):
-        raise ClusterError(f"the address of a Dask scheduler must be like tcp://host:8786, got {short_repr(address)}")
+        raise ClusterError(
+            f"the address of a Dask scheduler must have the form tcp://host:8786, got {short_repr(address)}"
+        )
     try:
         client = distributed.Client(address, timeout=CONNECTION_TIMEOUT, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
@@ -143,7 +150,9 @@ def connect_cluster(address: str) -> Iterator[Executor]:
                 warnings.warn(message, stacklevel=3)
             yield client.get_executor()
         except distributed.scheduler.KilledWorker as error:
-            raise ClusterError(f"a block was abandoned because all workers that computed it died: {error}") from None
+            raise ClusterError(
+                f"a block was not computed because its worker processes died repeatedly: {error}"
+            ) from None
         except CancelledError:
             message = "the connection to the scheduler was lost; finished blocks are kept, and the same command resumes"
             raise ClusterError(message) from None

@@ -1,4 +1,4 @@
-"""Tables for contact laws of other codes: friction, true area and stiffness of self-affine surfaces."""
+"""Tables of friction, true area and stiffness of self-affine surfaces, as contact laws for other codes."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ AVERAGED_DIRECTIONS = (
     90.0,
     180.0,
     270.0,
-)  # directions in degrees; coefficients are means over them, because the surfaces are isotropic
-MAX_FITTED_AREA = 0.1  # largest contact fraction at which the laws are fitted
-MAX_LAW_DEVIATION = 0.1  # relative deviation of a fitted law above which the table has a caveat
+)  # degrees; coefficients are averaged over these directions, because the surfaces are isotropic
+MAX_FITTED_AREA = 0.1  # largest true area fraction at which the laws are fitted
+MAX_LAW_DEVIATION = 0.1  # largest relative deviation of a fitted law that causes no caveat
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -50,7 +50,7 @@ def table_study(
     repetitions: int = 12,
     seed: int = 2016,
 ) -> Study:
-    """Create the study of a friction table: pairs of self-affine surfaces as periodic half-spaces.
+    """Create the study of a friction table: pairs of self-affine surfaces on periodic half-spaces.
 
     Parameters
     ----------
@@ -71,8 +71,8 @@ def table_study(
     points : int
         Number of grid points along each side.
     longest_wavelength, shortest_wavelength : float, µm
-        Roll-off and cutoff wavelength. With at least four of the longest waves along the side, a table hardly depends
-        on the side.
+        Roll-off and cutoff wavelength. If a side has at least four times the roll-off wavelength, the table does not
+        depend much on the side.
     repetitions : int
         Number of pairs of surfaces.
     seed : int
@@ -139,7 +139,7 @@ def table_study(
 
 
 def _checked_values(name: str, values: ArrayLike) -> list[float]:
-    """Return one or several numbers as a list, after checking that they are above 0."""
+    """Return numbers as a list after checking that all numbers are above 0."""
     array = np.atleast_1d(float_array(name, values))
     if array.ndim != 1 or not array.size or not (array > 0).all():
         raise ValueError(f"{name} must be numbers above 0, got {short_repr(values)}")
@@ -149,7 +149,7 @@ def _checked_values(name: str, values: ArrayLike) -> list[float]:
 def friction_table(
     result: Result | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    r"""Compute friction, true area and stiffness as functions of the pressure, with fitted laws.
+    r"""Compute friction, true area and stiffness as functions of the pressure, and fit laws to them.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def friction_table(
         Result of a study of `table_study`, or of any study of generated surfaces with the half-space model.
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
-        By default the values of the study.
+        By default the values in the study.
 
     Returns
     -------
@@ -197,16 +197,16 @@ def friction_table(
     result = Result.of(result)
     dataset, study = result.dataset, result.study
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
-        raise ValueError("result must be of a study of surfaces by the half-space, with loads")
+        raise ValueError("result must be from a study of generated height maps with the half-space model")
     material = material_of(result, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
     steps = dataset["load"].values / area
     approach, touching = (dataset[name].transpose(*_DIMENSION_ORDER).values for name in ("approach", "contact_area"))
     stiffness = np.full(approach.shape, np.nan)
     if steps.size >= MIN_STIFFNESS_PRESSURES:
-        # The approach is nearly a linear function of ln(load), so its derivative is well defined.
+        # The approach is nearly linear in ln(load), so the derivative with respect to ln(load) is accurate.
         stiffness = steps / np.gradient(approach, np.log(steps), axis=-1, edge_order=2)
-    # Loads around the requested loads serve only as steps of the curve.
+    # Other loads than the requested loads are only steps of the load curve.
     requested = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested))
     dataset, pressure = dataset.isel(load=indices), steps[indices]
@@ -232,14 +232,14 @@ def friction_table(
         ),
         **{name: ((*places, "statistic"), values, attributes_of(name)) for name, values in laws.items()},
     }  # fmt: skip
-    for name, (law, of) in fits.items():
-        off = np.where(light, np.abs(means[of][..., 0] / law - 1), 0.0).max(axis=-1)
-        variables[f"{name}_deviation"] = (places, off, attributes_of(f"{name}_deviation"))
-    at = {
+    for name, (law, variable) in fits.items():
+        deviation = np.where(light, np.abs(means[variable][..., 0] / law - 1), 0.0).max(axis=-1)
+        variables[f"{name}_deviation"] = (places, deviation, attributes_of(f"{name}_deviation"))
+    coordinate_values = {
         "sliding": list(study.contact.rules()), "hurst_exponent": 2 - dataset["fractal_dimension"].values,
         "rms": dataset["amplitude"].values, "pressure": pressure, "mu0": material[0], "tau0": material[1],
     }  # fmt: skip
-    coordinates = {name: (name, values, attributes_of(name)) for name, values in at.items()}
+    coordinates = {name: (name, values, attributes_of(name)) for name, values in coordinate_values.items()}
     attributes = {"title": TABLE_TITLE, **{name: dataset.attrs[name] for name in ("study", "stiction_version")}}
     table = xarray.Dataset(variables, coordinates | {"statistic": ["mean", "lower", "upper"]}, attributes)
     table["pressure"].attrs["long_name"] = "normal load over nominal area"
@@ -248,24 +248,24 @@ def friction_table(
 
 
 def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
-    """Fit the laws A/A0 = a p and k/A0 = b p^c; the shapes are (fractal dimension, amplitude, 3).
+    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return the parameters (fractal dimension, amplitude, 3).
 
-    Values are NaN if a pair of surfaces has no area or no stiffness.
+    The parameters are NaN if a pair of surfaces has no area or no stiffness.
     """
     names = ("area_factor", "stiffness_factor", "stiffness_exponent")
     parameters = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}
     for cell in np.ndindex(*light.shape[:2]):
-        place = (slice(None), *cell)
+        columns = (slice(None), *cell)
         p = pressure[light[cell]]
-        shares, stiff = (pairs[name][place][:, light[cell]] for name in ("contact_area_fraction", "normal_stiffness"))
+        shares, stiff = (pairs[name][columns][:, light[cell]] for name in ("contact_area_fraction", "normal_stiffness"))
         with np.errstate(divide="ignore", invalid="ignore"):
-            parameters["area_factor"][place] = np.exp(np.mean(np.log(shares / p), axis=1))
+            parameters["area_factor"][columns] = np.exp(np.mean(np.log(shares / p), axis=1))
             logarithms = np.log(np.where(stiff > 0, stiff, np.nan))
         if p.size >= 2:
             offset = np.log(p) - np.log(p).mean()
             exponent = logarithms @ offset / (offset @ offset)
-            parameters["stiffness_exponent"][place] = exponent
-            parameters["stiffness_factor"][place] = np.exp(logarithms.mean(axis=1) - exponent * np.log(p).mean())
+            parameters["stiffness_exponent"][columns] = exponent
+            parameters["stiffness_factor"][columns] = np.exp(logarithms.mean(axis=1) - exponent * np.log(p).mean())
     laws = {name: np.stack(intervals.sample_mean(values), axis=-1) for name, values in parameters.items()}
     for name in names[1:]:
         laws[name][~np.isfinite(parameters["stiffness_exponent"]).all(axis=0)] = np.nan

@@ -47,13 +47,12 @@ AreaAmplitude = Annotated[
 ]
 
 
-# limit of the number of directions times the number of frequencies, because the run time per point is proportional to
-# it
+# largest product of the numbers of directions and frequencies, which determines the run time
 MAX_HARMONICS = 1_000_000
 
 
 class GeneratedSurfaceKeys(Case):
-    """Keys of `[surfaces]` that all generated ensembles share: fractal dimension and amplitude."""
+    """Keys of `[surfaces]` for all generated ensembles: fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # name of these bodies in messages about `ContactTable.place`
     is_areal: ClassVar[bool] = True
@@ -84,7 +83,7 @@ class GeneratedSurfaceKeys(Case):
         return self
 
     def longest(self) -> float:
-        """Return the longest wavelength, µm; for Eq. 1 this is its length scale."""
+        """Return the longest wavelength (µm), which is the length scale of Eq. 1."""
         return float(self.length_scale)  # type: ignore[attr-defined]
 
     def fractal_dimensions(self) -> Floats:
@@ -92,11 +91,11 @@ class GeneratedSurfaceKeys(Case):
         return array_of(self.fractal_dimension)
 
     def amplitudes(self) -> Floats:
-        """Return all amplitudes, µm."""
+        """Return all amplitudes (µm)."""
         return array_of(self.amplitude)
 
     def cells(self) -> dict[str, Floats]:
-        """Return the dimensions that precede the members in a result, with their values."""
+        """Return the dimensions of a result other than the members, with their values."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
@@ -130,7 +129,7 @@ class GeneratedProfiles(GeneratedSurfaceKeys):
 
 
 class GeneratedAreas(GeneratedSurfaceKeys):
-    """Keys of `[surfaces]` that all generated height maps share: extent and shape of the grid."""
+    """Keys of `[surfaces]` for all generated height maps: extent and shape of the grid."""
 
     kind: Literal["surface"] = Field(default="surface", description="Kind of surfaces: lines or areas.")
     extent: AreaExtent = (quantity("10 um", "length"), quantity("10 um", "length"))
@@ -143,12 +142,12 @@ class GeneratedAreas(GeneratedSurfaceKeys):
         return self
 
     def extents(self) -> tuple[float, float]:
-        """Return the lengths along y and x, µm."""
+        """Return the lengths along y and x (µm)."""
         along_y, along_x = self.extent
         return float(along_y), float(along_x)
 
     def spacings(self) -> tuple[float, float]:
-        """Return the distances between rows and between columns, µm."""
+        """Return the distances between rows and between columns (µm)."""
         (along_y, along_x), (rows, columns) = self.extents(), self.shape
         return along_y / rows, along_x / columns
 
@@ -171,7 +170,7 @@ class WeierstrassMandelbrotSurfaces(GeneratedAreas):
 
 
 def _to_fractal_dimensions(exponents: Any) -> Any:
-    """Convert a Hurst exponent, or a list or range of exponents, to D = 2 - H in increasing order."""
+    """Convert one or more Hurst exponents, or a range, to fractal dimensions D = 2 - H in ascending order."""
     try:
         if isinstance(exponents, Mapping):
             limits = {"start": round(2 - exponents["stop"], 12), "stop": round(2 - exponents["start"], 12)}
@@ -179,7 +178,9 @@ def _to_fractal_dimensions(exponents: Any) -> Any:
         values = exponents if isinstance(exponents, (list, tuple)) else [exponents]
         return sorted(round(2 - value, 12) for value in values)
     except (TypeError, KeyError):
-        raise fault_at("hurst_exponent", f"must be numbers above 0, at most 1, got {short_repr(exponents)}") from None
+        raise fault_at(
+            "hurst_exponent", f"must be numbers above 0 and at most 1, got {short_repr(exponents)}"
+        ) from None
 
 
 class SelfAffineSurfaces(GeneratedAreas):
@@ -210,22 +211,23 @@ class SelfAffineSurfaces(GeneratedAreas):
             "Distance between rows and between columns, instead of `extent`.",
         ),
     }
-    """Allowed values and meanings of alternative keys, which have the names of `self_affine_surface`'s arguments."""
+    """Allowed values and meanings of the alternative keys, which are named like the arguments of `self_affine_surface`.
+    """
 
     @model_validator(mode="before")
     @classmethod
-    def _translate_argument_names(cls, given: Any) -> Any:
-        """Replace alternative keys by the standard keys; they override the defaults of the standard keys."""
-        if not isinstance(given, Mapping) or not cls.other_keys.keys() & given.keys():
-            return given
-        table = {key: value for key, value in given.items() if key not in cls.other_keys}
-        if "hurst_exponent" in given:
-            table["fractal_dimension"] = _to_fractal_dimensions(given["hurst_exponent"])
-        if "rms" in given:
-            rms = given["rms"]
+    def _translate_argument_names(cls, keys: Any) -> Any:
+        """Replace alternative keys with the standard keys."""
+        if not isinstance(keys, Mapping) or not cls.other_keys.keys() & keys.keys():
+            return keys
+        table = {key: value for key, value in keys.items() if key not in cls.other_keys}
+        if "hurst_exponent" in keys:
+            table["fractal_dimension"] = _to_fractal_dimensions(keys["hurst_exponent"])
+        if "rms" in keys:
+            rms = keys["rms"]
             table |= {"amplitude": rms if isinstance(rms, (list, tuple)) else [rms], "amplitude_measure": "Sq"}
-        if "spacing" in given:
-            spacing, shape = given["spacing"], table.get("shape", cls.model_fields["shape"].default)
+        if "spacing" in keys:
+            spacing, shape = keys["spacing"], table.get("shape", cls.model_fields["shape"].default)
             spacings = spacing if isinstance(spacing, (list, tuple)) else [spacing, spacing]
             if len(spacings) != 2 or len(shape) != 2:
                 raise fault_at("spacing", f"must be a length or a list of two, got {short_repr(spacing)}")
@@ -255,7 +257,7 @@ class SelfAffineSurfaces(GeneratedAreas):
         return self
 
     def longest(self) -> float:
-        """Return the longest wavelength, µm."""
+        """Return the longest wavelength (µm)."""
         return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
 
 
