@@ -98,7 +98,7 @@ def calibrate(
         raise ValueError(f"common must be at least 0 and below 1, got {common!r}")
     has_no_error = {test.uncertainty is None for test in tests}
     if len(has_no_error) > 1:
-        raise ValueError("uncertainty must be given for all tests or for no test")
+        raise ValueError("uncertainty must be given for all tests or for none")
     if True in has_no_error and sum(test.slid for test in tests) < MIN_TESTS:
         raise ValueError(
             f"uncertainty must be given for fewer than {MIN_TESTS} tests, because their scatter is a poor estimate"

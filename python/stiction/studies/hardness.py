@@ -1,6 +1,6 @@
 """Uncertain inputs of a measured pair, and the true area as a function of hardness and E*.
 
-The first members of the pair are also solved at other hardnesses and moduli (nodes), between which the area is
+The first members of the pair are also computed at other hardnesses and moduli (nodes). Between the nodes, the area is
 interpolated.
 """
 
@@ -35,45 +35,45 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 AREAS_FILE = "hardness.nc"
-"""File in the folder of a result that contains the true areas of its first members at the nodes."""
+"""File in a result folder that contains the true areas of the first members at the nodes."""
 
 NUM_MAP_MEMBERS, NUM_LARGE_MAP_MEMBERS, NUM_PROFILE_MEMBERS = 4, 2, 16
-"""Numbers of members that are solved at the nodes, for maps, large maps and profiles."""
+"""Numbers of members that are computed at the nodes, for maps, large maps and profiles."""
 
 MIN_LARGE_MAP_POINTS = 2**19
 """Number of grid points above which a map is large.
 
-A small number of members suffices: areas of members of 384² points differ by 0.1 % if all contacts yield, and by 2 % if
+Large maps need few members: for 384² points, the areas of members differ by 0.1 % if all contacts yield, and by 2 % if
 some contacts yield.
 """
 
-MIN_ERROR_MEMBERS = 2  # smallest number of members from which the error of the interpolated area is estimated
+MIN_ERROR_MEMBERS = 2  # smallest number of members for an error estimate of the interpolated area
 
 NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
-"""Positions of the nodes within the range of ln H, from 0 to 1, by the number of moduli (1 or 3).
+"""Positions of the nodes in the range of ln H (0 to 1), for one or three moduli.
 
-Nodes at the hardness of the study and at infinite hardness (elastic bodies) are added.
+The hardness of the study and infinite hardness (elastic bodies) are additional nodes.
 """
 
 MAX_NARROW_HALF_RANGE = 0.2
-"""Largest half width of the range of ln E* for which no solutions at other moduli are needed.
+"""Largest half width of the range of ln E* at which the contacts are not computed at other moduli.
 
-The area then follows from its dependence on the load.
+The area at another modulus is then derived from the dependence of the area on the load.
 """
 
-NODE_ROUND_OFF = 1e-9  # largest relative difference of two nodes that differ by round-off only
+NODE_ROUND_OFF = 1e-9  # largest relative difference between nodes due to round-off
 
 SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
-"""Spacing in ln H, and number, of the nodes that junction growth adds below the range of the hardness.
+"""Spacing in ln H and number of additional nodes below the hardness range for junction growth.
 
 Below these nodes, all contacts are assumed to be plastic, with an area proportional to 1/H.
 """
 
-NUM_TABLE_STEPS = 2**14  # number of steps of a table of areas over ln H
-TABLE_MARGIN = 4.0  # factor by which a table of areas extends beyond the smallest and the largest node
+NUM_TABLE_STEPS = 2**14  # number of steps in a table of areas over ln H
+TABLE_MARGIN = 4.0  # factor of the extension of a table beyond the smallest and largest nodes
 
 NODE_QUANTILES = (0.005, 0.995)
-"""Quantiles of an input at which the outermost nodes lie."""
+"""Quantiles of an input that define the outermost nodes."""
 _MODULUS_LABELS = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
 THREE_DIGIT_ERROR = 0.006  # largest relative error of a number rounded to three digits
 
@@ -87,7 +87,7 @@ class LabelledInput:
 
 
 def find_inputs(study: Study) -> dict[str, LabelledInput]:
-    """Return the uncertain inputs of a study by name; empty for generated surfaces."""
+    """Return the uncertain inputs of a study by name, or an empty dict for generated surfaces."""
     if not study.is_measured:
         return {}
     table, contact = study.known, study.contact
@@ -116,19 +116,22 @@ def find_inputs(study: Study) -> dict[str, LabelledInput]:
 
 
 def find_junction_growth(study: Study) -> UncertainInput | None:
-    """Return α of junction growth with its uncertainty; None if contacts do not grow."""
+    """Return the junction growth α with its uncertainty, or None if contacts do not grow."""
     growth = study.contact.junction_growth
     return _parse_junction_growth(study.known.junction_growth or growth, growth) if growth else None
 
 
 @lru_cache(maxsize=32)
 def _parse_junction_growth(given: str | float, central_value: float) -> UncertainInput:
-    """Parse α and its range; cached, because a report needs α for each of its coefficients."""
+    """Parse the junction growth α and its range.
+
+    The result is cached, because a report needs α for each coefficient.
+    """
     return replace(parse_input("junction_growth", given), value=central_value)
 
 
 def find_creep(study: Study) -> UncertainInput | None:
-    """Return the exponent of indentation creep; None if the study has no dwell times."""
+    """Return the exponent of indentation creep, or None if the study has no dwell times."""
     return parse_input("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
@@ -149,7 +152,7 @@ def find_moduli(study: Study) -> Moduli:
 
 
 def find_materials(study: Study) -> tuple[Material, ...]:
-    """Return the materials of both bodies; empty if the study has no names of materials, or if a name is unknown."""
+    """Return the materials of both bodies, or an empty tuple if a name is missing or unknown."""
     try:
         return tuple(material(name) for name in study.contact.materials or ())
     except ValueError:
@@ -157,7 +160,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Floats | float:
-    """Return the ratio of E* to the E* of the study for samples of the inputs, given by name."""
+    """Return the ratio of E* to the E* in the study for samples of the inputs by name."""
     return find_moduli(study).relative_modulus(samples)
 
 
@@ -165,13 +168,14 @@ def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Flo
 
 
 def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
-    """Return the nodes: hardnesses divided by the relative modulus (GPa), and relative moduli (E* over the study's E*).
+    """Return the nodes: hardnesses divided by the relative modulus (GPa), and relative moduli.
 
-    The last hardness is infinite, for elastic bodies. No hardnesses are returned if hardness and E* are exact or have
-    narrow ranges, and the study has neither dwell times nor junction growth.
+    A relative modulus is E* divided by the E* in the study. The last hardness is infinite (elastic bodies). There are
+    no hardnesses if the hardness and E* are exact or have narrow ranges, and the study has neither dwell times nor
+    junction growth.
     """
     inputs, creep, hardness = find_inputs(study), find_creep(study), study.contact.hardness
-    # Contributions of the inputs to the half width of the range of ln E* are added as a root sum of squares.
+    # The half width of the range of ln E* is the root sum of squares over the inputs.
     steps = [
         np.ptp(np.log(compute_relative_modulus(study, {name: entry.estimate.quantile(NODE_QUANTILES)}))) / 2
         for name, entry in inputs.items()
@@ -192,21 +196,21 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     half_width = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
     positions = np.exp(half_width * (2 * np.array(NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
     nodes = np.sqrt(ends.prod()) * positions
-    # An end of the range may be the hardness of the study, except for round-off.
+    # A limit of the range may equal the hardness of the study except for round-off.
     nodes = nodes[~np.isclose(nodes, float(hardness), rtol=NODE_ROUND_OFF, atol=0.0)]
     nodes = np.unique([*nodes, float(hardness), np.inf])
     return np.unique([*_choose_shear_nodes(study, float(nodes[0])), *nodes]), moduli
 
 
 def _choose_shear_nodes(study: Study, softest: float) -> Floats:
-    """Return further nodes below the smallest hardness (GPa), which junction growth needs for any mu0 and tau0."""
+    """Return additional nodes below the smallest hardness (GPa), which junction growth requires."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
     return np.asarray(softest * np.exp(-SHEAR_NODE_STEP * np.arange(1, NUM_SHEAR_NODES + 1)))
 
 
 def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
-    """Compute the true areas (µm²) of the first members at all nodes and loads; None if there are no nodes."""
+    """Compute the true areas (µm²) of the first members at all nodes and loads, or return None without nodes."""
     import xarray
 
     hardnesses, moduli = choose_area_nodes(study)
@@ -246,10 +250,10 @@ def _list_area_names(study: Study) -> tuple[str, ...]:
 
 
 def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
-    """Return the true areas (µm²) of a member at one node, with shape (areas, loads).
+    """Compute the true areas (µm²) of a member at a single node (areas, loads).
 
     `task` contains the index of the member, the relative modulus, and the hardness divided by the relative modulus.
-    With junction growth there is a second area: contacts that oppose the motion, weighted by their slope factors and
+    With junction growth, the second area is the area of contacts that oppose the motion, weighted by slope factors and
     averaged over directions. Areas are NaN at loads that the member cannot carry.
     """
     index, modulus, ratio = task
@@ -277,7 +281,7 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
 
 
 def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
-    """Return the sum of area times slope factor (µm²) over contacts that oppose the motion, for each load."""
+    """Return the sum of area times slope factor over the contacts that oppose the motion (µm²) at each load."""
     opposing = curve.with_sliding("opposing")
     directions = [opposing] if is_areal else [opposing, opposing.with_direction("-x")]
     sums = np.mean([direction.tangential_adhesive for direction in directions], axis=0)
@@ -285,7 +289,7 @@ def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
 
 
 def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
-    """Load the areas stored with a result; None if they are missing or belong to other nodes."""
+    """Load the areas stored with a result, or return None if they are missing or belong to other nodes."""
     study = result.study
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
@@ -302,7 +306,7 @@ def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
 
 
 def _load_mean_areas(result: StoredResult) -> xarray.Dataset | None:
-    """Load e A/F (1/GPa) at the nodes (loads, m, n) for relative moduli e, means of the first members."""
+    """Load the mean e A/F (1/GPa) of the first members at the nodes (loads, m, n), with relative modulus e."""
     if (solved := load_areas_over_hardness(result)) is None:
         return None
     means = solved.mean("repetition")
@@ -310,10 +314,10 @@ def _load_mean_areas(result: StoredResult) -> xarray.Dataset | None:
 
 
 class SampledAreas:
-    """Function `area_per_load` of ln H, which takes a fifth of the time for many hardnesses.
+    """Function A/F of ln H, five times faster than `area_per_load` for many hardnesses.
 
-    Many hardnesses are interpolated linearly in a table of ln(A/F) at `NUM_TABLE_STEPS` equal steps of ln H, which
-    changes an area by less than 1e-5 of its value. A few hardnesses, and those beyond the table, are computed exactly.
+    Areas at many hardnesses are interpolated linearly in a table of ln(A/F) with `NUM_TABLE_STEPS` equal steps of ln H,
+    with a relative error below 1e-5. Areas at few hardnesses, or outside the table, are computed exactly.
     """
 
     def __init__(self, nodes: Floats, at_nodes: Floats, elastic: Floats) -> None:
@@ -322,13 +326,13 @@ class SampledAreas:
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats]:
-        """Values of ln(A/F) at the steps, and their differences."""
+        """Values of ln(A/F) at the steps, and differences between successive values."""
         grid = np.exp(np.linspace(self._first, self._last, NUM_TABLE_STEPS + 1))
         log_areas = np.log(area_per_load(grid, *self._arguments))
         return log_areas, np.diff(log_areas, axis=-1)
 
     def __call__(self, log_hardness: Floats) -> Floats:
-        """Return A/F (..., h) in 1/GPa for logarithms of hardnesses (h,) in GPa."""
+        """Return A/F (1/GPa) for logarithms of hardnesses in GPa (h,). The shape of the result is (..., h)."""
         is_large = log_hardness.size > NUM_TABLE_STEPS // 4
         if not (is_large and self._first < log_hardness.min() and log_hardness.max() < self._last):
             return area_per_load(np.exp(log_hardness), *self._arguments)
@@ -341,10 +345,11 @@ class SampledAreas:
 
 @dataclass(frozen=True)
 class AreaInterpolator:
-    """Interpolation of the true area as a function of hardness and E*, at each load.
+    """Interpolator of the true area at each load as a function of hardness and E*.
 
-    By similarity, the solution at (F, E*, H) equals the solution at (F/e, E*/e, H/e). If e is the ratio of E* to the
-    study's E*, the second solution has the study's E*, but another load and hardness. A is the true area, F the load.
+    By similarity, the solution at (F, E*, H) equals the solution at (F/e, E*/e, H/e). If e is the ratio of E* to the E*
+    in the study, the second solution has the E* of the study, but another load and hardness. A is the true area, and F
+    is the load.
     """
 
     hardness: float | None  # GPa, hardness of the study
@@ -353,16 +358,16 @@ class AreaInterpolator:
     elastic_areas: Floats  # (loads, m) e A/F of elastic bodies, 1/GPa
     moduli: Floats  # (m,) relative moduli e at the nodes
     growth: Floats  # (loads,) logarithmic derivative d ln(A/F) / d ln F
-    errors: Floats  # (loads, n) relative standard error of the ratio of A at the nodes to A at the study's hardness
+    errors: Floats  # (loads, n) relative standard error of A at the nodes divided by A at the hardness of the study
     pressures: Floats  # (loads,) nominal pressures, GPa
-    opposing_areas: Floats | None = None  # (loads, n) A/F of contacts that oppose the motion, at the study's E*
+    opposing_areas: Floats | None = None  # (loads, n) A/F of contacts that oppose the motion
     cache: dict[Any, Any] = field(default_factory=dict)  # samples that several points share
 
     @classmethod
     def from_result(
         cls, loads: Floats, ratio: Floats, gradient: float, growth: Floats, study: Study, result: Result
     ) -> AreaInterpolator:
-        """Return the interpolation for a result.
+        """Create the interpolator for a result.
 
         Parameters
         ----------
@@ -379,8 +384,7 @@ class AreaInterpolator:
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
         solved, means = result.alongside(load_areas_over_hardness), result.alongside(_load_mean_areas)
-        # With junction growth, the friction itself depends on the areas at the nodes. Areas are therefore
-        # interpolated from the nodes at every load, even at loads that were not solved.
+        # With junction growth, friction depends on the areas at the nodes, so all loads use them.
         grows = bool(study.contact.junction_growth)
         if (
             solved is not None
@@ -407,8 +411,7 @@ class AreaInterpolator:
         if own_hardness is None:
             none = np.zeros((loads.size, 0))
             return cls(None, np.zeros(0), none[:, np.newaxis], column, np.ones(1), growth, none, pressures)
-        # Without solutions at other hardnesses, the model `area_per_load` is scaled to the area at the study's
-        # hardness.
+        # Without nodes, the model `area_per_load` is scaled to the area at the hardness of the study.
         elastic_areas = np.full((loads.size, 1), KAPPA / (float(study.contact.effective_modulus) * gradient))
         none = np.zeros((loads.size, 1))
         return cls(
@@ -423,7 +426,7 @@ class AreaInterpolator:
         )
 
     def area_ratio(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
-        """Return the ratio of the true area to the study's true area, for hardnesses (GPa) and relative moduli."""
+        """Return the ratio of the true area to the true area of the study, for hardnesses (GPa) and relative moduli."""
         if hardness is None or self.hardness is None:
             areas, study_areas = self.elastic_areas[load][:, np.newaxis], self.elastic_areas[load][:, np.newaxis]
         else:
@@ -437,13 +440,13 @@ class AreaInterpolator:
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
-        """Return the relative standard error of `area_ratio`, for hardnesses divided by the relative modulus (GPa)."""
+        """Return the relative standard error of `area_ratio` at hardnesses divided by the relative modulus (GPa)."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.node_hardnesses), self.errors[load]))
 
     def growth_ratio(
         self, load: int, rule: str, hardness: Floats, under_shear: Floats, modulus: Floats | float = 1.0
     ) -> Floats:
-        """Return the ratio of the true area of sheared contacts at the onset of sliding to the area before shear.
+        """Return the ratio of the true area of sheared contacts at the onset of sliding to their area before shear.
 
         Parameters
         ----------
@@ -451,11 +454,11 @@ class AreaInterpolator:
             Index of the load.
         rule : {"all", "opposing"}
             With "opposing", only contacts that oppose the motion are sheared. The result is then an upper bound,
-            because H' is applied to the other contacts too.
+            because H' is also applied to the other contacts.
         hardness, under_shear : array of float, GPa
             H, and H' from `hardness_under_shear`; H' is NaN at seizure.
         modulus : array_like of float
-            Ratio of E* to the study's E*.
+            Ratio of E* to the E* in the study.
 
         Returns
         -------
@@ -468,11 +471,11 @@ class AreaInterpolator:
         return ratio if known.all() else np.where(known, ratio, np.inf)
 
     def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return the true area of the sheared contacts in arbitrary units; only ratios of these areas are used."""
+        """Return the true area of the sheared contacts, in arbitrary units."""
         key = "areas", load, rule
         if key not in self.cache:
             areas, elastic_areas, middle = self.node_areas[load], self.elastic_areas[load], self.moduli.size // 2
-            if rule == "opposing" and self.opposing_areas is not None:  # solved at the study's E* only
+            if rule == "opposing" and self.opposing_areas is not None:  # computed only at the E* of the study
                 elastic_areas = elastic_areas[[middle]] * self.opposing_areas[load, -1] / areas[middle, -1]
                 areas = self.opposing_areas[[load]]
             self.cache[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
@@ -481,24 +484,27 @@ class AreaInterpolator:
         return _interpolate_moduli(sampled, self.moduli, modulus)
 
     def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return `_sheared_area` before shear, cached because many values of mu0 and tau0 share the same hardnesses."""
+        """Return the true area of the sheared contacts before shear, in the units of `_sheared_area`.
+
+        The area is cached, because many values of mu0 and tau0 have the same hardnesses.
+        """
         key = "before", load, rule
         cache = self.cache.get(key)
         if cache is None or cache[0] is not hardness or cache[1] is not modulus:
             cache = hardness, modulus, self._sheared_area(load, rule, hardness, modulus)
-            if hardness.size > 1:  # only arrays of samples are worth caching
+            if hardness.size > 1:  # cache only arrays of samples
                 self.cache[key] = cache
         return np.asarray(cache[2])
 
 
 def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
-    """Interpolate areas over the load by power laws; outside the loads of the dataset the areas are constant."""
+    """Interpolate areas over the load by power laws, with constant areas outside the loads of the dataset."""
     import xarray
 
     known_loads = areas["load"].values
     place = np.interp(np.log(loads), np.log(known_loads), np.arange(known_loads.size))
     below = np.floor(place).astype(int)
-    # The result is exact at loads of the dataset, even if the areas at the next load are NaN.
+    # At loads of the dataset, the areas at the next load may be NaN and must not be used.
     lower, upper = (areas.isel(load=index).drop_vars("load") for index in (below, np.ceil(place).astype(int)))
     if (below == place).all():
         return lower
@@ -507,10 +513,7 @@ def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:
-    """Estimate the relative standard error (loads, n) of the ratio of areas at the nodes and at the study's hardness.
-
-    The shape is (loads, n).
-    """
+    """Estimate the relative standard error of areas at the nodes divided by the study's area (loads, n)."""
     area = solved["contact_area"].sel(relative_modulus=1.0, method="nearest")
     area = area.transpose("load", "hardness", "repetition")
     count = area.sizes["repetition"]
@@ -521,9 +524,9 @@ def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Flo
 
 
 def _interpolate_moduli(values: Floats, moduli: Floats, modulus: Floats | float) -> Floats:
-    """Interpolate positive values between three moduli by a parabola of ln(value) as a function of ln E*.
+    """Interpolate positive values between three moduli by a parabola of ln(value) over ln E*.
 
-    Values of a single modulus do not depend on the modulus.
+    If there is only one modulus, the values are constant.
     """
     if len(values) == 1:
         return np.asarray(values[0])

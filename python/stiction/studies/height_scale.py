@@ -1,4 +1,4 @@
-"""Friction and true area of a measured pair whose heights are multiplied by a factor, as if finished differently.
+"""Friction and true area of a measured pair with its heights multiplied by a factor, as for another surface finish.
 
 Each factor is computed as a separate study, which is stored in the folder of the result. Results for factors in between
 are interpolated.
@@ -49,9 +49,9 @@ HEIGHT_SCALE_FOLDER = "height_scale"
 """Name of the folder, within the folder of a result, that contains one study for each factor."""
 
 FACTOR_STEP = 0.5
-"""Largest difference of log2(factor) between two computed factors for which results are interpolated."""
+"""Largest difference of log2(factor) between computed factors at which results between them are interpolated."""
 
-FACTOR_DIGITS = 6  # significant digits of a factor in the name of its folder
+FACTOR_DIGITS = 6  # number of significant digits of a factor in its folder name
 
 ScaledSides = Literal["both", "upper", "lower"]
 """Surfaces whose heights are scaled."""
@@ -65,7 +65,7 @@ _INTERPOLATED_VARIABLES = (
 
 
 class MissingFactorsError(ArgumentError):
-    """Error raised if results are requested at factors of the heights that have not been computed.
+    """Error raised if results are requested at factors that have not been computed.
 
     Attributes
     ----------
@@ -79,20 +79,20 @@ class MissingFactorsError(ArgumentError):
         range_text = f"{factors.size} factors from {factors[0]:g} to {factors[-1]:g}"
         factors_text = range_text if factors.size > 1 else f"the factor {factors[0]:g}"
         super().__init__(
-            "{height_scale} needs {which} computed, about {time} of one core: give {compute=True}",
+            "{height_scale} needs results at {which}, about {time} on one core; give {compute=True} to compute them",
             which=factors_text, time=format_duration(seconds),
         )  # fmt: skip
         self.factors, self.seconds = factors, seconds
 
 
 def parse_factors(factors: Any) -> Floats:
-    """Return factors of the heights in ascending order, rounded to `FACTOR_DIGITS` significant digits.
+    """Parse factors of the heights, and return them in ascending order, rounded to six significant digits.
 
     Parameters
     ----------
     factors : float, array_like or str
-        Factors from 0.01 to 100. A text is a list, "0.5,1,2", or a range, "0.25..4", which expands to its ends and all
-        powers of √2 between the ends.
+        Factors from 0.01 to 100. A text is a list, as in "0.5,1,2", or a range, as in "0.25..4", which stands for its
+        two limits and all powers of √2 between them.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def parse_factors(factors: Any) -> Floats:
 
 
 def _parse_factor_text(text: str) -> Floats:
-    """Parse a text that is a list of factors, or a range, which expands to its ends and the powers between them."""
+    """Parse a list or a range of factors from a text."""
     try:
         if ".." not in text:
             if text.count(",") == 1:
@@ -130,14 +130,14 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _list_enclosing_powers(low: float, high: float) -> Floats:
-    """Return powers of 2, with exponents in steps of `FACTOR_STEP`, that enclose a range of factors."""
+    """Return powers of 2 that enclose a range of factors, with exponents in steps of `FACTOR_STEP`."""
     first, last = math.floor(math.log2(low) / FACTOR_STEP), math.ceil(math.log2(high) / FACTOR_STEP)
     powers = np.exp2(FACTOR_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
     return np.unique([float(f"{each:.{FACTOR_DIGITS}g}") for each in powers.tolist()])
 
 
 def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
-    """Return the factors that must still be solved before results at all given factors can be interpolated."""
+    """Return the factors that must still be computed before results at the given factors can be interpolated."""
     missing = np.array([factor for factor in factors.tolist() if _find_neighbors(solved, factor) is None])
     if not missing.size:
         return missing
@@ -146,9 +146,9 @@ def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
 
 
 def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the nearest solved factors below and above a factor.
+    """Return the indices of the nearest computed factors below and above a factor.
 
-    Both indices are the same if the factor itself is solved. None is returned if the neighbors are too far apart.
+    Both indices are equal if the factor itself was computed. Returns None if the neighboring factors are too far apart.
     """
     upper = int(np.searchsorted(solved, factor))
     if upper < solved.size and solved[upper] == factor:
@@ -158,12 +158,12 @@ def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
 
 
 def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Study:
-    """Return the study of a measured pair with its heights multiplied by a factor.
+    """Return the study with the heights of a measured pair multiplied by a factor.
 
     Raises
     ------
     ValueError
-        If the study is not of two measured bodies.
+        If the study does not have two measured bodies.
     """
     if not study.is_measured or study.is_gap:
         kind = "the gap of one body" if study.is_measured else "generated surfaces"
@@ -176,14 +176,14 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Stu
 
 
 def find_factor_folder(path: Path, factor: float, scaled: ScaledSides) -> Path:
-    """Return the folder of a factor within a result folder."""
+    """Return the folder for a factor in a result folder."""
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
 
 def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float, StoredResult]:
-    """Open the finished studies of all factors of a result, in ascending order of the factor.
+    """Open the finished results for all factors of the heights, in ascending order of the factor.
 
-    The result itself is included as factor 1. All studies are opened with the friction parameters of the result.
+    The given result is included as factor 1. All results are opened with its friction parameters.
     """
     studies = {1.0: result}
     for folder in (result.path / HEIGHT_SCALE_FOLDER).glob(f"{scaled}-*"):
@@ -195,14 +195,17 @@ def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float
         expected = scale_study_heights(result.study, factor, scaled)
         if find_member_differences(stored.study, expected):
             continue
-        stored = StoredResult(stored.path, expected, stored.blocks)  # use the friction parameters of the result
+        stored = StoredResult(stored.path, expected, stored.blocks)  # with the friction parameters of the result
         if stored.count == expected.ensemble.repetitions and not _lacks_hardness(stored):
             studies[factor] = stored
     return dict(sorted(studies.items()))
 
 
 def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
-    """Return the stored factors of the heights of a result by scaled surfaces; empty if there are none besides 1."""
+    """Return the stored factors of the heights of a result by scaled surfaces.
+
+    The dict is empty if factor 1 is the only factor.
+    """
     study = result.study
     if not study.is_measured or result.count < study.ensemble.repetitions:
         return {}
@@ -215,13 +218,13 @@ def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
 
 
 def _lacks_hardness(stored: StoredResult) -> bool:
-    """Return True if uncertain inputs require areas at other hardnesses or moduli that are not stored yet."""
+    """Return whether areas at other hardnesses or moduli are required but not stored yet."""
     needs_areas = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
     return needs_areas and load_areas_over_hardness(stored) is None
 
 
 def estimate_factor_time(study: Study, count: int) -> float:
-    """Estimate the time (s) that one core takes to compute a number of factors."""
+    """Estimate the time (s) that a single core takes to compute a number of factors."""
     time_of_nodes = count_solutions(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
     return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
 
@@ -230,10 +233,10 @@ def compute_factors(
     result: StoredResult, factors: Any, scaled: ScaledSides = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute the factors that a stored result lacks for an evaluation at the given factors.
+    """Compute the results that are missing for an evaluation at the given factors of the heights.
 
-    Each factor is stored as a separate study, so that an interrupted run keeps the finished factors. `announce` is
-    called with a line of text before each factor. Raises the errors of `evaluate_height_scale` and of
+    Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
+    is called with a line of text before each factor. Raises the errors of `evaluate_height_scale` and of
     `compute_missing`.
     """
     missing = find_missing_factors(parse_factors(factors), np.array(list(open_stored_factors(result, scaled))))
@@ -257,7 +260,7 @@ def compute_factors(
 def evaluate_height_scale(
     result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: ScaledSides = "both"
 ) -> xarray.Dataset:
-    """Return friction, true area and stiffness of a measured pair for factors of its heights.
+    """Evaluate friction, true area and stiffness of a measured pair for factors of the heights.
 
     Parameters
     ----------
@@ -266,7 +269,7 @@ def evaluate_height_scale(
         Factors from 0.01 to 100, in the form that `parse_factors` accepts; 1 is the pair as measured.
     loads : array_like of float, mN
     mu0, tau0 : array_like of float, optional
-        By default the values of the study; tau0 in GPa.
+        By default the values in the study; tau0 in GPa.
     scaled : {"both", "upper", "lower"}
         Surfaces whose heights are scaled.
 
@@ -282,14 +285,14 @@ def evaluate_height_scale(
     Raises
     ------
     MissingFactorsError
-        If a factor is neither computed nor close enough to computed factors for an interpolation.
+        If a factor was not computed and is not close enough to computed factors for an interpolation.
     ValueError
         If the study does not have two measured surfaces, or is not finished, or if a factor is out of range.
 
     Notes
     -----
     Between computed factors, variables are interpolated by a monotone cubic in the logarithm of the factor. Positive
-    variables are replaced by their logarithms for this purpose.
+    variables are interpolated as logarithms.
     """
     import xarray
 
@@ -316,7 +319,7 @@ def evaluate_height_scale(
                 for factor, indices in zip(factors, neighbors, strict=True)
             ]
         )
-        if "statistic" in first[name].dims:  # the dimension `statistic` is always the last one
+        if "statistic" in first[name].dims:  # the last dimension is always `statistic`
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
         variables[name] = (("height_scale", *first[name].dims), interpolated, first[name].attrs)
@@ -338,7 +341,7 @@ def evaluate_height_scale(
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the root-mean-square heights (µm) of the bodies of the first member; empty if their files are missing."""
+    """Return the root-mean-square heights (µm) of both bodies of the first member, or {} if files are missing."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, first_pair(study), strict=True)}
     except (ValueError, OSError):

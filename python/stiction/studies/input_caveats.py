@@ -35,15 +35,15 @@ LIMIT_REASONS = {
     "hump": "the spectrum has a hump",
     "tip": "features are sharper than the tip resolves",
 }
-"""Descriptions of the reasons for which wavelengths are not attributed to the surface."""
+"""Reasons why wavelengths are not attributed to the surface, as texts."""
 
-MAX_HEIGHT_OVER_EXTENT = 10.0  # ratio of height to length above which the unit of the heights must be wrong
-MAX_PLAUSIBLE_MU0 = 2.0  # above all measured molecular friction coefficients, including clean metals in vacuum
+MAX_HEIGHT_OVER_EXTENT = 10.0  # ratio of height to length above which the height unit must be wrong
+MAX_PLAUSIBLE_MU0 = 2.0  # above all published values, including clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
-"""Largest fraction of the mean square height that a fitted parabola may account for before the scan has a form caveat.
+"""Largest contribution of a fitted parabola to the mean square height that causes no caveat about form.
 
-The fraction is about one half for a surface whose heights are dominated by its longest wavelengths.
+The contribution is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
 
 MAX_SPIKE_RATIO = 12.0
@@ -52,25 +52,25 @@ MAX_SPIKE_RATIO = 12.0
 The robust standard deviation is the median of the absolute second differences, divided by 0.67.
 """
 
-MAX_NOISE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope from the instrument above which there is a caveat
-MAX_PEAK_FRACTION = 0.1  # fraction of the fourth spectral moment in one peak above which there is a caveat
+MAX_NOISE_SLOPE_FRACTION = 0.01  # largest fraction of the mean square slope from the instrument that causes no caveat
+MAX_PEAK_FRACTION = 0.1  # largest fraction of the fourth spectral moment in a peak that causes no caveat
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # ratio of two spectra of one surface above which there is a caveat
+MAX_SPECTRA_RATIO = 2.0  # largest ratio of two spectra of a surface that causes no caveat
 MAX_PRESSURE_OVER_MODULUS = 0.1
-"""Ratio of nominal pressure to E* above which the given load is probably the load on the whole component."""
+"""Ratio of nominal pressure to E* above which the load is probably the load on the whole component."""
 
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
-    """Return caveats about two bodies as read from files, about their study, and about loads (mN)."""
-    bowed = study.surfaces.level == "quadratic"  # no caveat about form if it is subtracted
+    """Return caveats about two bodies that were read from files, about their study, and about loads (mN)."""
+    bowed = study.surfaces.level == "quadratic"  # no caveat about form if form is subtracted
     vouched = bool(study.surfaces.vouched)
 
     def of_part(file: MeasuredFile, body: Body) -> list[Caveat]:
-        """Return caveats about the scans of a body: of each kind, the caveat with the longest wavelength."""
+        """Return caveats about the scans of a body, keeping the one with the longest wavelength of each kind."""
         kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             found = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
@@ -100,8 +100,8 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     caveats = [replace(each, remedy=_without_cutoff(each, longest)) for each in caveats]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > MAX_PLAUSIBLE_MU0:
-        text = f"μ0 = {mu0:g} is larger than that of any pair of materials"
-        caveats.append(Caveat(text, "specify it as a fraction, not in per cent", "caution"))
+        text = f"μ0 = {mu0:g} is larger than μ0 of any known pair of materials"
+        caveats.append(Caveat(text, "specify μ0 as a fraction, not in per cent", "caution"))
     area = float(np.prod(np.minimum(_extent(upper), _extent(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
@@ -113,17 +113,17 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
 
 
 def _without_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, without the cutoff if it exceeds the longest one of both scans (µm)."""
+    """Return the remedy of a caveat, without a cutoff that is longer than the longest allowed cutoff (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
-        f"scan a longer part, as the longest cutoff of both scans is {format_with_unit(longest, 'um')}; "
+        f"scan a longer part, because the longest cutoff for both scans is {format_with_unit(longest, 'um')}; "
         "--cutoff none keeps these wavelengths"
     )
 
 
 def _shortest_side(body: Body) -> float:
-    """Return the length of a profile or the shortest side of an area, µm."""
+    """Return the length of a profile or the shorter side of a height map (µm)."""
     return body.extent if isinstance(body, Profile) else min(_extent(body))
 
 
@@ -131,12 +131,12 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without its numbers."""
+    """Return the text of a caveat without numbers."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
 def _joined(upper: Caveat, lower: Caveat) -> str:
-    """Return the common text of two caveats of one kind, with both numbers if they differ."""
+    """Return the common text of two caveats of the same kind, with both numbers if the numbers differ."""
     others = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def number(own: re.Match[str]) -> str:
@@ -158,8 +158,8 @@ def find_scan_caveats(
 ) -> list[Caveat]:
     """Return caveats about a scan: heights, form, spikes, and wavelengths not attributed to the surface.
 
-    `textured` scans may have lines and humps in their spectra. `has_readings` is true if the filtered scan is pressed
-    as well, and `elastic` is true if no hardness is given.
+    If `textured` is true, the spectrum may have lines and humps. `has_readings` is true if the study also has the
+    filtered scan, and `elastic` is true if the study has no hardness.
     """
     return [
         *_of_body(body, form=form),
@@ -168,7 +168,7 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
-    """Return caveats about the files of a measured study; none if files are missing."""
+    """Return caveats about the files of a measured study, or no caveats if files are missing."""
     surfaces = study.surfaces
     if surfaces.kind != "measured":
         return ()
@@ -180,20 +180,23 @@ def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
 
 
 def _extent(body: Body) -> tuple[float, float]:
-    """Return the extents along both axes, µm; a profile is 1 µm wide, and a spectrum has an infinite extent."""
+    """Return the extents of a body along both axes (µm).
+
+    A profile is 1 µm wide, and the extents of a spectrum are infinite.
+    """
     if isinstance(body, JoinedSpectrum):
         return np.inf, np.inf
     return (1.0, body.extent) if isinstance(body, Profile) else body.extent
 
 
 def spectra_differ(joined: JoinedSpectrum) -> bool:
-    """Return True if the power of one scan differs significantly from the others, by more than a factor of two."""
+    """Return whether a scan differs from the others significantly and by more than a factor of two in power."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
 
 def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield caveats about several scans of one surface: contradictory spectra, or missing wavelengths."""
+    """Yield caveats about several scans of a surface: contradictory spectra, or missing wavelengths."""
     if spectra_differ(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
@@ -204,7 +207,7 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 def _of_instrument(
     body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool, elastic: bool
 ) -> Iterator[Caveat]:
-    """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
+    """Yield caveats about wavelengths that originate from the instrument, or that the tip does not resolve."""
     try:
         limit = instrument_limit(body, texture=textured)
         blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
@@ -248,8 +251,8 @@ def _of_instrument(
 
 
 def _waves(limit: InstrumentLimit) -> str:
-    """Return a text with the fraction of the mean square slope in unreliable wavelengths, and their limit."""
-    # rounded to few digits, so that caveats of similar scans are equal
+    """Describe the fraction of the mean square slope from unreliable wavelengths."""
+    # rounded, so that caveats of similar scans are equal
     fraction = f"{100 * limit.slope_fraction:.0f} %"
     along = f" along {limit.axis}" if limit.axis else ""
     wavelength = format_with_unit(limit.wavelength, "um")

@@ -1,8 +1,8 @@
-"""Uncertain inputs (numbers, ranges, and values with a standard uncertainty), their parser, and their samples.
+"""Uncertain inputs: numbers, ranges, or values with a standard uncertainty, with a parser and samples.
 
-Distributions are propagated by sampling (JCGM 101, 2008). A range of a hardness, a modulus or a strength stands for a
-log-normal distribution with 95 % of its probability between the ends. A range of a coefficient, and a value with a
-standard uncertainty, stand for normal distributions truncated at 0. A range that starts at 0 stands for a uniform
+Distributions are propagated by sampling (JCGM 101, 2008). The range of a hardness, a modulus or a strength represents a
+log-normal distribution with 95 % of its probability within the range. The range of a coefficient, or a value with a
+standard uncertainty, represents a normal distribution truncated at 0. A range that starts at 0 represents a uniform
 distribution.
 """
 
@@ -26,11 +26,11 @@ from stiction.studies.values import Table, as_tuple
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-# number of samples; with this number, the budget fractions of two equal inputs differ by less than 0.01
+# number of samples at which the budget fractions of two equal inputs differ by less than 0.01
 NUM_SAMPLES = 2**14
 MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
-"""Pattern that matches only texts with a range, an uncertainty or a hardness scale."""
+"""Pattern that matches texts with a range, an uncertainty or a hardness scale, but no plain quantities."""
 
 _VICKERS_BY_ROCKWELL = {
     20: 238,
@@ -47,7 +47,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# relative half width of the range of a hardness that is converted from HRC; corresponds to 10 to 20 HV
+# relative half width of a hardness range converted from HRC (10 to 20 HV)
 ROCKWELL_CONVERSION_ERROR = 0.05
 _VICKERS_PRESSURE = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) of 1 HV: 1 kgf per mm² of indentation surface, whose projection is 0.9272 of this surface."""
@@ -56,20 +56,20 @@ _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
 _PERCENT_PATTERN = re.compile(
     r"(.+?)\s*%\s*(.*)"
-)  # relative uncertainty, which may be followed by the unit of the value
+)  # uncertainty in per cent, optionally followed by the unit of the value
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
 _TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # as in "HV10", "HV 0.5"
 InputKind = Literal["", "pressure", "modulus", "hardness"]
-MAX_POISSON_RATIO = 0.5  # an incompressible body has this ratio
-MAX_JUNCTION_GROWTH = 100.0  # of α, which is 27 for a von Mises body whose hardness is three yield strengths
-MAX_CREEP_EXPONENT = 0.5  # at this exponent the hardness falls to a third within a decade of time
+MAX_POISSON_RATIO = 0.5  # of an incompressible body
+MAX_JUNCTION_GROWTH = 100.0  # largest α; α is 27 for a von Mises body with a hardness of three yield strengths
+MAX_CREEP_EXPONENT = 0.5  # reduces the hardness to a third within a decade of time
 
 
 @dataclass(frozen=True)
 class UncertainInput:
     """Input as a probability distribution, in core units."""
 
-    value: float  # the number, or the middle of the range (the geometric mean for a log-normal distribution)
+    value: float  # number, or middle of the range (geometric mean for a log-normal distribution)
     low: float  # lower end of the 95 % interval, or of a uniform distribution
     high: float
     distribution: Distribution
@@ -78,7 +78,7 @@ class UncertainInput:
 
     @property
     def is_exact(self) -> bool:
-        """True if the input is a number."""
+        """True if the input is a number without uncertainty."""
         return self.distribution == "exact"
 
     @property
@@ -87,7 +87,7 @@ class UncertainInput:
         return f"{self.value:g}" if self.is_exact else self.text
 
     def agrees_with(self, text: str) -> bool:
-        """Return True if a text describes the same distribution of a hardness, possibly in another unit."""
+        """Return whether a text describes the same hardness distribution, possibly in another unit."""
         try:
             other = self if text == self.text else parse_input("", text, "hardness")
         except ValueError:
@@ -95,7 +95,7 @@ class UncertainInput:
         return self.distribution == other.distribution and np.allclose([self.low, self.high], [other.low, other.high])
 
     def quantile(self, probability: ArrayLike) -> Floats:
-        """Return the quantiles of the distribution at given probabilities."""
+        """Return the quantiles of the distribution at the given probabilities."""
         values = np.asarray(probability, dtype=np.float64)
         return np.minimum(self._quantile(values), self.maximum)
 
@@ -114,7 +114,7 @@ class UncertainInput:
 
 
 def parse_input(name: str, given: Any, kind: InputKind = "") -> UncertainInput:
-    """Parse a number in core units, or a text: "0.2±0.02", "20..80 MPa", "150 HV", "150 ± 10 % HV".
+    """Parse a number in core units, or a text such as "0.2±0.02", "20..80 MPa", "150 HV" or "150 ± 10 % HV".
 
     Raises
     ------
@@ -131,12 +131,12 @@ def parse_input(name: str, given: Any, kind: InputKind = "") -> UncertainInput:
     if not parsed.high <= MAX_NUMBER:
         raise ValueError(f"{name} must be at most {MAX_NUMBER:g}, including its uncertainty, got {short_repr(text)}")
     if parsed.distribution == "normal" and parsed.high - parsed.low < 2 * Z_95 * MIN_RELATIVE_DEVIATION * parsed.value:
-        raise ValueError(f"{name} must have a larger uncertainty, or none, got {short_repr(text)}")
+        raise ValueError(f"{name} must have a larger uncertainty or no uncertainty, got {short_repr(text)}")
     return replace(parsed, text=text)
 
 
 def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Parse a text as a distribution; words are separated by single blanks."""
+    """Parse a distribution from a text with single blanks between words."""
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first, last = match.groups()
@@ -165,7 +165,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
             ends = (middle - Z_95 * steps, middle + Z_95 * steps)
             if not min(_VICKERS_BY_ROCKWELL) <= ends[0] <= ends[1] <= max(_VICKERS_BY_ROCKWELL):
                 limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
-                raise ValueError(f"{name} must be from {limits} with its uncertainty, got {short_repr(text)}")
+                raise ValueError(f"{name} must be from {limits}, including its uncertainty, got {short_repr(text)}")
             low, high = (_parse_value(name, f"{end:g} HRC", kind) for end in ends)
             return _convert_rockwell(low, high, text)
         else:
@@ -174,8 +174,8 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
             raise ValueError(f"{name} must have an uncertainty above 0, got {short_repr(text)}")
         if kind in ("hardness", "modulus") and value < Z_95 * deviation:
             raise ValueError(
-                f"{name} must be at least twice its standard uncertainty, because it is positive, got "
-                f"{short_repr(text)}; specify a range, low..high"
+                f"{name} must be at least twice its standard uncertainty, got "
+                f"{short_repr(text)}, because it is positive; specify a range, low..high"
             )
         return UncertainInput(value, value - Z_95 * deviation, value + Z_95 * deviation, "normal", text)
     value = _parse_value(name, text, kind)
@@ -185,7 +185,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
 
 
 def _convert_rockwell(low: float, high: float, text: str) -> UncertainInput:
-    """Return the distribution of a hardness range converted from HRC, widened by the conversion error."""
+    """Return the distribution of a hardness range in HRC, widened by the conversion error."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
@@ -203,7 +203,7 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, given: Any, kind: str) -> float:
-    """Parse a number of at least 0. If a kind of quantity is given, a text with a unit is accepted too."""
+    """Parse a nonnegative number or, if a kind of quantity is given, a text with a unit."""
     if isinstance(given, str) and not kind:
         return _parse_number(name, given)
     scale = _TRAILING_UNIT_PATTERN.search(given) if kind == "hardness" and isinstance(given, str) else None
@@ -230,7 +230,7 @@ def _parse_value(name: str, given: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Return two texts with units; a unit in only one of the texts applies to both."""
+    """Return two texts with units, where a unit in only one of the texts applies to both."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text
@@ -241,9 +241,9 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
 
 @functools.lru_cache(maxsize=32)
 def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) -> Floats:
-    """Return points of a scrambled Sobol sequence in the unit cube, with shape (count, dimensions).
+    """Return points of a scrambled Sobol sequence in the unit cube (count, dimensions).
 
-    `count` is a power of two.
+    `count` must be a power of two.
     """
     from scipy.stats import qmc
 
@@ -252,7 +252,7 @@ def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) ->
 
 
 def stratified_points(dimensions: int) -> Floats:
-    """Return points of a Sobol sequence in the unit cube, with shape (NUM_SAMPLES, dimensions)."""
+    """Return `NUM_SAMPLES` points of a Sobol sequence in the unit cube (NUM_SAMPLES, dimensions)."""
     return sobol_points(dimensions, NUM_SAMPLES, seed=2016)
 
 
@@ -268,11 +268,14 @@ INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
     "poisson": "", "creep": "", "junction_growth": "",
 }  # fmt: skip
-"""Kinds of quantity of the inputs for which a range is accepted."""
+"""Kinds of quantity of the inputs that may be ranges."""
 
 
 def parse_study_input(name: str, given: Any) -> UncertainInput:
-    """Parse an input by its name in `INPUT_KINDS`. Error messages do not include the name."""
+    """Parse a named input of a study.
+
+    The name is a key of `INPUT_KINDS`. Error messages do not include the name.
+    """
     parsed = parse_input("", given, INPUT_KINDS[name])
     if name == "poisson":
         if parsed.high > MAX_POISSON_RATIO:
@@ -291,7 +294,7 @@ _BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1
 
 
 class UncertainInputsTable(Table):
-    """Ranges and uncertainties of the inputs; the contacts are solved at the central values."""
+    """Ranges and uncertainties of the inputs of a study, whose contacts are computed at the central values."""
 
     mu0: _InputText | None = Field(
         default=None, description="Molecular friction coefficient as a range, or as value ± standard uncertainty."

@@ -1,4 +1,4 @@
-"""Friction tests, and the strength of interfaces from tests, files and published sources.
+"""Friction tests, and interface strengths from tests, files and published sources.
 
 An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
 mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
@@ -50,48 +50,50 @@ MAX_INTERFACE_BYTES = 50_000_000  # largest size of an interface file, in bytes
 _NUMBER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
-"""Probability of the residuals below which a sliding rule is excluded (first) or the errors are scaled (second)."""
+"""Probability of the residuals below which a sliding rule is excluded (first), or the errors are scaled (second)."""
 
-# a lower end that is closer to its bound than this fraction of the width of the interval is set to the bound
+# relative distance of a lower limit to the bound (in interval widths) below which the limit is set to the bound
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the value
 SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 
 HARDNESS_ENTRY = "hardness of the draws"
-"""Name of the entry of `Interface.about` that contains the range of hardness of all tests."""
+"""Name of the entry of `Interface.about` that contains the hardness range of all tests."""
 
 GROWTH_ENTRY = "junction growth of the draws"
 """Name of the entry of `Interface.about` that contains α of the tests.
 
-The entry is missing if no test depends on α, or if α differs between tests."""
+The entry is missing if no test depends on α, or if α differs between tests.
+"""
 
 MIN_RELATIVE_PRESSURE = 1.001  # smallest ratio of the pressure in sliding contacts to the nominal pressure
 VON_MISES_GROWTH = 27.0  # α at which the shear strength of a body is its hardness divided by √27 (von Mises)
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
-"""Limits for a dependence on α: ratio of the true area to the area of plastic contact, and relative increase.
+"""Limits above which a coefficient depends on α.
 
-A coefficient depends on α if the ratio, and the relative increase of the coefficient, exceed these limits.
+The first limit is the ratio of the true area to the area of plastic contact, and the second limit is the relative
+increase of the coefficient due to junction growth. A coefficient depends on α if both limits are exceeded.
 """
 
 _AREA_ERROR_NAME = "area over hardness"
 
-Interval = tuple[float, float, float]  # a value, and the lower and the upper end of its 95 % interval
+Interval = tuple[float, float, float]  # value, lower limit and upper limit of the 95 % interval
 
 
 @dataclass(frozen=True)
 class Ball:
-    """Smooth elastic ball on a smooth flat, with the contact area of Hertz.
+    """Smooth elastic ball on a smooth flat, with the Hertzian contact area.
 
     Attributes
     ----------
     radius : float or str, µm
     effective_modulus : float or str, GPa
-        E*, as in "3 GPa", or a range, as in "2..4.5 GPa", of which the attribute is the middle. None if the moduli of
-        the bodies are given.
+        E* as in "3 GPa", or a range as in "2..4.5 GPa". The attribute is the middle of the range, or None if the moduli
+        of the bodies are given.
     young, poisson : optional
         Young's moduli and Poisson's ratios of both bodies; ranges are accepted.
     upper_material, lower_material : str, optional
-        Names of the materials of the bodies, which have the ranges of moduli that `material` returns.
+        Names of the materials of the bodies. The moduli have the ranges that `material` returns.
 
     Examples
     --------
@@ -121,7 +123,7 @@ class Ball:
         object.__setattr__(self, "moduli", moduli)
 
     def area_per_load(self, load: float) -> float:
-        """Return the true area per load A/F (1/GPa) at a load (mN), for the central values of the moduli."""
+        """Return the true area per load A/F (1/GPa) at a load (mN) for the central values of the moduli."""
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
         force, area = hertz_sphere(overlap, radius, modulus)
@@ -130,25 +132,25 @@ class Ball:
 
 @dataclass(frozen=True, kw_only=True)
 class _TestFriction(PerLoad):
-    """Forces per load and true area per load of the surfaces of a test, at its load."""
+    """Forces per load and true area per load for a friction test."""
 
     scatter: float = 0.0  # relative standard error of the adhesive sum `stick`
-    surfaces: Hashable = None  # name of the surfaces; tests with equal names share the error of the area
+    surfaces: Hashable = None  # key of the surfaces; tests with equal keys share the area error
     hardness: float = math.nan
     yields: _AreaFactor | None = None
 
 
 @dataclass(frozen=True)
 class ShearStrength:
-    """Strength of an interface with junction growth: samples of mu0 and tau0 (GPa), or of a friction coefficient."""
+    """Interface strength for junction growth: samples of mu0 and tau0 (GPa), or of a friction coefficient."""
 
     sliding: Sliding
     mu0: Floats
-    # None if `mu0` is the ratio T/F in sliding contacts, so that mu0 and tau0 are not separate
+    # None if `mu0` is the ratio T/F in sliding contacts
     tau0: Floats | None = None
 
     def under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
-        """Return the pressure H' (GPa) in sliding plastic contacts for a hardness H (GPa)."""
+        """Return the pressure H' (GPa) in sliding plastic contacts for the hardness H (GPa)."""
         if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
             return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
         return hardness_under_shear(hardness, self.mu0, self.tau0, alpha)
@@ -156,13 +158,13 @@ class ShearStrength:
 
 @dataclass(frozen=True)
 class _AreaFactor:
-    """Ratio of the true area to the computed area, as a function of uncertain inputs."""
+    """Ratio of the true area to the computed area as a function of uncertain inputs."""
 
     # uncertain inputs by name: hardness, creep exponent, moduli and α of junction growth
     known: Mapping[str, UncertainInput]
 
     def key(self, name: str) -> str:
-        """Return the name of the nuisance parameter of an input; results with equal inputs share one name."""
+        """Return the name of the nuisance parameter of an input, which is the same for equal inputs."""
         return f"{name} {self.known[name].text}"
 
     @property
@@ -171,50 +173,50 @@ class _AreaFactor:
         return [self.key(name) for name in self.known]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return values of the inputs for given probabilities, both by the names of the nuisance parameters."""
+        """Return values of the inputs by name for probabilities of the nuisance parameters by name."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
     def growth(self) -> UncertainInput | None:
-        """α of junction growth; None if contacts do not grow."""
+        """Junction growth α, or None if contacts do not grow."""
         return None
 
     def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area for given probabilities of the nuisance parameters."""
+        """Return the ratio of the true area to the computed area for probabilities of the nuisance parameters."""
         return self.area_of(self.values(columns), strength)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
-        If a strength is given, the true area is the area at the onset of sliding, with junction growth; it is infinite
-        at seizure.
+        If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
+        infinite at seizure.
         """
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class _BallAreaFactor(_AreaFactor):
-    """Area factor of a Hertzian point contact, whose area is proportional to E*^(-2/3)."""
+    """Area factor of a Hertzian point contact, with an area proportional to E*^(-2/3)."""
 
     moduli: Moduli
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the area to the area at the central moduli; elastic contacts ignore the strength."""
+        """Return the ratio of the area to the area at the central moduli, ignoring the strength."""
         return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
 
 @dataclass(frozen=True)
 class _ResultAreaFactor(_AreaFactor):
-    """Area factor at a load of a result of measured bodies."""
+    """Area factor of a result of measured bodies at a load."""
 
     areas: AreaInterpolator
     study: Study
     wait: float
-    error: str | None  # name of the nuisance parameter that represents the error of the interpolated area
+    error: str | None  # name of the nuisance parameter for the error of the interpolated area
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
-        """Return the area factor of a result of measured half-spaces; None if all inputs are exact."""
+        """Return the area factor of a result of measured half-spaces, or None if all inputs are exact."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
         known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
@@ -231,11 +233,14 @@ class _ResultAreaFactor(_AreaFactor):
 
     @property
     def names(self) -> list[str]:
-        """Names of all nuisance parameters. Tests with the same dwell time share the error of the interpolated area."""
+        """Names of all nuisance parameters.
+
+        Tests with the same dwell time share the error of the interpolated area.
+        """
         return [*super().names, *([] if self.error is None else [self.error])]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return values of the inputs, and the normal score of the error of the interpolated area."""
+        """Return values of the inputs, and the normal score of the area error."""
         from scipy.special import ndtri
 
         scores = {} if self.error is None else {_AREA_ERROR_NAME: ndtri(columns[self.error])}
@@ -243,14 +248,14 @@ class _ResultAreaFactor(_AreaFactor):
 
     @property
     def growth(self) -> UncertainInput | None:
-        """α of junction growth."""
+        """Junction growth α."""
         return find_junction_growth(self.study)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
-        If a strength is given, the true area is the area at the onset of sliding, with junction growth; it is infinite
-        at seizure.
+        If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
+        infinite at seizure.
         """
         hardness = samples.get("hardness", np.asarray(self.areas.hardness or math.nan))
         hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
@@ -258,7 +263,7 @@ class _ResultAreaFactor(_AreaFactor):
         factor = self.areas.area_ratio(0, None if self.areas.hardness is None else hardness, modulus)
         if self.growth is not None and strength is not None:
             pressure = strength.under_shear(hardness, samples.get("junction_growth", self.growth.value))
-            if strength.tau0 is None:  # the pressure exceeds the nominal pressure, so that the area remains finite
+            if strength.tau0 is None:  # keep the pressure above the nominal pressure and the area finite
                 pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
             factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
             hardness = np.where(np.isfinite(factor), pressure, hardness)
@@ -268,32 +273,33 @@ class _ResultAreaFactor(_AreaFactor):
 
 
 MIN_COEFFICIENT_UNCERTAINTY = 1e-15
-"""Smallest standard uncertainty of a measured coefficient; smaller values would cause an overflow of the weights."""
+"""Smallest standard uncertainty of a measured coefficient that does not cause an overflow of the weights."""
 
 
 @dataclass(frozen=True)
 class FrictionTest:
-    """One friction test: its surfaces, its load, and the measured coefficient.
+    """Friction test: surfaces, load and measured coefficient.
 
     Attributes
     ----------
     result : Result, HalfSpaceCurve, LoadCurve or Ball
-        Contact of the surfaces under load; tests on the same surfaces have the same result.
+        Contact of the surfaces under load. Tests on the same surfaces must use the same object.
     load : float or str, mN
         Normal load, as in "10 mN", or pressure, as in "10 MPa", if the result has a nominal area.
     coefficient : float, optional
     force : float or str, mN, optional
         Tangential force at the onset of sliding (the first peak), instead of the coefficient.
     uncertainty : float or str, optional
-        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. A text is the
-        uncertainty of the force, as in "20 mN", or relative, as in "3 %". By default it is estimated from the scatter
-        of the tests.
+        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. A text is an uncertainty of
+        the force, as in "20 mN", or a relative uncertainty, as in "3 %". By default the uncertainty is estimated from
+        the scatter of the tests.
     slid : bool
         True if the pair slid; otherwise the coefficient is a lower bound.
     run : str or int, optional
-        Name of the specimen or series; tests of one run share an unknown offset.
+        Name of the specimen or series. Tests of the same run share an unknown offset.
     wait : float or str, s
-        Dwell time under load before shear; other values than 1 s require a result with dwell times and creep exponent.
+        Dwell time under load before shear. Values other than 1 s require a result with dwell times and a creep
+        exponent.
 
     Examples
     --------
@@ -338,7 +344,7 @@ class FrictionTest:
             object.__setattr__(self, "uncertainty", converted)
 
     def _uncertainty_of_coefficient(self, load: float) -> float:
-        """Return the standard uncertainty of the coefficient at a load (mN), from any form of `uncertainty`."""
+        """Convert the given uncertainty to the standard uncertainty of the coefficient at a load (mN)."""
         given, is_force = self.uncertainty, self.force is not None
         if isinstance(given, str) and given.strip().endswith("%"):
             try:
@@ -352,7 +358,7 @@ class FrictionTest:
 
     @cached_property
     def yields(self) -> _AreaFactor | None:
-        """True area as a function of uncertain inputs, for a ball or a result; None if all inputs are exact."""
+        """True area as a function of uncertain inputs, or None if all inputs are exact."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
         return _ResultAreaFactor.from_result(self.result, float(self.load), float(self.wait))
@@ -360,22 +366,22 @@ class FrictionTest:
 
 @dataclass(frozen=True)
 class Fit:
-    """Joint distribution of mu0 and tau0 for one sliding rule, with the quality of the fit."""
+    """Joint distribution of mu0 and tau0 for a sliding rule, with the quality of the fit."""
 
     sliding: Sliding
     chi_squared: float  # chi-squared at the best fit, with the errors as given
-    freedom: int  # number of tests that slid minus number of fitted parameters
+    freedom: int  # number of tests with sliding minus number of fitted parameters
     probability: float  # probability of a larger chi_squared; NaN without errors or degrees of freedom
     scale: float  # factor by which the errors were multiplied
-    trend: float  # probability that the trend of the residuals with the load is random
+    trend: float  # p-value of the trend of the residuals with the load
     mu0: Floats  # samples
-    tau0: Floats  # GPa, for the same samples as mu0
-    hardness: Floats  # GPa, for the same samples; NaN if the tests have different hardnesses
-    junction_growth: Floats  # α, for the same samples; NaN if no test depends on α, or if α differs between tests
-    area_per_load: Floats  # A/F (1/GPa) of the tests at the onset of sliding, for the same samples; NaN if unknown
+    tau0: Floats  # GPa, same samples as mu0
+    hardness: Floats  # GPa, same samples; NaN if the tests have different hardnesses
+    junction_growth: Floats  # α, same samples; NaN if α differs between tests or has no effect
+    area_per_load: Floats  # A/F (1/GPa) of the tests at the onset of sliding, same samples; NaN if unknown
     scores: Mapping[Hashable, Floats] = field(
         default_factory=dict
-    )  # normal scores of the nuisance parameters, for the same samples
+    )  # normal scores of the nuisance parameters, same samples
 
 
 @dataclass(frozen=True)
@@ -391,10 +397,10 @@ class Interface:
     variation : float
         Standard deviation of A/F among the tests, divided by the mean.
     separated : bool
-        True if the tests determine mu0 and tau0 separately, and not only mu0 + tau0 A/F.
+        True if the tests determine mu0 and tau0 separately, rather than only the sum mu0 + tau0 A/F.
     advice : tuple of (str, float, float)
-        Further tests that would separate mu0 and tau0, each with the standard errors of mu0 and tau0 (GPa) expected
-        after doubling the number of tests.
+        Further tests that would separate mu0 and tau0, each with the expected standard errors of mu0 and tau0 (GPa)
+        after these tests.
     tests : tuple of (float, float, float, bool)
         For each test: A/F (1/GPa), coefficient, standard uncertainty of the coefficient (NaN if not given), and True if
         the pair slid.
@@ -418,7 +424,7 @@ class Interface:
     about: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """Return a text with the identified sum mu0 + tau0 A/F, and with mu0 and tau0 if they are separated."""
+        """Describe the interface: the sum mu0 + tau0 A/F and, if they are separated, mu0 and tau0."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             entries += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
@@ -431,7 +437,7 @@ class Interface:
 
     @property
     def identified(self) -> Interval:
-        """Sum mu0 + tau0 A/F with its 95 % interval, at the A/F of the tests (of each sample, if known)."""
+        """Sum mu0 + tau0 A/F with its 95 % interval, at the A/F of the tests."""
         ratio = self.fits[0].area_per_load
         if not np.isfinite(ratio).all():
             return self.at(self.area_per_load)
@@ -439,22 +445,22 @@ class Interface:
 
     @property
     def mu0(self) -> Interval:
-        """Molecular friction coefficient with its interval; NaN if mu0 and tau0 are not separated."""
+        """Molecular friction coefficient with its interval, or NaN if mu0 and tau0 are not separated."""
         return self.strength_intervals[0] if self.separated else (math.nan,) * 3
 
     @property
     def tau0(self) -> Interval:
-        """Adhesive shear strength (GPa) with its interval; NaN if mu0 and tau0 are not separated."""
+        """Adhesive shear strength (GPa) with its interval, or NaN if mu0 and tau0 are not separated."""
         return self.strength_intervals[1] if self.separated else (math.nan,) * 3
 
     @cached_property
     def strength_intervals(self) -> tuple[Interval, Interval]:
-        """Molecular friction coefficient and adhesive shear strength (GPa) with intervals, even if not separated."""
+        """Intervals of the molecular friction coefficient and adhesive shear strength (GPa), even if not separated."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @cached_property
     def at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa) that are shifted to mu0 = 0 or tau0 = 0, for each whose interval includes 0.
+        """Samples of mu0 and tau0 (GPa), shifted to mu0 = 0 or tau0 = 0 if the interval includes 0.
 
         The shift does not change the sum mu0 + tau0 A/F at the A/F of the tests.
         """
@@ -470,7 +476,7 @@ class Interface:
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> Interval:
-        """Return the median and the 95 % interval of a coefficient, given as a function of mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a function of mu0 and tau0 (GPa).
 
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
@@ -482,18 +488,18 @@ class Interface:
         return value, low, high
 
     def at(self, area_per_load: float) -> Interval:
-        """Return the sum mu0 + tau0 A/F at a given A/F (1/GPa), with its 95 % interval."""
+        """Return the sum mu0 + tau0 A/F at a given A/F (1/GPa) and its 95 % interval."""
         return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
     def excluded(self) -> tuple[Sliding, ...]:
-        """Sliding rules that the tests exclude; empty if no other rule fits."""
+        """Sliding rules that the tests exclude, or an empty tuple if no rule fits better."""
         likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY_PROBABILITY]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED_PROBABILITY and likely)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
-        """Joint samples of mu0, tau0 (GPa) and hardness (GPa), one sample per row.
+        """Joint samples of mu0, tau0 (GPa) and hardness (GPa), with one sample per row.
 
         The hardness is NaN unless all tests share its range.
         """
@@ -503,7 +509,7 @@ class Interface:
         return pandas.DataFrame({"mu0": fit.mu0, "tau0": fit.tau0, "hardness": fit.hardness})
 
     def predict(self, result: Any, load: float | str) -> Interval:
-        """Predict mu_s of other surfaces at a load, with its 95 % interval.
+        """Predict the coefficient of other surfaces at a load with its 95 % interval.
 
         Parameters
         ----------
@@ -513,8 +519,8 @@ class Interface:
         Returns
         -------
         (float, float, float)
-            Value, lower and upper end of the interval. The interval includes the joint uncertainty of mu0 and tau0,
-            and the scatter of the area between positions. An end is infinite at seizure.
+            Value, lower limit and upper limit. The interval includes the joint uncertainty of mu0 and tau0, and the
+            scatter of the area between positions. A limit is infinite at seizure.
 
         Warns
         -----
@@ -528,7 +534,7 @@ class Interface:
         fit, random = self.fits[0], np.random.default_rng(1)
         friction = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
-        def scores(name: Hashable) -> Floats:  # the tests and the prediction share the samples of their common inputs
+        def scores(name: Hashable) -> Floats:  # inputs of the tests keep their samples in the prediction
             return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
 
         area = np.exp(friction.scatter * scores(friction.surfaces))
@@ -562,14 +568,14 @@ class Interface:
 
     @property
     def growth(self) -> UncertainInput | None:
-        """α of junction growth of the tests; None if no test depends on α, or if α differs between tests."""
+        """Junction growth α of the tests, or None if α differs between tests or has no effect."""
         if GROWTH_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
         return replace(parse_study_input("junction_growth", self.about[GROWTH_ENTRY]), value=median)
 
     def has_growth(self, growth: UncertainInput | None) -> bool:
-        """Return True if α has the same distribution in the tests and in `growth`; None means α = 0."""
+        """Return whether α has the same distribution in the tests and in `growth`, where None means α = 0."""
         test_growth = self.growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
@@ -579,10 +585,10 @@ class Interface:
 
 
 def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
-    """Return the median and the ends of the 95 % interval of samples.
+    """Return the median and the limits of the 95 % interval of samples.
 
-    The interval has equal tails. If the shortest interval with 95 % of the samples begins at the bound, that interval
-    is returned instead.
+    The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
+    shortest interval is returned.
     """
     ordered = np.sort(values)
     num_inside = math.ceil(INTERVAL_COVERAGE * len(ordered)) - 1
@@ -597,7 +603,7 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
 
 
 def depends_on_growth(friction: _TestFriction, mu0: float, tau0: float) -> bool:
-    """Return True if junction growth with α = 27 (von Mises) would change a coefficient noticeably."""
+    """Return whether junction growth with α = 27 (von Mises) would change a coefficient noticeably."""
     if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     coefficient, coefficient_with_growth = tabor_friction(friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH])
@@ -605,8 +611,8 @@ def depends_on_growth(friction: _TestFriction, mu0: float, tau0: float) -> bool:
 
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
-    """Return the sliding rules for which a result contains friction."""
-    if isinstance(result, Ball):  # A ball has a single contact, for which both rules give the same friction.
+    """Return the sliding rules that a result contains."""
+    if isinstance(result, Ball):  # A ball has a single contact, so both rules give the same friction.
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)
@@ -614,7 +620,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
-    """Return the forces and the true area of the surfaces of a test, at its load and for a sliding rule."""
+    """Evaluate the forces and the true area in a friction test for a sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of `pair` with a creep exponent")
@@ -626,7 +632,7 @@ def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
 
 
 def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
-    """Return forces and true area at a load of a curve, for the sliding rule and the first direction of the curve."""
+    """Evaluate the forces and the true area at a load of a curve, for its sliding rule and first direction."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         limits = f"{loads.min():g} to {loads.max():g} mN"
@@ -644,7 +650,7 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
 
 
 def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFriction:
-    """Return the forces and the true area of a result, averaged over members and directions, with a standard error."""
+    """Evaluate the forces and the true area of a result, averaged over members and directions."""
     dataset = getattr(result, "dataset", result)
     sums = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
     six_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
@@ -673,12 +679,12 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     path : path
         Path of the file. An existing file is replaced only if it is an interface file.
     about : mapping of str to str, optional
-        Further lines of the header, such as materials, conditions and operator.
+        Additional entries of the header, such as materials, conditions and operator.
 
     Raises
     ------
     ValueError
-        If a file of another kind has this name, or if the file cannot be written.
+        If the path is a file of another kind, or if the file cannot be written.
 
     See Also
     --------
@@ -783,7 +789,7 @@ def _build_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Fit:
 
 @cache
 def interfaces() -> dict[str, dict[str, str]]:
-    """Return published interfaces by name, with their entries as text.
+    """Return the published interfaces by name, with their entries as text.
 
     Returns
     -------
@@ -805,7 +811,10 @@ def interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interfaces(folder: str | Path) -> dict[str, dict[str, str]]:
-    """Return the interface files in a folder as entries like those of `interfaces`; other files are ignored."""
+    """Return the interface files in a folder, with the same entries as `interfaces`.
+
+    Other files in the folder are ignored.
+    """
     entries = {}
     try:
         paths = sorted(path for path in Path(folder).iterdir() if path.is_file())
@@ -823,12 +832,12 @@ def read_interfaces(folder: str | Path) -> dict[str, dict[str, str]]:
 
 
 def interface(name_or_path: str | Path) -> Interface:
-    """Return an interface by its name in `interfaces`, or read it from a file that `stiction calibrate` wrote.
+    """Return a published interface, or read an interface from a file that `stiction calibrate` wrote.
 
     Parameters
     ----------
     name_or_path : str or path
-        Name of a published interface, or path of a file.
+        Name of a published interface as in `interfaces`, or path of a file.
 
     Returns
     -------
@@ -870,7 +879,7 @@ def interface(name_or_path: str | Path) -> Interface:
 
 
 def find_interface(study: Study) -> Interface | None:
-    """Return the interface of a study; None if the study has none, or if the file is missing or has changed."""
+    """Return the interface of a study, or None if there is no interface or its file is missing or changed."""
     text = study.known.interface
     if text is None:
         return None
@@ -892,6 +901,6 @@ def _read_cached(text: str, _changed: int) -> Interface:
 
 
 def round_median_strength(strength: Interface) -> tuple[float, float]:
-    """Return the medians of mu0 and tau0 (GPa), rounded to four digits."""
+    """Return the medians of mu0 and tau0 (GPa) rounded to four digits."""
     mu0, tau0 = (float(f"{np.median(samples):.4g}") for samples in (strength.fits[0].mu0, strength.fits[0].tau0))
     return mu0, tau0

@@ -1,4 +1,4 @@
-"""95 % confidence intervals of means over independent repetitions at a load, and over neighboring positions.
+"""Confidence intervals (95 %) of means over independent repetitions at a load and over neighboring positions.
 
 The script docs/scripts/intervals.py measures the coverage of the intervals, and their width relative to the best
 possible interval.
@@ -16,16 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE = 0.95
-SLOPE_STEPS = 4  # number of steps on each side of a crossing that are used to fit the slope of a mean
+SLOPE_STEPS = 4  # number of steps on each side of a crossing for the fit of a slope
 MAX_LOAD_RATIO = 10.01
-"""Largest ratio of successive solved loads between which values are interpolated."""
-CHUNK_SIZE = 2**15  # number of values that are processed together, so that they fit into the processor cache
+"""Largest ratio of successive computed loads at which values between them are interpolated."""
+CHUNK_SIZE = 2**15  # number of values in a batch that fits into the processor cache
 MIN_SAMPLE_SIZE = 3  # smallest number of values for which an interval is computed
-MIN_NEIGHBORS = 8  # smallest number of neighboring values for an interval, because both mean and correlation are fitted
+MIN_NEIGHBORS = 8  # smallest number of neighboring values for an interval
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # skewness that is neglected, because the scale is then linear except for round-off
-MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is replaced by the normal distribution
+_MIN_SKEWNESS = 1e-9  # skewness at which the scale is linear except for round-off
+MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is practically normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
@@ -37,7 +37,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class Crossing:
-    """First crossings of the loads (l,) by curves (..., k).
+    """First crossings of loads (l,) by curves (..., k).
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
@@ -45,15 +45,15 @@ class Crossing:
     index: NDArray[np.intp]  # (..., l)
     fraction: Floats  # (..., l)
     reached: NDArray[np.bool_]  # (..., l)
-    below: NDArray[np.bool_]  # (..., l) True for loads below the load of the first step
-    scale: tuple[Floats, Floats] | None = None  # curves and loads, if ratios of values to loads are interpolated
+    below: NDArray[np.bool_]  # (..., l) True for loads below the first step
+    scale: tuple[Floats, Floats] | None = None  # curves and loads, for an interpolation of ratios
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
-        """Find the first upward crossings by linear interpolation.
+        """Find the first upward crossings of loads (l,) by curves (..., k) with linear interpolation.
 
-        With `ratio`, the ratio of value to load is interpolated as a function of the logarithm of the load. A load
-        between two steps is then reached only if the ratio of the loads of these steps is at most `MAX_LOAD_RATIO`.
+        With `ratio`, the ratio of value to load is interpolated over the logarithm of the load. A load between two
+        steps is then reached only if the ratio of the loads at these steps is at most `MAX_LOAD_RATIO`.
         """
         if ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -72,21 +72,21 @@ class Crossing:
         return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
 
     def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
-        """Remove crossings that follow a step at which curves (..., k) are NaN, except crossings exactly at a step."""
+        """Remove crossings between steps if the curve (..., k) is NaN at the first of the two steps."""
         before, there = self._around(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (there == loads)))
 
     def _around(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the values of curves (..., k) at the steps before and after each crossing, (..., l)."""
+        """Return the values of curves (..., k) at the steps before and after each crossing (..., l)."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
         return before, after
 
     def at(self, values: Floats, *, sums: bool = True) -> Floats:
-        """Interpolate values (..., more, k) at the loads, (..., more, l); NaN at loads that a curve does not reach.
+        """Interpolate values (..., more, k) at the loads (..., more, l), with NaN at loads that are not reached.
 
-        With `sums`, the ratio of value to load is interpolated linearly.
+        With `sums`, the ratio of value to load is interpolated if the crossings were found with `ratio`.
         """
         own = self.index.ndim - 1
         more = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - own), -1)
@@ -99,15 +99,15 @@ class Crossing:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # If a crossing is exactly at a step, the value of the step before may be NaN.
-        with np.errstate(invalid="ignore"):  # some values may be infinite, such as the stiffness of complete contact
+        # For a crossing exactly at a step, the value at the previous step may be NaN.
+        with np.errstate(invalid="ignore"):  # the stiffness of complete contact is infinite
             there = np.where(fraction == 1, after, before + fraction * (after - before))
         if sums and self.scale is not None:
             there = there * self.scale[1]
         return np.where(reached, there, np.nan)
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return the slopes (..., l) of values (..., k) with respect to other values (..., k), at the crossings."""
+        """Return the slopes of values over other values (..., k) at the crossings (..., l)."""
         index = np.maximum(self.index, 1)
         rise, run = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -120,18 +120,18 @@ class Crossing:
 
 
 class MeansAtLoads:
-    """Means of values at given mean normal loads, with jackknife intervals (docs/explanation/intervals.md).
+    """Means of values at given mean normal loads with jackknife intervals (docs/explanation/intervals.md).
 
     Let v and n be the values and the normal loads of the repetitions at the crossing, and e the exponent of the mean
     curve, mean(v) ~ mean(n)^e. If one repetition is omitted, the logarithm of the mean at the load changes by the
-    change of ln mean(v) minus e times the change of ln mean(n). If the mean is zero, or changes its sign when a
-    repetition is omitted, a symmetric first-order interval is used instead. The constructor receives the means (c, k)
-    of c curves; the repetitions are added afterwards.
+    change of ln mean(v) minus e times the change of ln mean(n). If the mean is zero, or if its sign changes when a
+    repetition is omitted, the interval is a symmetric first-order interval instead. The constructor takes the means of
+    c curves (c, k), and `add` takes the repetitions.
     """
 
     def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
         self.crossing = Crossing.of(normal, loads)
-        # The points (p,) are all pairs of a curve and a load that this curve reaches.
+        # Each point (p,) is a pair of a curve and a load that the curve reaches.
         self._curve, load = np.nonzero(self.crossing.reached)
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -145,7 +145,7 @@ class MeansAtLoads:
         self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
-        """Add repetitions with normal loads (c, k, r) and values (c, k, r)."""
+        """Add repetitions with normal loads and values (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
         at_a_time, others = max(1, CHUNK_SIZE // max(1, self._load.size)), self._repetitions - 1
@@ -153,7 +153,7 @@ class MeansAtLoads:
             each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
         )
         for first in range(0, normal.shape[2], at_a_time):
-            # Values (p, r) of each repetition, and the change of the mean if the repetition is omitted.
+            # Values of each repetition (p, r), and change of the mean if the repetition is omitted.
             own_load, own_value = (self._at(each[..., first : first + at_a_time]) for each in (normal, values))
             self._loads.add(own_load)
             self._values.add(own_value)
@@ -164,7 +164,7 @@ class MeansAtLoads:
                 self._plain.add(by_value - slope * by_load)
 
     def interval(self) -> tuple[Floats, Floats]:
-        """Return the lower and upper ends (c, l) of the intervals, once all repetitions have been added."""
+        """Return the lower and upper limits of the intervals (c, l), after all repetitions have been added."""
         mean = self._mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -178,19 +178,19 @@ class MeansAtLoads:
         return self._over_loads(lower), self._over_loads(upper)
 
     def _at(self, values: Floats) -> Floats:
-        """Return values (c, k, r) at the points, (p, r)."""
+        """Interpolate values (c, k, r) at the points (p, r)."""
         after, before = values[self._curve, self._index], values[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
 
     def _over_loads(self, of_points: Floats) -> Floats:
-        """Return the values of the points (p,) as an array (c, l), which is NaN for loads that are not reached."""
+        """Return values at the points (p,) as an array (c, l), with NaN at loads that are not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
 
 
 class _Extent:
-    """Running sum, minimum and maximum over r of values (p, r)."""
+    """Running sum, minimum and maximum of values (p, r) over r."""
 
     def __init__(self, size: int) -> None:
         self._sum = np.zeros(size)
@@ -202,12 +202,12 @@ class _Extent:
         self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
 
     def leaves_more_than_nothing(self, mean: Floats) -> NDArray[np.bool_]:
-        """Return True if the sum keeps the sign of the mean whichever single value is omitted."""
+        """Return whether the sum keeps the sign of the mean if any single value is omitted."""
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
 
 class PowerSums:
-    """Running sums of powers of jackknife values (..., r), from which the half width of an interval is computed."""
+    """Running sums of powers of jackknife values (..., r), for the half width of an interval."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -221,11 +221,11 @@ class PowerSums:
             self._sums[index] += power.sum(axis=-1)
 
     def is_finite(self) -> NDArray[np.bool_]:
-        """Return True if all values were finite."""
+        """Return whether all added values were finite."""
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
-        """Return the half width of the interval, once all values have been added."""
+        """Return the half width of the interval after all values have been added."""
         count = self._count
         first, second, third, fourth = self._sums
         mean = first / count
@@ -239,7 +239,7 @@ class PowerSums:
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
-    """Return least-squares slopes (p,) of mean values (p, k) over mean normal loads, near the steps (p,)."""
+    """Return least-squares slopes of mean values (p, k) over mean normal loads near given steps (p,)."""
     first = np.maximum(index - 1 - SLOPE_STEPS, 0)[:, np.newaxis]
     last = np.minimum(index + SLOPE_STEPS, normal.shape[1] - 1)[:, np.newaxis]
     steps = first + np.arange(2 * SLOPE_STEPS + 2)
@@ -256,9 +256,9 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
 
 
 def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean along the first axis of values (r, ...), ignoring NaN, and its interval by Student's t.
+    """Return the mean of values (r, ...) along the first axis, ignoring NaN, and its Student's t interval.
 
-    If no value is negative, Student's t applies to the logarithm of the mean, so that the interval is above 0.
+    If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
     """
     known = np.isfinite(values)
     there, count = np.where(known, values, 0.0), known.sum(axis=0)
@@ -272,7 +272,7 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the ends of the interval of a mean with a given half width.
+    """Return the limits of the interval of a mean with a given half width.
 
     The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
     """
@@ -289,7 +289,7 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
 
 @lru_cache(maxsize=32)
 def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants of the mixture: 1' R^-1 1, variance inflation, and quantiles and densities of Student's t."""
+    """Return constants of the mixture: 1' R^-1 1, variance inflation, and Student's t quantile and density."""
     rho, lags = _CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -298,15 +298,14 @@ def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
 
 
 def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of neighboring, correlated values (r, ...) along the first axis, and its interval.
+    """Return the mean of correlated neighboring values (r, ...) along the first axis and its interval.
 
-    The interval is derived in docs/explanation/intervals.md. It belongs to a mixture of autoregressive processes with
-    correlations ρ from 0 to 0.95, weighted by their likelihood and by sqrt(1 - ρ), on a scale without skewness. It lies
-    within the range of the values, and is NaN if there are fewer than `MIN_NEIGHBORS` values or if all values are
-    equal.
+    The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
+    and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/intervals.md). The interval lies within the range
+    of the values. It is NaN if there are fewer than `MIN_NEIGHBORS` values or if all values are equal.
     """
     count = values.shape[0]
-    # Each row (c, r) is summed separately, so that its bits do not depend on the other rows.
+    # Each row (c, r) is summed separately, so that its result does not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
@@ -319,10 +318,10 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the ends of the intervals of rows of values (c, r); NaN for rows with equal values."""
+    """Return the limits of the intervals of rows of values (c, r), or NaN for rows of equal values."""
     from scipy.special import stdtr
 
-    # Values are divided by their standard deviation, to avoid overflow.
+    # Values are divided by their standard deviation to avoid overflow.
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
     spread = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
     differ = (spread > 0) & (values != values[:, :1]).any(axis=1)
@@ -342,7 +341,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     weights /= weights.sum(axis=1, keepdims=True)
     errors = np.sqrt(squares / (count - 1) * inflation)
 
-    # The distribution of the mixture is concave above 0, so Newton steps that start below the quantile stay below it.
+    # The distribution function is concave above 0, so Newton steps from below do not exceed the quantile.
     high, moves = quantile * errors.min(axis=1), np.ones(mean.shape, bool)
     for _ in range(_MAX_STEPS):
         t = high[:, np.newaxis] / errors
@@ -363,12 +362,12 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
 
 
 def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of values (r, ...) at neighboring positions and its interval; lines are averaged first."""
+    """Return the mean of values (r, ...) at neighboring positions and its interval, averaging each line first."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first, index = np.unique(lines, return_index=True, return_inverse=True)
     each = values
-    if first.size > 1:  # one value for each line; their mean is the mean of all values
+    if first.size > 1:  # one value per line, with the mean of all values
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first.size, *values.shape[1:]))
         np.add.at(sums, index, values)
@@ -383,26 +382,26 @@ def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Flo
 
 @dataclass(frozen=True)
 class ScansMean:
-    """Mean over members of several scans of two parts, with the components of its variance."""
+    """Mean over the members of several scans of two parts, with variance components."""
 
     mean: float
-    # variance of the mean due to scans of the upper part, scans of the lower part, and positions
+    # variance of the mean due to upper scans, lower scans and positions
     variances: tuple[float, ...]
     freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
-    test: float  # standard deviation of a single test on other scans, at one position in one direction, around the mean
+    test: float  # standard deviation of a single new test around the mean
     test_freedom: float
 
     @property
     def half_width(self) -> float:
-        """Half width of the 95 % interval of the mean of both parts; infinite for too few members."""
+        """Half width of the 95 % interval of the mean, or infinity for too few members."""
         return float(student_quantile(min(self.freedom, MAX_FREEDOM))) * math.sqrt(sum(self.variances))
 
 
 def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
-    """Return the mean of member values (r, ...) over all pairs of scans; None if there are fewer than two pairs.
+    """Return the mean of member values (r, ...) over all pairs of scans, or None for fewer than two pairs.
 
     The model has two-way random effects (Searle, Casella & McCulloch, Variance Components, 1992, chapter 4). Mean
-    squares that do not exceed the residual mean square are pooled with it.
+    squares that do not exceed the residual mean square are pooled with the residual.
     """
     flat = values.reshape(values.shape[0], -1)
     every = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)
@@ -423,7 +422,7 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     freedom = float(freedoms[~apart].sum())
     rest = float(sums[~apart].sum()) / max(freedom, 1.0)
     shares = np.append(np.where(apart, squares - rest, 0.0)[:2], rest)
-    # Each separate mean square enters the variance once, and the residual mean square is subtracted for each of them.
+    # The residual mean square is subtracted once for each separate mean square.
     weights = np.append(np.where(apart, squares, 0.0)[:2], (1 - apart.sum()) * rest)
     each = np.maximum([*freedoms[:2], freedom], 1.0)
     within = (flat - every[upper, lower][:, np.newaxis]).ravel()
@@ -438,12 +437,12 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
 
 
 def _test_freedom(parts: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of the variance of a test, which is a sum of components.
+    """Return the degrees of freedom of the variance of a single test, which is a sum of components.
 
-    They are limited, so that the interval is at least as wide as the interval of each component alone. With two scans,
-    the variance between scans has one degree of freedom. If its estimate is small, Satterthwaite's degrees of freedom
-    are close to those of the other components, and intervals covered only 0.86 to 0.90 of the tests. With this limit,
-    they cover 0.94 to 0.99.
+    The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
+    alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is
+    small, Satterthwaite's degrees of freedom are close to those of the other components, and the intervals would cover
+    only 0.86 to 0.90 of the tests. With the limit, the intervals cover 0.94 to 0.99.
     """
     from scipy.special import stdtridf
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray
 
 RESULT_TITLE = "stiction study"  # value of the attribute `title` in every result
-MAX_PIECE_BYTES = 2**26  # largest size of a part of a result that is held in memory, in bytes
+MAX_PIECE_BYTES = 2**26  # largest size (bytes) of a piece of a result in memory
 
 MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
@@ -55,9 +55,9 @@ class ArraySpec:
 def list_coordinates(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
-    """Return the coordinates of a result, or of some repetitions, in the order of the dimensions.
+    """Return the coordinates of all or some repetitions of a result, in the order of the dimensions.
 
-    Each entry is a pair: the description of the array, and its values.
+    Each entry is a pair of the description of an array and its values.
     """
     values: dict[str, NDArray[Any]] = {
         **study.surfaces.cells(),
@@ -84,7 +84,7 @@ def list_coordinates(
 
 
 def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> dict[str, ArraySpec]:
-    """Return the descriptions of the variables of a result, or of some repetitions."""
+    """Return descriptions of the variables of all or some repetitions of a result."""
     sizes = {name: values.size for name, (_, values) in list_coordinates(study, repetitions).items()}
     variables = {}
     for name in variable_names(study):
@@ -98,12 +98,12 @@ def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
 
 
 def member_bytes(study: Study) -> int:
-    """Return the total size in bytes of all arrays of one member."""
+    """Return the total size of all arrays of a member in bytes."""
     return sum(spec.size for spec in list_variables(study, [0]).values())
 
 
 def piece_length(size: int) -> int:
-    """Return the number of members in a piece, a power of two, for members of `size` bytes."""
+    """Return the number of members of `size` bytes in a piece, which is a power of two."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -115,13 +115,16 @@ def variable_names(study: Study) -> tuple[str, ...]:
 
 
 def _list_dims(study: Study, name: str) -> tuple[str, ...]:
-    """Return the dimensions of a stored variable, which include motions only if they are given as lists."""
+    """Return the dimensions of a stored variable.
+
+    Sliding rules and directions are dimensions only if the study has lists of them.
+    """
     dims = {"step": study.step, "fraction_below": "fraction_below"} | {motion: motion for motion in study.motions()}
     return (*study.surfaces.cells(), "repetition", *(dims[axis] for axis in QUANTITIES[name].along if axis in dims))
 
 
 def stack_members(study: Study, members: Sequence[Arrays]) -> Arrays:
-    """Stack the arrays of several members along a new axis, which follows the axes of the cells as in a result."""
+    """Stack the arrays of several members along a new axis that follows the axes of the cells."""
     axis = len(study.surfaces.cells())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATES else axis)
@@ -133,7 +136,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build the dataset of some repetitions from arrays of `stack_members`, whose shapes are checked."""
+    """Build the dataset of some repetitions from arrays of `stack_members` after checking their shapes."""
     import xarray
 
     variables = list_variables(study, repetitions)
@@ -170,21 +173,21 @@ _DIVISORS = {
     "um^2": (0, 2, "L²"),
     "um": (0, 1, "L"),
 }
-"""For each unit, the powers of E* and L by which a quantity is divided, and the divisor as text."""
+"""Powers of E* and L by which a quantity is divided, and the divisor as text, by unit."""
 
 
 def nondimensional(
     result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
 ) -> xarray.Dataset:
-    """Divide loads, areas, pressures and lengths of a dataset by powers of E* and L, so that they are dimensionless.
+    """Make loads, areas, pressures and lengths of a dataset dimensionless by dividing by powers of E* and L.
 
     Parameters
     ----------
     result : xarray.Dataset
         Dataset of a result, or of `friction_map`, `area_map`, `stiffness_map` or `Result.at`.
     length : float, µm, optional
-        L; by default the length scale of the result's study, or the longest wavelength of self-affine surfaces.
-        Measured bodies have no length scale, so L must be given.
+        L; by default the length scale in the study, or the longest wavelength of self-affine surfaces. Measured bodies
+        have no length scale, so L must be given.
     effective_modulus : float, GPa, optional
         E*; by default the modulus of the result.
 
@@ -227,9 +230,9 @@ def nondimensional(
         result_modulus = float(result["effective_modulus"]) if "effective_modulus" in result.coords else None
     effective_modulus = result_modulus if effective_modulus is None else effective_modulus
     if length is None:
-        raise ValueError("length must be given: the result has no length scale")
+        raise ValueError("length must be given, because the result has no length scale")
     if effective_modulus is None:
-        raise ValueError("effective_modulus must be given: the result has none")
+        raise ValueError("effective_modulus must be given, because the result has none")
     length = number("length", length, unit="µm", above=0)
     modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
 

@@ -2,7 +2,7 @@
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios. Repetitions without contact
 count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds the load;
-values are not extrapolated. Members without a solution at some load are omitted.
+values are not extrapolated. Members for which the solver failed at a load are omitted.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ if TYPE_CHECKING:
     import xarray
 
 Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# largest number of values in memory for the curves of one cell, for any number of mu0 and tau0
+# largest number of values in memory for the curves of a cell
 NUM_VALUES_IN_MEMORY = 2**20
-CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that may precede the members in a result
+CELLS = ("fractal_dimension", "amplitude", "cut_off")  # possible dimensions of a result other than members and steps
 MOTIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
 _LOADS = ("contact_count", *friction.SIX_SUMS[:3])
 
 _NEEDED = {"friction_coefficient": ("contact_count", *friction.SIX_SUMS), "normal_stiffness": _LOADS}
-"""Sums from which each derived quantity is computed; all other quantities are stored directly."""
+"""Contact sums that each derived quantity requires. All other quantities are stored directly."""
 
 
 def _list_needed_variables(quantity: str) -> tuple[str, ...]:
-    """Return the variables of a result from which a quantity is computed."""
+    """Return the names of the stored variables that a quantity requires."""
     return _NEEDED.get(quantity, tuple(dict.fromkeys((*_LOADS, quantity))))
 
 
@@ -54,9 +54,9 @@ def friction_map(
     loads : (l,) array_like of float, mN
         Normal loads, above 0.
     mu0 : (m,) array_like of float, optional
-        Molecular friction coefficients; those of the study by default.
+        Molecular friction coefficients; by default the values in the study.
     tau0 : (t,) array_like of float, GPa, optional
-        Adhesive shear strengths; those of the study by default.
+        Adhesive shear strengths; by default the values in the study.
 
     Returns
     -------
@@ -100,9 +100,9 @@ def area_map(
     loads : (l,) array_like of float, mN
         Normal loads, above 0.
     mu0 : (m,) array_like of float, optional
-        Molecular friction coefficients; those of the study by default.
+        Molecular friction coefficients; by default the values in the study.
     tau0 : (t,) array_like of float, GPa, optional
-        Adhesive shear strengths; those of the study by default.
+        Adhesive shear strengths; by default the values in the study.
 
     Returns
     -------
@@ -140,9 +140,9 @@ def stiffness_map(
     loads : (l,) array_like of float, mN
         Normal loads, above 0.
     mu0 : (m,) array_like of float, optional
-        Molecular friction coefficients; those of the study by default.
+        Molecular friction coefficients; by default the values in the study.
     tau0 : (t,) array_like of float, GPa, optional
-        Adhesive shear strengths; those of the study by default.
+        Adhesive shear strengths; by default the values in the study.
 
     Returns
     -------
@@ -152,8 +152,8 @@ def stiffness_map(
     Raises
     ------
     ValueError
-        As for `friction_map`; also if there are fewer than three approaches or loads, and for free half-planes, which
-        have no approach.
+        As for `friction_map`, and also if there are fewer than three approaches or loads, or for free half-planes,
+        which have no approach.
 
     See Also
     --------
@@ -180,24 +180,24 @@ def stiffness_map(
         kind = "approaches" if step == "approach" else "loads"
         raise ValueError(f"a stiffness needs at least 3 {kind}, got {head.sizes.get(step, 0)}")
     if step == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
-        raise ValueError("a free half-plane has no approach, and therefore no stiffness; use periodic boundaries")
+        raise ValueError("a free half-plane has no approach and therefore no stiffness; use periodic boundaries")
     return ensemble_map(result, loads, mu0, tau0, "normal_stiffness")
 
 
 def cells_of(dataset: xarray.Dataset) -> list[str]:
-    """Return the dimensions that precede the members in a dataset."""
+    """Return the dimensions of a dataset that form its cells."""
     return [name for name in CELLS if name in dataset.dims]
 
 
 def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return values with the repetitions as the last dimension, contiguous in memory for fast sums."""
+    """Return values with the repetitions as the last dimension and contiguous in memory, for fast sums."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
 def solved_pieces(
     result: Result, names: Iterable[str] | None = None, change: Change | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield the pieces of a result, omitting members that have no solution at some load."""
+    """Yield the pieces of a result without the members for which the solver failed at a load."""
     for piece in result.pieces(names):
         elastic = piece["normal_elastic"]
         known = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
@@ -210,7 +210,7 @@ def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate a quantity of the ensemble as `friction_map` does; `change` is first applied to each piece."""
+    """Evaluate a quantity of the ensemble like `friction_map`, after applying `change` to each piece."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
@@ -226,13 +226,13 @@ def ensemble_map(
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
     quantity = _EnsembleQuantity(dataset if change is None else change(dataset), what, load_values, *material)
-    # The first pass over the members finds the steps at which the mean loads are reached. The second pass computes the
-    # intervals there.
+    # The first pass finds the steps at which the mean loads are reached.
+    # The second pass computes the intervals at these steps.
     averages, others, count = _average_sums(
         lambda: solved_pieces(result, quantity.names(), change), what, quantity.step
     )
     if not count:
-        raise ValueError("no member of the result has a solution at every load")
+        raise ValueError("no member of the result could be computed at all loads")
     at = {}
     for cell in np.ndindex(quantity.cells):
         normal, values = (each[..., 0] for each in quantity.curves(cell, averages, others))
@@ -261,11 +261,11 @@ class _EnsembleQuantity:
         self.dims = [*(motion for motion in MOTIONS if motion in head.dims), *cells_of(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
-        # A dataset that contains only loads has a friction coefficient, but no validity quantities.
+        # A dataset that contains only loads has no validity quantities.
         self.judged = all(name in head for name in SUMS)
 
     def names(self) -> tuple[str, ...]:
-        """Return the names of the variables that must be read from the result."""
+        """Return the names of the variables to be read from the result."""
         variables = _list_needed_variables(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
             variables = (*variables, "approach")  # the approach of each pair
@@ -274,7 +274,7 @@ class _EnsembleQuantity:
     def curves(
         self, cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)
     ) -> tuple[Floats, Floats]:
-        """Return normal loads and values (c, k, r) of some members, with all mu0 and tau0 along the first axis."""
+        """Return normal loads and values of some members (c, k, r), with all mu0 and tau0 along the first axis."""
         pair, other = (item.apply(operator.itemgetter((*cell, slice(None), some))) for item in (sums, others))
         material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
         normal = friction.compute_load("normal", pair, *material)
@@ -284,7 +284,7 @@ class _EnsembleQuantity:
     def build_dataset(
         self, at: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
     ) -> xarray.Dataset:
-        """Build a dataset from the values of all cells."""
+        """Build a dataset from the means and intervals of all cells."""
         import xarray
 
         mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
@@ -295,9 +295,7 @@ class _EnsembleQuantity:
                 array[cell] = _reshape_curves(found, self.shape)
             pair = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.curves(cell, averages, others)[0][..., 0]
-            locked = (pair.contact_count[-1] > 0) & (
-                normal[:, -1:] <= 0
-            )  # self-locked by friction at the largest approach
+            locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # self-locked at the largest approach
             why = friction.combine_status(
                 touched=bool(pair.contact_count.any()), reached=each.crossing.reached, below=each.crossing.below,
                 locked=locked,
@@ -328,12 +326,12 @@ class _EnsembleQuantity:
 
 
 def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape values of curves (c, l), which has one curve per mu0 and tau0, to the dimensions load, mu0 and tau0."""
+    """Reshape values of one curve per mu0 and tau0 (c, l) to (load, mu0, tau0)."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums, Sums]:
-    """Return contact sums by motion, cell, step and repetition, and the sums on which a quantity depends linearly."""
+    """Return contact sums, and the sums on which a quantity depends linearly (motion, cell, step, repetition)."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 
@@ -367,7 +365,7 @@ def _compute_values(sums: Sums, quantity: str, mu0: Floats, tau0: Floats) -> Flo
 
 
 def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str) -> tuple[Sums, Sums, int]:
-    """Return the means of `_compute_sums` over the members, with one repetition, and the number of members."""
+    """Return the means of `_compute_sums` over the members, and the number of members."""
     total: list[Sums] = []
     count = 0
     for piece in solved():
@@ -385,7 +383,7 @@ def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str,
 
 
 def material_of(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return the given mu0 and tau0 (GPa); the defaults are the values of the study."""
+    """Return the given mu0 and tau0 (GPa), or the values in the study by default."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0

@@ -1,4 +1,4 @@
-"""Table `[surfaces]` of a study of measured bodies: files, reading options, and the members they provide."""
+"""Table `[surfaces]` of a study of measured bodies: files, reading options and members."""
 
 from __future__ import annotations
 
@@ -62,12 +62,12 @@ from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.surface import Surface, parse_lengths
 
 Column = int | str
-Body = Profile | Surface | JoinedSpectrum  # body that a file can contain
+Body = Profile | Surface | JoinedSpectrum  # kinds of bodies in a file
 MAX_FILE_NAME_LENGTH = 4096  # characters
 MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
 MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
-CutoffPair = tuple[float, float]  # cutoffs of the upper and of the lower scan, µm
+CutoffPair = tuple[float, float]  # cutoffs of the upper and the lower scan, µm
 
 
 def _parse_unit(value: object) -> str:
@@ -94,7 +94,7 @@ def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
 
 
 def _parse_caveats(value: object) -> tuple[str, ...] | None:
-    """Parse names of caveats."""
+    """Parse the names of caveats."""
     if value is None:
         return None
     names = [part.strip() for part in value.split(",")] if isinstance(value, str) else value
@@ -113,7 +113,7 @@ def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
 
 
 def _validate_one_or_list(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
-    """Return a validator that accepts one value, a list of two to `max_count` values, or None."""
+    """Return a validator that accepts None, a single value, or a list of two to `max_count` values."""
 
     def values(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -130,7 +130,10 @@ MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # limits of `height_factor`
 
 
 class BodyInMemory:
-    """Wrapper of a body in memory. It is not a dataclass, so that copies of a study share the body."""
+    """Wrapper of a body in memory.
+
+    The class is not a dataclass, so that copies of a study share the body.
+    """
 
     def __init__(self, body: Any) -> None:
         self.body = body
@@ -142,7 +145,7 @@ class MeasuredFile(Table):
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     def __eq__(self, other: object) -> bool:
-        """Compare all fields except the body, because the checksum identifies the body."""
+        """Compare all fields except the body, which the checksum identifies."""
         return isinstance(other, MeasuredFile) and self._identity() == other._identity()
 
     def __hash__(self) -> int:
@@ -219,7 +222,7 @@ class MeasuredFile(Table):
 
     @property
     def name(self) -> str:
-        """File name without the folder, with the number of further scans."""
+        """File name without the folder, and number of further scans."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _map_scans(self, change: Callable[[MeasuredFile], MeasuredFile]) -> MeasuredFile:
@@ -227,7 +230,7 @@ class MeasuredFile(Table):
 
     @classmethod
     def from_body(cls, body: Any, name: str) -> MeasuredFile:
-        """Create an entry for a body in memory, which may be an object of another library.
+        """Create an entry for a body in memory, possibly an object of another library.
 
         Raises an `ArgumentError` if the body is invalid.
         """
@@ -244,7 +247,7 @@ class MeasuredFile(Table):
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def with_saved_bodies(self, folder: Path, side: str) -> MeasuredFile:
-        """Write bodies in memory to files in a folder, and return the entry that refers to these files."""
+        """Write bodies in memory to files in a folder, and return an entry with these files."""
         return self._map_scans(lambda scan: scan._save_body(folder, side))
 
     def _save_body(self, folder: Path, side: str) -> MeasuredFile:
@@ -265,11 +268,14 @@ class MeasuredFile(Table):
         return MeasuredFile(file=str(path), missing="mask" if has_missing else "error", **options).with_checksums()
 
     def read(self) -> Body:
-        """Read the profile, surface or spectrum, in µm. Raises a `ValueError` if the checksum of the file differs."""
+        """Read the profile, surface or spectrum (µm).
+
+        Raises a `ValueError` if the checksum of the file differs.
+        """
         return _scale_heights(self.height_factor, self._read())  # type: ignore[no-any-return]
 
     def _read(self) -> Body:
-        """Read the body without the height factor."""
+        """Read the body without applying the height factor."""
         if self.body is not None:
             return self.body.body  # type: ignore[no-any-return]
         if self.sha256 is not None and self.checksum() != self.sha256:
@@ -296,11 +302,11 @@ class MeasuredFile(Table):
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def cut_off_at(self, wavelength: float) -> float:
-        """Return the cutoff wavelength (µm) at which this scan is filtered if the pair has the given cutoff."""
+        """Return the cutoff wavelength (µm) of this scan for a cutoff of the pair."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated(self) -> Floats:
-        """Return the fraction of interpolated points, and the size of the largest gap in the data.
+        """Return the fraction of interpolated points and the size of the largest data gap.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
         """
@@ -313,14 +319,14 @@ class MeasuredFile(Table):
 
     @property
     def reading(self) -> Reading[Any] | None:
-        """Interpretation of the file; None for a spectrum or a body in memory."""
+        """Interpretation of the file, or None for a spectrum or a body in memory."""
         if self.body is not None or is_spectrum(Path(self.file)):
             return None
         return _load_reading(self.model_copy(update={"sha256": self.checksum(), "others": None}))
 
     @property
     def caveats(self) -> tuple[FileCaveat, ...]:
-        """Caveats about the file, or about the heights and spacing of a body in memory."""
+        """Caveats about the file, or about a body in memory."""
         if (reading := self.reading) is not None:
             return tuple(reading.caveats)
         body = None if self.body is None else self.body.body
@@ -329,7 +335,10 @@ class MeasuredFile(Table):
         return find_caveats(Scan(heights_with_nan(body), body.spacings, from_text=False))
 
     def checksum(self) -> str:
-        """Compute the SHA-256 checksum of the file. Raises a `ValueError` if the file cannot be read."""
+        """Compute the SHA-256 checksum of the file.
+
+        Raises a `ValueError` if the file cannot be read.
+        """
         try:
             with Path(self.file).open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
@@ -337,7 +346,7 @@ class MeasuredFile(Table):
             raise ValueError(f"{printable_path(self.file)}: cannot be read: {error.strerror}") from None
 
     def find_stamp(self) -> tuple[int, int] | None:
-        """Return the modification time (ns) and the size of the file; None if there is no file."""
+        """Return the modification time (ns) and size of the file, or None if there is no file."""
         try:
             status = None if self.body else Path(self.file).stat()
         except OSError:
@@ -345,7 +354,7 @@ class MeasuredFile(Table):
         return status and (status.st_mtime_ns, status.st_size)
 
     def with_absolute_paths(self, directory: Path) -> MeasuredFile:
-        """Return the entry with absolute paths. Relative paths are resolved against the directory."""
+        """Return the entry with absolute paths, resolving relative paths against the directory."""
         return self._map_scans(
             lambda scan: (
                 scan if scan.body else scan.model_copy(update={"file": str((directory / scan.file).absolute())})
@@ -353,7 +362,7 @@ class MeasuredFile(Table):
         )
 
     def with_checksums(self) -> MeasuredFile:
-        """Return the entry with the current checksum of each file that has no checksum yet."""
+        """Return the entry with checksums of all files, adding missing checksums."""
         return self._map_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
@@ -379,7 +388,10 @@ def _compute_checksum(body: Body) -> str:
 
 @functools.lru_cache(maxsize=16)
 def _read_body(file: MeasuredFile) -> Body:
-    """Read the body of a file. The argument includes the checksum, so the cache parses each version of a file once."""
+    """Read the body of a file.
+
+    The argument includes the checksum, so that the cache holds each version of a file once.
+    """
     if is_spectrum(Path(file.file)):
         for name in ("unit", "spacing", "channel", "columns", "crop"):
             if getattr(file, name) is not None:
@@ -401,7 +413,7 @@ def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
 
 @dataclass(frozen=True)
 class Member:
-    """Member of a study of measured bodies: a pair, the shift of the upper body (µm), and the origin of the pair."""
+    """Member of a study of measured bodies: a pair with its origin and the shift of the upper body (µm)."""
 
     pair: Pair
     x: float
@@ -423,29 +435,32 @@ class SharedProperties:
     shape: Sequence[int]
     spacing: Sequence[float]
     used: Sequence[float]
-    scans: Sequence[Any]  # upper and lower scan, whose spacing and extent are recorded
+    scans: Sequence[Any]  # scans with the recorded spacing and extent
 
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Metadata that measured bodies add to a result; empty for generated bodies."""
+    """Metadata of measured bodies in a result, empty for generated bodies."""
 
     nominal_area: float | None = None  # µm²
     attributes: dict[str, Any] = field(default_factory=dict)
 
 
 class Members(Protocol):
-    """Members of a study of two bodies; the index of a member determines it completely."""
+    """Members of a study of two bodies, each of which is determined by its index."""
 
     def member(self, index: int) -> Member:
-        """Return a member by its index. Raises a `ValueError` if there are fewer members."""
+        """Return the member with an index.
+
+        Raises a `ValueError` if there are fewer members.
+        """
 
     def find_shared_properties(self) -> SharedProperties:
         """Return the properties that all members share."""
 
 
 class MeasuredSurfaceKeys(Case):
-    """Keys of `[surfaces]` that all studies of measured surfaces share."""
+    """Keys of `[surfaces]` for all studies of measured surfaces."""
 
     bodies: ClassVar[str] = "measured areas"  # name of these bodies in messages about `ContactTable.place`
     is_areal: ClassVar[bool] = True
@@ -475,20 +490,20 @@ class MeasuredSurfaceKeys(Case):
     )
 
     def cells(self) -> dict[str, Floats]:
-        """Return the dimensions that precede the members in a result, with their values."""
+        """Return the dimensions of a result other than the members, with their values."""
         return {"cut_off": array_of(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
-        """Cutoff (µm) of the quoted result, which is the first cutoff of the study."""
+        """Cutoff (µm) of the quoted result, which is the first cutoff in the study."""
         return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
-        """Return the table with the file of each side replaced by `change(file, side)`."""
+        """Return the table with the files replaced by `change(file, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
     def first_scanned(self) -> int:
-        """Index of the first member whose bodies are the scans themselves, not surrogates."""
+        """Index of the first member that consists of scans rather than surrogates."""
         return 0
 
     @property
@@ -497,7 +512,7 @@ class MeasuredSurfaceKeys(Case):
         return len(self.upper.scans), len(self.lower.scans)
 
     def scans_of(self, members: Any) -> tuple[Any, Any]:
-        """Return the indices of the upper and the lower scan of each member (int or array).
+        """Return the indices of the upper and the lower scan of each member.
 
         Successive members use all pairs of scans in turn.
         """
@@ -506,7 +521,7 @@ class MeasuredSurfaceKeys(Case):
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
-        """Return the members of two scans, each of which is filtered at its own cutoff (µm, 0 for none).
+        """Return the members of two scans after low-pass filtering, each at its own cutoff (µm, 0 for none).
 
         Raises a `ValueError` if there are no members.
         """
@@ -527,11 +542,11 @@ class MeasuredSurfaceKeys(Case):
 
 DEFAULT_NUM_SHIFTS = 16  # default number of relative positions of two height maps
 DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogates of profiles
-MAX_OFFSETS = 100_000  # largest number of positions on a pair of lines or maps
+MAX_OFFSETS = 100_000  # largest number of positions for a pair of lines or maps
 
 
 class MeasuredLines(MeasuredSurfaceKeys):
-    """Keys of `[surfaces]` for lines of two measured files; each upper line slides along the lower line."""
+    """Keys of `[surfaces]` for lines of two measured files, where the upper line slides along the lower line."""
 
     place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Lines"
@@ -577,7 +592,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
         return self
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMembers:
-        """Return the members: lines of both scans or of their surrogates, at several relative positions."""
+        """Return the members: lines of both scans (or of their surrogates) at several relative positions."""
         upper, lower = self.filtered(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -593,12 +608,12 @@ class LineMembers:
 
     pairs: LinePairs
     scans: tuple[Body, Body]
-    # number of positions on each pair if there are several pairs; otherwise each member is one position
+    # number of positions on each pair of lines, if there are several pairs
     offsets: int = 1
-    positions: tuple[float, ...] | None = None  # positions (µm) on each pair; None selects a quasi-random sequence
+    positions: tuple[float, ...] | None = None  # positions (µm) on each pair, or None for a quasi-random sequence
 
     def member(self, index: int) -> Member:
-        """Return a member: a slider, and the section of the counterface below it."""
+        """Return a member: a slider and the section of the counterface below the slider."""
         pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, place = divmod(index, offsets) if pairs.several else (0, index)
         count = pairs.max_count()
@@ -613,8 +628,8 @@ class LineMembers:
                 )
             return self._member_at(slider, track, round(self.positions[place] / slider.spacing), line)
         if max_steps == 0 and place > 0:
-            raise ValueError("several positions require a slider shorter than its counterface; give a travel")
-        # Offset 0 is excluded for a single pair, because its two lines may be the same line.
+            raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
+        # Offset 0 is excluded for a single pair, because both lines may be identical.
         is_unshifted = pairs.several and offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             steps = 0
@@ -625,7 +640,7 @@ class LineMembers:
         return self._member_at(slider, track, steps, line)
 
     def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> Member:
-        """Return the member whose slider begins `steps` points after the beginning of the counterface."""
+        """Return the member with the slider `steps` points after the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(track, offset, slider)
         return Member(pair, offset, self.pairs.place(line), line=line, surrogate=self.pairs.surrogates != "none")
@@ -637,7 +652,10 @@ class LineMembers:
 
 
 def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedProperties:
-    """Return the shared properties of lines. `used` is the fraction of the upper scan that the slider covers."""
+    """Return the shared properties of lines.
+
+    `used` is the fraction of the upper scan that the slider covers.
+    """
     return SharedProperties(
         slider, track, slider.extent * THICKNESS, [len(slider)], [slider.spacing], [used, len(slider) / len(track)],
         scans,
@@ -645,7 +663,7 @@ def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[A
 
 
 class MeasuredAreas(MeasuredSurfaceKeys):
-    """Keys of `[surfaces]` for two measured height maps that are pressed at several relative positions."""
+    """Keys of `[surfaces]` for two measured height maps at several relative positions."""
 
     place: ClassVar[str] = "areas of measured maps"
     pressed: ClassVar[str] = "Areas"
@@ -678,11 +696,11 @@ class MeasuredAreas(MeasuredSurfaceKeys):
 
     @property
     def first_scanned(self) -> int:
-        """Index of the first member that consists of pieces of the maps; surrogates come before it."""
+        """Index of the first member that consists of pieces of the maps, after all surrogates."""
         return self.surrogates
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMember:
-        """Return the members: surrogates of both maps followed by pieces at relative positions, or the gap."""
+        """Return the members: surrogates followed by pieces of both maps at relative positions, or the gap."""
         upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
@@ -698,7 +716,7 @@ class MeasuredAreas(MeasuredSurfaceKeys):
 
 
 class MeasuredSurrogates(MeasuredSurfaceKeys):
-    """Keys of `[surfaces]` for surrogates: random height maps with the spectra of two maps or two profiles."""
+    """Keys of `[surfaces]` for surrogates: random height maps with the spectra of two scans."""
 
     place: ClassVar[str] = "surrogates of measured files"
     pressed: ClassVar[str] = "Surfaces with the spectra of both"
@@ -734,7 +752,10 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Return pairs of pieces of two levelled maps. The upper map is flipped, and rotated by an angle in degrees."""
+    """Return pairs of pieces of two levelled maps.
+
+    The upper map is flipped, and rotated by an angle in degrees.
+    """
     levelled_upper = levelled(upper, level)
     return MapPairs(
         flipped(rotated(levelled_upper, rotation) if rotation else levelled_upper),
@@ -751,11 +772,11 @@ class AreaMembers:
 
     pairs: MapPairs | IsotropicPairs | SpectrumPairs
     scans: tuple[Body, Body]
-    # number of members that are pairs of surrogates, which come first; all members by default
+    # number of leading members that are pairs of surrogates; None for all members
     surrogates: int | None = None
 
     def member(self, index: int) -> Member:
-        """Return a pair of surrogates, or a pair of pieces of maps at a relative position."""
+        """Return a member: a pair of surrogates, or pieces of the maps at a relative position."""
         pairs, count = self.pairs, self.surrogates
         if count is None or index < count:
             return Member(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
@@ -771,7 +792,7 @@ class AreaMembers:
         """Return the properties that all members share."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectrumPairs):  # the spacing of surrogates is half the shortest wavelength
+        if isinstance(pairs, SpectrumPairs):  # surrogates have a spacing of half the shortest wavelength
             wavelengths = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
             scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in wavelengths]
         return SharedProperties(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans)
@@ -779,7 +800,7 @@ class AreaMembers:
 
 @dataclass(frozen=True, eq=False)
 class GapMember:
-    """Single member of a measured gap: a flat face, and a rough face at the measured distance."""
+    """Single member of a measured gap: a flat face and a rough face at the measured distance."""
 
     flat: Surface
     rough: Surface
@@ -787,7 +808,7 @@ class GapMember:
     def member(self, index: int) -> Member:
         """Return the pair of faces."""
         if index > 0:
-            raise ValueError(f"a gap has one member, got member {index}")
+            raise ValueError(f"a gap has only member 0, got member {index}")
         return Member((self.flat, self.rough), 0.0, 0.0)
 
     def find_shared_properties(self) -> SharedProperties:
@@ -799,4 +820,4 @@ class GapMember:
 
 
 MeasuredSurfaces = MeasuredAreas | MeasuredLines | MeasuredSurrogates
-"""Table `[surfaces]` of a study of measured files. Each class presses the two files in another way."""
+"""Table `[surfaces]` of a study of measured files, with a class for each kind of members."""

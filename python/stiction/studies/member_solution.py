@@ -1,4 +1,4 @@
-"""Solutions of the members of a study: contact sums and statistics at all loads, or a single pair at one load."""
+"""Contact computation for the members of a study: sums and statistics at all loads, or a pair at a single load."""
 
 from __future__ import annotations
 
@@ -60,26 +60,26 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 STIFFNESS_STEP = 0.02
-"""Half width, relative to the approach, of the finite difference from which the stiffness of asperities is computed."""
+"""Relative half width of the finite difference in the approach for the stiffness of asperities."""
 
-MPA_OVER_MM = 1e6  # converts a stiffness per area from GPa/µm to MPa/mm; lines have a width of 1 µm
+MPA_OVER_MM = 1e6  # MPa/mm per GPa/µm, for lines with a width of 1 µm
 
 JUMP_DISTANCE = 1e-11
-"""Relative distance from a jump of the load to the approach before it; exceeds the tolerance of `find_crossings`."""
+"""Relative distance between a jump of the load and the approach before it, above the tolerance of `find_crossings`."""
 
 
 UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
-"""Numbers of members, and of cutoffs per member, for which the unloading stiffness of plastic bodies is solved."""
+"""Numbers of members, and of cutoffs per member, with a computed unloading stiffness of plastic bodies."""
 
 
 def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
 ) -> Arrays:
-    """Compute the contact sums of a pair at the elastic loads of its study, with statistics for measured bodies.
+    """Compute the contact sums of a pair at the elastic loads of its study, and statistics for measured bodies.
 
     Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
-    loads without a solution, values are NaN and the number of contacts is 0. The unloading stiffness takes about a
-    third of the time.
+    loads for which the solver fails, values are NaN and the number of contacts is 0. The unloading stiffness takes
+    about a third of the time.
     """
     contact = study.contact
     loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
@@ -96,7 +96,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
-    """Return the value of a variable at loads without a solution: NaN, 0 contacts, or the status "not-solved"."""
+    """Return the value of a variable if the solver fails: NaN, 0 contacts, or the status "not-solved"."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
     shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
     if name == "status":
@@ -112,7 +112,10 @@ def _list_profile_directions(contact: ContactTable) -> list[Shear]:
 def _solve_half_space(
     contact: HalfSpaceContactTable, upper: Any, lower: Any, values: Arrays, slopes: PairSlopes | None, *, unloads: bool
 ) -> None:
-    """Solve the half-space at all loads. A failure at one load does not affect the other loads."""
+    """Compute the half-space contact at all loads.
+
+    A failure at one load does not affect the other loads.
+    """
     areal = isinstance(upper, Surface)
     first: list[float] | Literal["+x"] = contact.degrees().tolist() if areal else "+x"
     solve = functools.partial(
@@ -121,7 +124,7 @@ def _solve_half_space(
     sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
-        """Yield the load curve of each sliding rule and direction, computed from a curve for the direction +x."""
+        """Yield the load curve for each sliding rule and direction, derived from a curve for the direction +x."""
         ways = (
             [curve]
             if areal
@@ -162,13 +165,13 @@ def _solve_half_space(
 
 
 def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
-    """Compute independent Hertzian contacts at the approaches that carry the elastic loads.
+    """Compute independent Hertzian contacts at the approaches that correspond to the elastic loads.
 
     With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
     interpolated between the states just before and just after the jump.
     """
     model, areal = contact.model(), isinstance(upper, Surface)
-    if areal:  # one curve for all directions of a map, or one curve for each direction of a profile
+    if areal:  # a single curve for all directions of a map, or a curve for each direction of a profile
         models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
     else:
         models = [
@@ -182,7 +185,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     ok = np.flatnonzero(status == STATUS_OK)
     if not ok.size:
         return
-    # Contacts at minima of the gap start at zero load, so the load has no jumps.
+    # The load at minima of the gap starts at zero, so it has no jumps.
     fractions = [1 - STIFFNESS_STEP, 1 - JUMP_DISTANCE * (first_model.detection == "cell"), 1, 1 + STIFFNESS_STEP]
     steps, place = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
     low, before, at, high = place.reshape(len(fractions), ok.size)
@@ -217,9 +220,9 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
 
 
 def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
-    """Find the contact candidates up to an approach (µm), so that later calls need no new search.
+    """Find the contact candidates up to an approach (µm), to avoid a search at each load.
 
-    Returns both bodies if contacts are not minima of the gap.
+    Returns both bodies unchanged if contacts are not minima of the gap.
     """
     if model.detection != "gap-minimum":
         return upper, lower
@@ -231,16 +234,16 @@ def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactM
 
 @dataclass(frozen=True, eq=False)
 class PressedPair:
-    """Pair of bodies that are pressed together by one elastic load."""
+    """Pair of bodies pressed together by a single elastic load."""
 
     upper: Any
     lower: Any
-    curve: HalfSpaceCurve | LoadCurve  # load curve that contains only this load, for motion along +x
+    curve: HalfSpaceCurve | LoadCurve  # load curve with only this load, for motion along +x
     model: ContactModel | None = None  # contact model of the asperities
 
     @classmethod
     def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
-        """Press a pair to a load (mN) with the contact model of its study; return None if there is no solution."""
+        """Compute the contact of a pair at a load (mN), or return None if the solver fails."""
         upper, lower = pair
         contact = study.contact
         if isinstance(contact, HalfSpaceContactTable):
@@ -259,7 +262,7 @@ class PressedPair:
         return cls(upper, lower, pushed, model=model)
 
     def table(self) -> ContactList:
-        """Return a table with one row per contact."""
+        """Return the table of contacts."""
         if isinstance(self.curve, HalfSpaceCurve):
             return list_contact_patches(self.curve.at(0))
         assert self.model is not None
@@ -270,13 +273,13 @@ class PressedPair:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE = 64  # bytes
-SLIP_LOAD_FRACTION = 0.5  # fraction of the sliding load at which the slipped fraction is stored in a result
+SLIP_LOAD_FRACTION = 0.5  # fraction of the sliding load at which a result contains the slipped fraction
 
 MEMBER_COSTS = {
     "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
     "half-space": 1e-3, "half-plane": 8e-4,
 }  # fmt: skip
-"""Rough computing times on one core (s), from which the number of members in a block is chosen.
+"""Rough computing times on one core (s), which determine the number of members in a block.
 
 "onset" is the time of one onset of sliding. "profile", "asperities" and "point" are times per grid point of generated
 profiles, of generated areas, and of measured areas with the asperity model. "area" and "line" are times per load of
@@ -284,13 +287,13 @@ asperities on measured areas and lines. "half-space" and "half-plane" are times 
 """
 
 SOLUTION_COSTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
-"""Coefficient and exponent of the time (s) on one core of a half-space solution, as a power of the number of points.
+"""Coefficient and exponent of the time (s) of a half-space solution on one core, as a power of the number of points.
 
 The keys are False for lines and True for areas.
 """
 
 ITERATION_COSTS = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
-"""Coefficient and exponent of the time (s) on one core of an iteration with adhesion, as a power of the points.
+"""Coefficient and exponent of the time (s) of an iteration with adhesion on one core, as a power of the points.
 
 The keys are False for lines and True for areas.
 """
@@ -298,7 +301,7 @@ The keys are False for lines and True for areas.
 ITERATIONS_PER_LOAD = 15
 MAX_PULL_OFF_ITERATIONS = 12_000
 PULL_OFF_ITERATIONS = {False: 100_000, True: 5000}
-"""Factor of the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
+"""Factor in the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
 
 The number is proportional to E* Sq Sdq / (4 w) of the gap, up to a maximum. Bodies near complete contact need the most
 iterations.
@@ -308,9 +311,9 @@ _kept = threading.local()
 
 
 def member_sums(study: Study, index: int) -> Arrays:
-    """Compute all variables of a member of a study, as arrays without a dimension for members.
+    """Compute all variables of a member of a study, as arrays without the dimension of members.
 
-    Measured bodies also have the `MEMBER_COORDINATES`. Values at loads without a solution are NaN. Raises a
+    Measured bodies also have the `MEMBER_COORDINATES`. Values are NaN at loads for which the solver fails. Raises a
     `ValueError` if the bodies cannot be loaded.
     """
     arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in describe_arrays(study).items()}
@@ -322,7 +325,7 @@ def member_sums(study: Study, index: int) -> Arrays:
 
 @functools.lru_cache(maxsize=4)
 def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
-    """Return the shape and the data type of each variable of a member."""
+    """Return the shape and data type of each variable of a member."""
     cells = len(study.surfaces.cells())
     return {
         name: ((*spec.shape[:cells], *spec.shape[cells + 1 :]), spec.dtype)
@@ -350,7 +353,7 @@ def estimate_member_time(study: Study) -> float:
 
 
 def estimate_solution_time(study: Study) -> float:
-    """Roughly estimate the time (s) of a half-space solution at one load on one core."""
+    """Estimate the time (s) of a half-space solution at a single load on one core."""
     areal = study.is_areal
     besides = MEMBER_COSTS["half-space" if areal else "half-plane"]
     if study.contact.adheres:
@@ -366,9 +369,10 @@ def _cost_of_iteration(study: Study) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _estimate_relative_stiffness(study: Study) -> float:
-    """Return E* Sq Sdq / (4 w) of the gap of the first member; 0 if files are missing.
+    """Return E* Sq Sdq / (4 w) of the gap of the first member, or 0 if files are missing.
 
-    By the Cauchy-Schwarz inequality, this is at least the elastic energy per area of complete contact, divided by w.
+    By the Cauchy-Schwarz inequality, this ratio is at least the elastic energy per area of complete contact, divided by
+    w.
     """
     contact, gap = study.contact, np.zeros((0, 0))
     with contextlib.suppress(ValueError, OSError):
@@ -386,7 +390,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
 
 
 def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
-    """Yield the values of a repetition for each cell, with the cell's index, fractal dimension and amplitude."""
+    """Yield the values of a repetition for each cell, with index, fractal dimension and amplitude of the cell."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return
@@ -405,7 +409,7 @@ def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Array
 
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
-    """Compute the contact sums of a pair with the asperity model, with shape (steps,) or ([rules], steps)."""
+    """Compute the contact sums of a pair with the asperity model (steps,) or (rules, steps)."""
     steps, models = _steps(study.contact), _models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -421,7 +425,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
-    """Compute the onset of sliding along the first direction at each approach; values without contact are 0."""
+    """Compute the onset of sliding along the first direction at each approach, with values of 0 without contact."""
     contact = study.contact
     assert isinstance(contact, AsperityContactTable)
     assert contact.onset is not None
@@ -448,9 +452,10 @@ def _steps(contact: Any) -> Floats:
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
-    """Compute the contact sums of profiles with the asperity model, for several fractal dimensions per call.
+    """Compute the contact sums of profiles with the asperity model, for several fractal dimensions at a time.
 
-    Arrays have the shape (dimensions, amplitudes, rules, steps), with one rule if they do not depend on the motion.
+    The arrays have the shape (dimensions, amplitudes, rules, steps), with a single rule for quantities that do not
+    depend on the motion.
     """
     surfaces: Any = study.surfaces
     steps, models = _steps(study.contact), _models(study.contact)
@@ -475,9 +480,9 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _reuse_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that all tasks of a thread reuse, because allocating new memory pages is slow.
+    """Return an uninitialised array that all tasks of a thread reuse, because memory allocation is slow.
 
-    The array is aligned to cache lines of the processor, so that vector writes do not cross them.
+    The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
     memory: Floats | None = getattr(_kept, "memory", None)
     if memory is None or memory.shape != shape:
@@ -491,7 +496,7 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
 
 def _solve_measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
-    """Yield the sums of a member at each cutoff, and write the coordinates of the member to `arrays`."""
+    """Yield the contact sums of a member at each cutoff, and write the coordinates of the member to `arrays`."""
     unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))

@@ -1,7 +1,7 @@
 """Members of a study: pairs of generated or measured bodies.
 
-A member is a generated repetition, two lines or two maps at a relative position, or a pair of surrogates. It is
-determined completely by the study and its number.
+A member is a generated pair, two lines or two maps at a relative position, or a pair of surrogates. The study and the
+number of the member determine the member completely.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from stiction.surfaces.profile import Profile, Side, combine_missing, scale_prof
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
-# largest memory for the profiles of each body in a batch, in bytes, for studies of any size
+# largest size (bytes) of the profiles of a body in a batch
 MAX_BATCH_BYTES = 64_000_000
-MAX_CACHED_PAIRS = 16  # number of pairs of filtered and levelled scans that stay in memory
+MAX_CACHED_PAIRS = 16  # number of pairs of filtered and levelled scans in the cache
 NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # key: True for maps, False for profiles
 
@@ -34,7 +34,7 @@ TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # key: True for maps, False f
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """Return the random phases (rad) of Eq. 1 for one body, with shape (directions, frequencies)."""
+    """Return the random phases (rad) of Eq. 1 for a body (directions, frequencies)."""
     surfaces: Any = study.surfaces
     return fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
@@ -43,7 +43,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _equation_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the arguments of Eq. 1 from a study, except phases and grid."""
+    """Return the arguments of Eq. 1 in a study, except phases and grid."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -51,9 +51,9 @@ def _equation_arguments(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Fill `heights` (k, points) with the unscaled profiles of one body at k fractal dimensions.
+    """Fill `heights` with the unscaled profiles of a body at k fractal dimensions (k, points).
 
-    Returns the mean, lowest and highest point of each profile, (k, 3).
+    Returns the mean, the minimum and the maximum of each profile (k, 3).
     """
     surfaces: Any = study.surfaces
     phases = generate_phases(study, repetition, side)
@@ -63,7 +63,7 @@ def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition:
 
 
 def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
-    """Return a generated profile with a fractal dimension, before it is scaled to an amplitude."""
+    """Return a generated profile with a fractal dimension before scaling to an amplitude."""
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
     fill_profiles(study, heights, np.array([dimension]), repetition, side)
@@ -73,7 +73,10 @@ def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float
 def generate_pairs(
     study: Study, repetition: int, dimensions: Floats, amplitude: float
 ) -> Iterator[tuple[Profile, Profile]]:
-    """Yield a pair of profiles for each fractal dimension. The time hardly depends on the number of dimensions."""
+    """Yield a pair of profiles for each fractal dimension.
+
+    The computing time is nearly independent of the number of dimensions.
+    """
     surfaces: Any = study.surfaces
     batch_size = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
     for first in range(0, dimensions.size, batch_size):
@@ -90,7 +93,7 @@ def generate_pairs(
 
 
 def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
-    """Return a generated surface with a fractal dimension, before it is scaled to an amplitude."""
+    """Return a generated surface with a fractal dimension before scaling to an amplitude."""
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSurfaces):
         longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
@@ -107,7 +110,7 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
 
 
 def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
-    """Scale a surface to an amplitude, which is measured as the study defines."""
+    """Scale a surface to an amplitude, using the amplitude measure in the study."""
     surfaces: Any = study.surfaces
     return surface.with_amplitude(amplitude, surfaces.amplitude_measure)
 
@@ -115,7 +118,7 @@ def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Generate one pair of surfaces of a study, equal to the pair that `run` computes.
+    """Generate the pair of surfaces with a given number, as `run` does.
 
     Parameters
     ----------
@@ -123,9 +126,9 @@ def pair_of(
     repetition : int
         Number of the pair, at least 0. It may exceed the number of repetitions of the study.
     fractal_dimension : float
-        At least 1 and below 2, in the study's convention.
+        At least 1 and below 2, in the convention of the study.
     amplitude : float, µm
-        Above 0, in the study's measure.
+        Above 0, in the amplitude measure of the study.
 
     Returns
     -------
@@ -148,7 +151,7 @@ def pair_of(
     check_instance("study", study, Study, "a Study")
     if study.is_measured:
         raise ValueError(
-            "pair_of is for studies of generated bodies; members of measured bodies have no fractal dimension"
+            "pair_of requires a study of generated bodies, because measured bodies have no fractal dimension"
         )
     if study.is_areal:
         upper, lower = (
@@ -163,7 +166,7 @@ def pair_of(
 
 
 def _describe_grid(body: Any) -> tuple[Any, ...]:
-    """Return type, shape and spacing of a scan, to compare scans with each other.
+    """Return type, shape and spacing of a scan for comparison with other scans.
 
     The spacing is rounded, because positions in a file are subject to round-off.
     """
@@ -172,9 +175,9 @@ def _describe_grid(body: Any) -> tuple[Any, ...]:
 
 
 class LoadedBodies:
-    """Measured bodies of a study, which are read only once, and their members.
+    """Measured bodies of a study and their members.
 
-    The constructor raises a `ValueError` if a file has changed.
+    Each file is read only once. The constructor raises a `ValueError` if a file has changed.
     """
 
     def __init__(self, surfaces: MeasuredSurfaces, seed: int) -> None:
@@ -182,7 +185,9 @@ class LoadedBodies:
         self._parts = [[scan.read() for scan in getattr(surfaces, side).scans] for side in SIDES]
         for side, scans in zip(SIDES, self._parts, strict=True):
             if len(scans) > 1 and len({_describe_grid(scan) for scan in scans}) > 1:
-                raise ValueError(f"surfaces.{side}: the scans of a part must have the same points and spacing")
+                raise ValueError(
+                    f"surfaces.{side}: the scans of a part must have the same number of points and the same spacing"
+                )
             heights = [scan.heights.tobytes() for scan in scans if isinstance(scan, Profile | Surface)]
             if len(set(heights)) < len(heights):
                 raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each scan only once")
@@ -204,14 +209,14 @@ class LoadedBodies:
     def member(self, index: int, wavelength: float) -> Member:
         """Return a member at a cutoff (µm, 0 for unfiltered scans)."""
         surfaces = self._surfaces
-        # Members count from 0 within each pair of scans. Surrogates use the index in the study instead, so that
-        # different pairs of scans get different random numbers.
+        # Members are numbered from 0 for each pair of scans.
+        # Surrogates use the index in the study as their random seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         member_of_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scans_of(index)).member(member_of_pair)
 
     def attributes(self) -> BodyAttributes:
-        """Return the attributes of the bodies that a result stores: nominal area, history, grid and missing data."""
+        """Return the attributes of the bodies for a result: nominal area, history, grid and missing data."""
         properties = self.members(self._surfaces.quoted_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
@@ -232,11 +237,11 @@ class LoadedBodies:
         )
 
     def _find_measured_fraction(self) -> float:
-        """Return the fraction of the area that is measured on both bodies, averaged over the first members."""
+        """Return the fraction of the area that was measured on both bodies, averaged over the first members."""
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         fractions = []
-        with contextlib.suppress(ValueError, IndexError):  # the study may have fewer members
+        with contextlib.suppress(ValueError, IndexError):  # for a study with fewer members
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing(*self.member(index, self._surfaces.quoted_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
@@ -244,7 +249,7 @@ class LoadedBodies:
 
 
 def count_points(study: Study) -> int:
-    """Return the number of grid points of a member; if files are missing, return the size of a typical scan."""
+    """Return the number of grid points of a member, or the size of a typical scan if files are missing."""
     surfaces: Any = study.surfaces
     if not study.is_measured:
         return math.prod(surfaces.shape) if study.is_areal else int(surfaces.points)
@@ -254,13 +259,19 @@ def count_points(study: Study) -> int:
 
 
 def first_pair(study: Study) -> Any:
-    """Return both bodies of the first member in the first cell. Raises a `ValueError` if files are missing."""
+    """Return both bodies of the first member in the first cell.
+
+    Raises a `ValueError` if files are missing.
+    """
     cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
     return load_bodies(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
 
 
 def load_bodies(study: Study) -> LoadedBodies:
-    """Load the measured bodies of a study. They are cached, and read again only if a file changes."""
+    """Load the measured bodies of a study.
+
+    The bodies are cached, and are read again only if a file changes.
+    """
     surfaces = study.surfaces
     assert isinstance(surfaces, MeasuredSurfaces)
     stamps = tuple(scan.find_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
@@ -273,5 +284,5 @@ def _load_cached(surfaces: MeasuredSurfaces, seed: int, _: object) -> LoadedBodi
 
 
 def body_attributes(study: Study) -> BodyAttributes:
-    """Return the attributes of the measured bodies of a study, or an empty object for generated bodies."""
+    """Return attributes of the measured bodies of a study, which are empty for generated bodies."""
     return load_bodies(study).attributes() if study.is_measured else BodyAttributes()

@@ -1,4 +1,4 @@
-"""Uncertainty of the E* of a pair, which is given directly or by Young's moduli and Poisson's ratios."""
+"""Uncertainty of the E* of a pair, from E* itself or from Young's moduli and Poisson's ratios."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class Moduli:
     Attributes
     ----------
     middle : float, GPa
-        E* at the central values of its inputs.
+        E* at the central values of the inputs.
     effective_modulus : UncertainInput or None
-        E* (GPa), if it is given directly.
+        E* (GPa), if E* is given directly.
     bodies : tuple of mapping of str to UncertainInput
         "young" (GPa) and "poisson" of the upper and of the lower body, if given instead of E*.
     is_one_material : bool
@@ -46,7 +46,7 @@ class Moduli:
 
     @property
     def inputs(self) -> dict[str, UncertainInput]:
-        """Inputs that are uncertain, by names such as "young_upper"."""
+        """Uncertain inputs by names such as "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]
@@ -58,7 +58,7 @@ class Moduli:
         return {name: value for name, value in inputs.items() if not value.is_exact}
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Return the ratio of E* to its central value for samples of the `inputs`."""
+        """Return the ratio of E* to its central value for samples of the inputs."""
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
@@ -94,7 +94,7 @@ def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[Elasticity, Moduli]:  # fmt: skip
-    """Return the elasticity of a pair at the central values of the arguments, and its uncertain moduli.
+    """Return the elasticity of a pair at the central values of the arguments, and the uncertain moduli.
 
     The arguments have the meanings of `find_elasticity`, but may be ranges or have an uncertainty. Raises a
     `ValueError` if arguments are missing, contradictory or invalid.

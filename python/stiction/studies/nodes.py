@@ -1,7 +1,7 @@
-"""Results at nodes of (mu0, tau0). A report interpolates between the nodes by cubic polynomials.
+"""Results at nodes of (mu0, tau0), between which a report interpolates by cubic polynomials.
 
-Every node is evaluated by the library. The nodes are chosen such that the tolerances below are met, and the remaining
-interpolation error is measured between nodes.
+The nodes are chosen so that interpolation errors are within the tolerances below. The remaining error is measured
+between nodes.
 """
 
 from __future__ import annotations
@@ -27,52 +27,51 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
     from stiction.studies.study import Study
 
-VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value; values are printed with at most four digits
-ENDS_TOLERANCE = 1e-2  # largest error of an interpolated end of an interval, relative to the width of the interval
+VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value, which is printed with up to four digits
+ENDS_TOLERANCE = 1e-2  # largest error of an interpolated interval limit, relative to the interval width
 PRINTED_TOLERANCE = 0.025
-"""Ratio of error to interval width above which a number is hidden; equal to the finest rounding of printed ends."""
+"""Ratio of error to interval width above which a number is hidden, equal to the rounding of printed limits."""
 
 MIN_NODES = 5  # number of interpolation nodes on an axis before refinement
 MAX_NODES, MAX_MEASURED_NODES = 7, 10
 """Largest numbers of interpolation nodes on an axis, for generated surfaces and for measured surfaces.
 
-Reports of generated surfaces have more loads, and so fewer nodes.
+Reports of generated surfaces have more loads and therefore fewer nodes.
 """
 
 LOAD_STEPS = 40  # number of loads in a report of generated surfaces
-# number of loads of generated surfaces at which nodes are chosen and the interpolation error is measured
+# number of loads for the choice of nodes and the interpolation error (generated surfaces)
 SAMPLED_LOADS = 4
-CHOICE_LOADS = 2  # number of loads of measured surfaces at which nodes are chosen
-# quantities of measured surfaces that are evaluated at nodes in addition to friction
+CHOICE_LOADS = 2  # number of loads for the choice of nodes (measured surfaces)
+# quantities at nodes besides friction (measured surfaces)
 MEASURED_NAMES = ("contact_count", "gentle_friction")
-# largest number of mu0 or tau0 values of a study that become nodes; from longer lists, evenly spaced values are
-# selected
+# largest number of mu0 or tau0 values in a study that become nodes; longer lists are thinned
 MAX_STUDY_NODES = 9
-MAX_ROUNDS = 4  # largest number of times that an axis is refined
+MAX_ROUNDS = 4  # largest number of refinements of an axis
 MIN_NODE_DISTANCE = 0.35
-"""Smallest distance from an initial node to a value of the study, relative to the distance of initial nodes."""
+"""Smallest distance between an initial node and a value in the study, relative to the node spacing."""
 
 MAX_CUBIC_DIFFERENCE = 0.05
-"""Relative difference of cubic and bilinear interpolation above which a panel is blank, in the middle of the panel."""
+"""Relative difference between cubic and bilinear interpolation in the middle of a panel above which it is blank."""
 
-# largest relative difference between corners for which a panel next to missing nodes is interpolated
+# largest relative difference between the corners of an interpolated panel next to missing nodes
 MAX_CORNER_DIFFERENCE = 0.25
 CHECKED_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
-"""Positions at which the error is measured, as fractions of the ranges of mu0 (first) and tau0 (second)."""
+"""Positions of the error measurement, as fractions of the ranges of mu0 (first) and tau0 (second)."""
 
-# largest distance from a node, relative to the length of the axis, at which a value is identified with the node
+# largest distance (relative to the axis length) at which a value is identified with a node
 NODE_TOLERANCE = 1e-9
-MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 relative to E* on the axis, unless the study has a larger value
+MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 on the axis relative to E*, if the study has no larger value
 MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
-"""Largest tau0 over hardness on the axis, unless the study has a larger one: 0.7 of von Mises' shear strength."""
+"""Largest tau0 on the axis relative to the hardness, if the study has no larger value (0.7 of von Mises' strength)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Axis:
     """Nodes of mu0 or of tau0 (GPa).
 
-    Values are interpolated between `rising` nodes. `ranged` nodes are values of the study for which the input is
-    uncertain, with the range given in the study. At all other values, the input is exact.
+    Values are interpolated between `rising` nodes. `ranged` nodes are values in the study that have an uncertainty
+    range. At all other values, mu0 or tau0 is assumed to be exact.
     """
 
     rising: Floats
@@ -80,12 +79,12 @@ class Axis:
 
     @property
     def values(self) -> Floats:
-        """All nodes: `rising`, followed by `ranged`."""
+        """All nodes: `rising` nodes followed by `ranged` nodes."""
         return np.concatenate([self.rising, self.ranged])
 
     @property
     def bounds(self) -> list[tuple[float, float]]:
-        """Interval around each ranged node within which values are identified with the node."""
+        """Interval around each ranged node in which values are identified with the node."""
         return [
             (float(own / (1 + SAME_INPUT_TOLERANCE)), float(own / (1 - SAME_INPUT_TOLERANCE))) for own in self.ranged
         ]
@@ -95,7 +94,7 @@ class Axis:
         return Axis(np.unique([*self.rising, *more]), self.ranged)
 
     def middles(self) -> Floats:
-        """Return the middles of the panels between rising nodes, moved outside the bounds of ranged nodes."""
+        """Return the middles of the panels between rising nodes, shifted out of the bounds of ranged nodes."""
         found = (self.rising[1:] + self.rising[:-1]) / 2
         return np.where(self._is_ranged(found), 0.5 * (found + self.rising[1:]), found)
 
@@ -105,7 +104,7 @@ class Axis:
         )
 
     def weights(self, value: float, *, cubic: bool = True) -> Floats:
-        """Return the weights (n,) of the nodes at a value: one at a node, otherwise two or four neighbours."""
+        """Return the interpolation weights of the nodes at a value (n,)."""
         found = np.zeros(self.values.size)
         for index, (low, high) in enumerate(self.bounds):
             if low <= value <= high:
@@ -135,19 +134,19 @@ class Nodes:
     Attributes
     ----------
     axes : pair of Axis
-        Nodes of mu0 and tau0, chosen by the tolerances.
+        Nodes of mu0 and tau0, chosen for the tolerances.
     loads : ndarray of float, mN
-        Loads of a report: for measured bodies the loads of the study, and for generated bodies `LOAD_STEPS` loads in
-        equal ratios.
+        Loads in a report: the loads of the study for measured bodies, and `LOAD_STEPS` loads in equal ratios for
+        generated bodies.
     kinds : list of str or None
-        Kinds of members of measured bodies, starting with the kind that is quoted. None stands for all members.
+        Kinds of members of measured bodies, starting with the quoted kind. None stands for all members.
     values : tuple of xarray.Dataset
         Values and intervals of each kind at the loads and nodes.
     of_load : tuple of xarray.Dataset
         Quantities of measured bodies that depend only on the load, for each kind.
     error : (float, float)
-        Largest relative error of interpolated values, and largest error of interval ends relative to the width, at a
-        few values between nodes.
+        Largest relative error of interpolated values, and largest error of interval limits relative to the width, at a
+        few points between nodes.
     """
 
     def __init__(self, result: Result) -> None:
@@ -155,7 +154,7 @@ class Nodes:
 
     @cached_property
     def loads(self) -> Floats:
-        """Loads (mN) of a report; empty if no pair touches."""
+        """Loads (mN) in a report, or an empty array if no pair touches."""
         if self.study.is_measured:
             return np.asarray(self.study.contact.steps())
         try:
@@ -166,7 +165,7 @@ class Nodes:
 
     @cached_property
     def kinds(self) -> list[Kind | None]:
-        """Kinds of members, starting with the kind that is quoted."""
+        """Kinds of members, starting with the quoted kind."""
         head = self.result.head
         if "surrogate" not in head.coords:
             return [None]
@@ -180,12 +179,12 @@ class Nodes:
 
     @property
     def is_resolved(self) -> NDArray[np.bool_]:
-        """True for panels whose error in the middle is within `PRINTED_TOLERANCE`, over cells, motions, mu0, tau0."""
+        """Mask of panels with an error within `PRINTED_TOLERANCE` in the middle (cells, motions, mu0, tau0)."""
         return self._choice[1]
 
     @cached_property
     def _choice(self) -> tuple[tuple[Axis, Axis], NDArray[np.bool_]]:
-        """Nodes chosen at a few loads, and mask of resolved panels."""
+        """Nodes for the tolerances at a few loads, and mask of resolved panels."""
         if self.study.is_measured:
             loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:CHOICE_LOADS]
         else:
@@ -207,14 +206,14 @@ class Nodes:
 
     @cached_property
     def error(self) -> tuple[float, float]:
-        """Largest relative error of values, and of interval ends over widths, at a few values between nodes."""
+        """Largest errors of values and interval limits at a few points between nodes."""
         loads = self.loads if self.study.is_measured else self._sample
         table = self._table(self.values[0].sel(load=loads))
         shown = self.is_resolved[..., np.newaxis, :, :]
         return largest_errors(self.axes, table, partial(self._friction, loads), shown)
 
     def is_interpolated(self, values: Floats) -> Any:
-        """Return True for panels in which values (..., m, t) at the nodes may be interpolated."""
+        """Return a mask of the panels in which values at the nodes may be interpolated (..., m, t)."""
         return is_interpolated(self.axes, values)
 
     @property
@@ -224,30 +223,30 @@ class Nodes:
     def _at(
         self, loads: Floats, axes: tuple[Axis, Axis], kind: Kind | None, names: Collection[str] | None
     ) -> xarray.Dataset:
-        """Return `at_load` at the nodes, with combined intervals for measured bodies.
+        """Evaluate the result at the nodes, with combined intervals for measured bodies.
 
-        Only the kind of members that is quoted has combined intervals; surrogates in addition to maps do not.
+        Only the quoted kind of members has combined intervals. Surrogates in addition to maps do not.
         """
         mu0, tau0 = (axis.values for axis in axes)
         with warnings.catch_warnings():
-            # a tau0 that is large relative to E* is marked in the report instead
+            # the report marks values of tau0 that are large relative to E*
             warnings.simplefilter("ignore", UserWarning)
             at = at_load(self.result, loads, mu0=mu0, tau0=tau0, of=kind, names=names)
         return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)
 
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return friction coefficients with intervals at given mu0 (m,) and tau0 (t,), as (..., m, t, 3)."""
+        """Return friction coefficients with intervals at mu0 (m,) and tau0 (t,). The shape is (..., m, t, 3)."""
         names = ("contact_count",) if self.study.is_measured else ()
         return self._table(self._at(loads, (Axis(mu0), Axis(tau0)), self.kinds[0], names))
 
     def _table(self, at: xarray.Dataset) -> Floats:
-        """Return the coefficient in a report with its interval, over cells, motions, load, mu0, tau0 and statistic."""
+        """Return the reported coefficients with intervals (..., load, mu0, tau0, statistic)."""
         name = "friction_combined" if self.study.is_measured else "friction_coefficient"
         return np.asarray(at[name].transpose(..., "load", "mu0", "tau0", "statistic").values)
 
 
 def axes_of(study: Study) -> tuple[Axis, Axis]:
-    """Return the initial nodes of mu0 and tau0 (GPa) of a study, from 0 to the largest value in a report."""
+    """Return the initial nodes of mu0 and tau0 (GPa), from 0 to the largest value in a report."""
     ranged = set(find_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     strength = MAX_TAU0_OVER_MODULUS * modulus
@@ -262,7 +261,7 @@ def axes_of(study: Study) -> tuple[Axis, Axis]:
 def _axis(own: Floats, most: float, *, is_ranged: bool) -> Axis:
     if own.size > MAX_STUDY_NODES:
         own = own[np.unique(np.linspace(0, own.size - 1, MAX_STUDY_NODES).round().astype(int))]
-    # closer together near 0, where interval ends have the largest curvature
+    # closer together near 0, where interval limits have the largest curvature
     first = most * np.linspace(0.0, 1.0, MIN_NODES) ** 2
     if is_ranged:
         axis = Axis(first, own[own > 0])
@@ -281,7 +280,7 @@ Middles = tuple[Floats, Floats]
 def refined(
     axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
 ) -> tuple[tuple[Axis, Axis], tuple[Middles, Middles]]:
-    """Return axes with enough nodes that values and intervals along two lines are within the tolerances.
+    """Add nodes to the axes until errors of values and intervals along two lines are within the tolerances.
 
     An axis has at most `max_nodes` rising nodes after refinement. The second result contains the values in the middles
     of panels.
@@ -296,7 +295,7 @@ def refined(
     for place in range(2):
         other = found[1 - place].rising
         across = other[[min(1, other.size - 1), max(other.size - 2, 0)]]
-        rows: dict[float, Floats] = {}  # cached values (..., 3) along the axis
+        rows: dict[float, Floats] = {}  # cached values along the axis (..., 3)
         for _ in range(MAX_ROUNDS):
             axis = found[place]
             middles = axis.middles()
@@ -318,9 +317,9 @@ def refined(
 
 
 def resolved_panels(axes: tuple[Axis, Axis], compared: tuple[Middles, Middles]) -> NDArray[np.bool_]:
-    """Return True for panels (..., m, t) with errors in their middles within `PRINTED_TOLERANCE`, at all loads.
+    """Return a mask of the panels with errors within `PRINTED_TOLERANCE` in the middle at all loads (..., m, t).
 
-    The arguments are the results of `refined`. Each panel is judged by the nearer one of the two lines.
+    The arguments are the results of `refined`. Each panel is judged by the nearer of the two lines.
     """
     sizes = [axis.values.size for axis in axes]
     parts = []
@@ -341,7 +340,7 @@ def resolved_panels(axes: tuple[Axis, Axis], compared: tuple[Middles, Middles]) 
 
 
 def excess(given: Floats, wanted: Floats) -> Floats:
-    """Return errors of values and interval ends (..., 3) relative to the tolerances; 0 if a number is not finite."""
+    """Return the errors of values and interval limits (..., 3) relative to the tolerances, or 0 if not finite."""
     value, width = np.abs(wanted[..., 0]), wanted[..., 2] - wanted[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(given - wanted)
@@ -353,10 +352,11 @@ def excess(given: Floats, wanted: Floats) -> Floats:
 def largest_errors(
     axes: tuple[Axis, Axis], table: Floats, evaluate: Callable[[Floats, Floats], Floats], shown: Any = True
 ) -> tuple[float, float]:
-    """Return the largest relative error of values, and of ends over widths, at a few mu0 and tau0 between nodes.
+    """Return the largest errors of values and interval limits at a few points between nodes.
 
     `axes` and `evaluate` are arguments of `refined`, and `table` (..., m, t, 3) contains the values at the nodes.
-    Panels that are not interpolated are omitted, and so are intervals narrower than the tolerance of the value.
+    Errors of values are relative to the value, and errors of limits are relative to the interval width. Panels that are
+    not interpolated, and intervals narrower than the tolerance of the value, are omitted.
     """
     mu0, tau0 = (
         axis.rising[0] + np.ptp(axis.rising) * part for axis, part in zip(axes, CHECKED_FRACTIONS, strict=True)
@@ -382,7 +382,7 @@ def largest_errors(
 
 
 def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float) -> Floats:
-    """Interpolate a table (..., m, t) at mu0 and tau0 (GPa): cubic, or bilinear if one of the 16 nodes has no value."""
+    """Interpolate a table (..., m, t) at mu0 and tau0 (GPa), bilinearly if one of the 16 cubic nodes has no value."""
     with np.errstate(invalid="ignore"):
         cubic, linear = (
             _weighted(table, axes[0].weights(mu0, cubic=each), axes[1].weights(tau0, cubic=each))
@@ -392,17 +392,17 @@ def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float
 
 
 def _weighted(table: Floats, over_mu0: Floats, over_tau0: Floats) -> Floats:
-    """Return the weighted sum of nodes (..., m, t); nodes with zero weight may have no value."""
+    """Return the weighted sum of node values (..., m, t), ignoring nodes with zero weight."""
     rows, columns = np.flatnonzero(over_mu0), np.flatnonzero(over_tau0)
     part = table[..., rows, :][..., columns]
     return np.asarray(np.einsum("...mt,m,t->...", part, over_mu0[rows], over_tau0[columns]))
 
 
 def is_interpolated(axes: tuple[Axis, Axis], values: Floats) -> Any:
-    """Return True for panels in which values (..., m, t) at the nodes may be interpolated, (..., m, t).
+    """Return a mask of the panels in which values at the nodes may be interpolated (..., m, t).
 
-    A panel has the indices of its first corner. The last rows and columns belong to ranged nodes, along which only the
-    other axis is interpolated.
+    A panel has the indices of its first corner. The last rows and columns belong to ranged nodes, where only the other
+    axis is interpolated.
     """
     fine = np.ones(values.shape, bool)
     places = [[*axis.middles(), *axis.ranged] for axis in axes]
