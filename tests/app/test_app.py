@@ -171,7 +171,7 @@ def wait_for_report(driver):
     browser.wait_for(driver, lambda _: run_in_report(driver, busy_attribute) == "false")
 
 
-def test_form_accepts_ranges_and_hardness_scales(app, empty_page, maps):
+def test_form_accepts_uncertain_values_and_vickers_hardness(app, empty_page, maps):
     for side, scan in zip(("upper", "lower"), maps, strict=True):
         choose_scan(empty_page, side, scan)
     fill_fields(empty_page, METAL_FIELDS | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
@@ -186,7 +186,7 @@ def test_form_accepts_ranges_and_hardness_scales(app, empty_page, maps):
     assert upper - lower > 0.2 * value
 
 
-def test_form_has_a_field_for_each_option_of_a_pair(empty_page):
+def test_form_has_a_field_for_each_option_of_the_pair_command(empty_page):
     fill_fields(empty_page, {"upper": "numbers", "lower": "numbers", "mechanics": "half-space", "lay": "grooves"})
     fill_fields(
         empty_page,
@@ -209,7 +209,7 @@ def test_form_has_a_field_for_each_option_of_a_pair(empty_page):
     assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
 
 
-def test_accept_field_removes_the_caveat_of_a_file(empty_page, tmp_path):
+def test_accept_field_removes_the_caveat_about_a_scan_file(empty_page, tmp_path):
     heights = np.round(np.random.default_rng(0).standard_normal((32, 32)) * 20)
     heights[3, 4:20] = -9999
     np.savetxt(tmp_path / "map.txt", heights, fmt="%d")
@@ -227,7 +227,7 @@ def test_accept_field_removes_the_caveat_of_a_file(empty_page, tmp_path):
     )
 
 
-def test_preview_shows_the_latest_options_if_an_older_answer_arrives_last(empty_page, tmp_path):
+def test_preview_uses_the_latest_options_if_an_older_response_arrives_last(empty_page, tmp_path):
     rows = np.column_stack([0.5 * np.arange(64), 7.0 * np.ones(64), np.random.default_rng(0).standard_normal(64)])
     np.savetxt(tmp_path / "three.txt", rows)
     assert "columns" in choose_scan(empty_page, "upper", tmp_path / "three.txt")["wrong"]
@@ -247,7 +247,7 @@ def test_preview_shows_the_latest_options_if_an_older_answer_arrives_last(empty_
     assert texts["wrong"] == ""
 
 
-def test_progress_of_jobs_is_that_of_the_latest_request(empty_page):
+def test_late_response_about_jobs_does_not_replace_newer_progress(empty_page):
     empty_page.execute_script(
         "const fetchNow = window.fetch; let isFirst = true; window.delayed = 0;"
         "window.fetch = async (...options) => {"
@@ -261,7 +261,7 @@ def test_progress_of_jobs_is_that_of_the_latest_request(empty_page):
     assert -1 not in empty_page.execute_async_script(script)
 
 
-def test_copy_button_gets_its_label_back_after_two_clicks(empty_page):
+def test_copy_button_label_is_restored_after_two_clicks(empty_page):
     script = (
         "for (const text of ['x', 'x']) copy(byId('copy'), text);"
         "setTimeout(() => arguments[0](byId('copy').textContent), 2500)"
@@ -270,14 +270,14 @@ def test_copy_button_gets_its_label_back_after_two_clicks(empty_page):
     assert empty_page.execute_async_script(script) == label
 
 
-def test_form_distinguishes_arriving_scans_from_missing_scans(empty_page):
+def test_form_distinguishes_scans_being_read_from_missing_scans(empty_page):
     empty_page.execute_script("arriving.lower = 1")
     empty_page.find_element("css selector", "#pair .go").send_keys("\n")
     message = empty_page.find_element("id", "pair-wrong").text
     assert re.search(r"upper scan.* missing.*lower scan.* being read", message, re.DOTALL)
 
 
-def test_result_of_metal_profiles_equals_the_command(empty_page, tmp_path, monkeypatch, rough_pair):
+def test_app_result_of_metal_profiles_equals_command_result(empty_page, tmp_path, monkeypatch, rough_pair):
     for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
         choose_scan(empty_page, side, tmp_path / f"{side}.csv")
@@ -290,7 +290,7 @@ def test_result_of_metal_profiles_equals_the_command(empty_page, tmp_path, monke
     assert 0.2 < result[0]["all"][0] < 0.5
 
 
-def test_result_of_maps_equals_the_command_after_each_step(app, empty_page, maps, monkeypatch):
+def test_app_result_of_maps_equals_command_result_at_each_step(app, empty_page, maps, monkeypatch):
     """After each step, the app shows the result that the command prints: upload, compute, change mu0, save, reload."""
     roughness = json.loads(call_stiction("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
     height = format_with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
@@ -359,7 +359,7 @@ def test_result_of_maps_equals_the_command_after_each_step(app, empty_page, maps
     check_stiction("run", "study.toml", "--part=1/2", "--output=again", cwd=maps[0].parent)
 
 
-def test_stopped_job_is_stored_and_resumed(empty_page, tmp_path, app):
+def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
     for side, path in zip(("upper", "lower"), write_maps(tmp_path, 64), strict=True):
         choose_scan(empty_page, side, path)
     fill_fields(empty_page, METAL_FIELDS | {"shifts": "400"})
@@ -411,7 +411,7 @@ def is_ending(job):
     return "stopping" in job["words"] or job["state"] == "stopped"
 
 
-def test_error_of_the_command_is_shown_at_its_field(empty_page, maps, tmp_path, monkeypatch):
+def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, maps, tmp_path, monkeypatch):
     broken_file, text_file = tmp_path / "broken.x3p", tmp_path / "plain.txt"
     broken_file.write_bytes(b"PK\3\4" + bytes(100))
     np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
@@ -454,7 +454,7 @@ def test_error_of_the_command_is_shown_at_its_field(empty_page, maps, tmp_path, 
     assert shown_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
-def test_preview_has_at_most_the_requested_positions(app, empty_page):
+def test_preview_uses_no_more_positions_than_requested(app, empty_page):
     """Check also that the sample surfaces can be saved, so that the command line can be repeated."""
     empty_page.find_element("id", "demo").click()
     for side in ("upper", "lower"):
@@ -482,7 +482,7 @@ def test_preview_has_at_most_the_requested_positions(app, empty_page):
     assert preview_description in answer_text
 
 
-def test_cookie_sent_to_another_port_gives_no_access(app, empty_page):
+def test_cookie_sent_to_another_port_does_not_grant_access(app, empty_page):
     """A browser sends a cookie to all ports of a host, so that access also requires the key of the page."""
     received_requests = []
 
@@ -513,7 +513,7 @@ def test_cookie_sent_to_another_port_gives_no_access(app, empty_page):
         assert app.request(method, path, b"{}", X_Stiction_Key=None)[0] == 403
 
 
-def test_profiles_use_asperity_model_by_default(empty_page, tmp_path, monkeypatch, rough_pair):
+def test_app_computes_profiles_with_the_asperity_model_by_default(empty_page, tmp_path, monkeypatch, rough_pair):
     for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
         assert "Pq" in choose_scan(empty_page, side, tmp_path / f"{side}.csv")["hint"]
@@ -526,7 +526,7 @@ def test_profiles_use_asperity_model_by_default(empty_page, tmp_path, monkeypatc
     assert shown_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
-def test_sliders_change_generated_profiles_and_the_selected_point(empty_page):
+def test_sliders_change_generated_profiles_and_the_selected_dimension(empty_page):
     empty_page.find_element("css selector", "#made > summary").click()
     image_address_script = "return document.getElementById('profile').src"
     previous_address = wait_until(lambda: empty_page.execute_script(image_address_script), bool)
@@ -543,7 +543,7 @@ def test_sliders_change_generated_profiles_and_the_selected_point(empty_page):
     assert run_in_report(empty_page, "return inside.getElementById('map-panel').hidden") is False
 
 
-def test_results_in_the_working_directory_are_listed_and_opened(empty_page, app):
+def test_app_lists_and_opens_results_in_the_working_directory(empty_page, app):
     changes = {"ensemble.repetitions": 2, "surfaces.points": 3000}
     run(Study.named("quick").with_changes(changes), store=app.folder / "mine")
     (app.folder / "broken").mkdir()
@@ -584,14 +584,14 @@ def test_app_has_no_accessibility_violations(empty_page, maps):
         set_window_size(empty_page)
 
 
-def test_server_is_not_abandoned_before_its_first_window():
+def test_server_does_not_count_as_abandoned_before_its_first_window():
     window = SimpleNamespace(last_request_time=100.0, has_window=True)
     assert not is_abandoned(window, 100.0 + MAX_WINDOW_ABSENCE)
     assert is_abandoned(window, 100.5 + MAX_WINDOW_ABSENCE)
     assert not is_abandoned(SimpleNamespace(last_request_time=100.0, has_window=False), 100.5 + MAX_WINDOW_ABSENCE)
 
 
-def test_server_ends_after_its_last_window_is_closed(tmp_path, tmp_path_factory):
+def test_server_stops_after_its_last_window_is_closed(tmp_path, tmp_path_factory):
     """Close a page that has sent only one request about open windows."""
     code = "from stiction.app import run; from stiction.cli.application import print_message; "
     code += "run.MAX_WINDOW_ABSENCE = 1.5; run.run(print_message=print_message)"

@@ -18,7 +18,7 @@ from stiction.app.preview import preview_scan
 from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_choices
 
 
-def test_reading_fields_are_options_of_file_readers():
+def test_form_fields_for_reading_files_are_options_of_the_readers():
     names = {flag.replace("-", "_") for flag in READING_FIELDS}
     assert names < set(ReadingOptions.model_fields)
 
@@ -29,13 +29,13 @@ def test_form_shows_each_field_in_one_section_only(flag):
     assert places == ([FIELDS[flag].place] if FIELDS[flag].place in ("scan", "more") else [])
 
 
-def test_choices_of_form_field_are_values_of_its_option():
+def test_choices_of_a_form_field_are_valid_values_of_its_option():
     for name, option in PAIR_OPTIONS.items():
         if option.field and option.field.choices and list_choices(name):
             assert {value for value, _ in option.field.choices} <= set(list_choices(name))
 
 
-def test_form_adds_units_to_quantities_but_not_to_texts():
+def test_form_adds_default_units_to_quantities_but_not_to_texts():
     numbers = json.loads(html.unescape(page_facts()))
     assert numbers["units"]["hardness"] == " GPa"
     assert set(numbers["units"]) | set(numbers["texts"]) <= set(FIELDS)
@@ -56,12 +56,12 @@ def test_form_adds_units_to_quantities_but_not_to_texts():
         ("a.csv: cannot be read", "a.csv: cannot be read", ""),
     ],
 )
-def test_error_message_names_the_form_field_by_its_label(message, labelled, option):
+def test_error_message_replaces_option_names_by_form_labels(message, labelled, option):
     assert replace_option_names(message) == labelled
     assert find_first_option(message) == option
 
 
-def test_caveats_name_form_fields_by_their_labels():
+def test_caveats_replace_option_names_by_form_labels():
     caveats = [{"text": "adhesion is neglected", "remedy": "specify --adhesion or --lines", "severity": "caution"}]
     assert label_caveats({"value": 1, "caveats": caveats}) == {
         "value": 1,

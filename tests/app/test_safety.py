@@ -34,7 +34,7 @@ def app(tmp_path_factory):
         yield server
 
 
-def test_token_is_valid_once_and_cookie_is_protected(app):
+def test_access_token_is_valid_once_and_cookie_is_http_only(app):
     assert "HttpOnly" in app.cookie_line
     assert "samesite=strict" in app.cookie_line.lower()
     assert app.request("GET", f"/?token={app.token}", cookie="")[0] == 403
@@ -64,14 +64,14 @@ def test_requests_from_other_origins_are_rejected(app, origin):
         assert app.request(method, path, b"{}", Origin=origin.format(port=app.port))[0] == 403
 
 
-def test_changes_require_an_origin_and_reading_requires_the_same_site(app):
+def test_post_requests_require_an_origin_and_get_requests_the_same_site(app):
     assert app.request("POST", "/demo", b"", Origin=None)[0] == 403
     assert app.request("GET", "/", Sec_Fetch_Site="cross-site")[0] == 403
     assert app.request("GET", "/", Sec_Fetch_Site="same-site")[0] == 403
     assert app.request("GET", "/", Sec_Fetch_Site="same-origin")[0] == 200
 
 
-def test_content_security_policy_allows_own_resources_only(app):
+def test_content_security_policy_blocks_external_and_unsafe_resources(app):
     _, headers, _ = app.request("GET", "/")
     assert "default-src 'none'" in headers["content-security-policy"]
     assert "unsafe" not in headers["content-security-policy"]
@@ -101,7 +101,7 @@ def _network_address():
 @pytest.mark.parametrize(
     "name", ["../../etc/x", "..%2f..%2fx.csv", "/etc/cron.d/x", "..", "", "a\\..\\b.csv", "\0x.csv", "x" * 5000, "-r"]
 )
-def test_upload_is_stored_in_its_folder_for_any_file_name(app, name):
+def test_upload_with_any_file_name_is_stored_inside_its_folder(app, name):
     paths_before = {path for path in app.folder.rglob("*") if "files" not in path.parts}
     status, _, body = app.request("PUT", f"/scans?name={quote(name)}", b"x (um),z (um)\n0,0\n1,1\n" + name.encode())
     assert status == 200
@@ -173,7 +173,7 @@ def test_oversized_upload_is_rejected_before_it_is_received(app):
     assert app.is_alive()
 
 
-def test_menu_entry_starts_the_app(app):
+def test_desktop_menu_entry_starts_the_app(app):
     (app.folder / "applications").touch()
     status, _, body = app.request("POST", "/menu", b"")
     assert (status, b"File exists" in body) == (400, True)
@@ -196,7 +196,7 @@ def test_requests_with_invalid_or_too_large_bodies_are_rejected(app):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("name", ["bomb.x3p", "bomb.xlsx"])
-def test_decompression_bomb_is_reported_as_reading_error(app, name, tmp_path):
+def test_decompression_bomb_is_reported_as_a_read_error(app, name, tmp_path):
     path = tmp_path / name
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         member_name = "main.xml" if name.endswith("x3p") else "xl/worksheets/sheet1.xml"
@@ -223,7 +223,7 @@ def test_server_survives_a_thousand_simultaneous_requests(app):
     assert wait_until(app.is_alive, bool)
 
 
-def test_working_directory_is_private_and_is_removed_at_the_end(tmp_path):
+def test_temporary_folder_is_private_and_is_removed_when_the_server_stops(tmp_path):
     with start_server(tmp_path) as server:
         server.log_in()
         (private_folder,) = server.find_private_folders()
@@ -277,7 +277,7 @@ def test_result_with_undecodable_name_is_listed_but_not_opened(app):
 
 
 @pytest.mark.soak
-def test_stopped_previews_do_not_block_requests(app, tmp_path):
+def test_stopped_jobs_with_blocked_previews_do_not_block_requests(app, tmp_path):
     """Stopped jobs end although the commands that compute their previews are blocked."""
     upper, lower = (app.upload(path) for path in write_maps(tmp_path))
     assert [app.request("GET", f"/scans/{scan}")[0] for scan in (upper, lower)] == [200, 200]
@@ -300,7 +300,7 @@ def test_stopped_previews_do_not_block_requests(app, tmp_path):
 
 
 @pytest.mark.parametrize("is_ending", [False, True])
-def test_stopped_job_has_its_state_before_its_result_is_read(tmp_path, monkeypatch, is_ending):
+def test_job_is_marked_as_stopped_before_its_partial_result_is_read(tmp_path, monkeypatch, is_ending):
     async def check():
         started, reading, released = asyncio.Event(), asyncio.Event(), asyncio.Event()
 
@@ -327,7 +327,7 @@ def test_stopped_job_has_its_state_before_its_result_is_read(tmp_path, monkeypat
     asyncio.run(check())
 
 
-def test_cancelled_module_has_ended_when_its_task_ends(monkeypatch):
+def test_cancelled_task_ends_only_after_its_subprocess(monkeypatch):
     async def check():
         processes, create = [], asyncio.create_subprocess_exec
 
@@ -346,12 +346,12 @@ def test_cancelled_module_has_ended_when_its_task_ends(monkeypatch):
     asyncio.run(check())
 
 
-def test_profile_drawing_rejects_measured_surfaces(app):
+def test_profile_preview_rejects_studies_of_measured_surfaces(app):
     changes = quote(json.dumps({"surfaces": {"kind": "measured", "upper": {"file": "/etc/passwd"}}}))
     assert app.request("GET", f"/profiles?set={changes}")[0] == 400
 
 
-def test_server_answers_its_owner_despite_many_idle_connections(tmp_path):
+def test_server_answers_requests_despite_many_idle_connections(tmp_path):
     with start_server(tmp_path, "--keep") as server, ExitStack() as stack:
         server.log_in()
         resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (256, 256))
@@ -364,7 +364,7 @@ def test_server_answers_its_owner_despite_many_idle_connections(tmp_path):
         assert server.process.stderr.read() == ""
 
 
-def test_server_rejects_requests_beyond_its_limit_in_a_sentence(app):
+def test_server_rejects_requests_above_its_limit_with_a_message(app):
     header_lines = (
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )
@@ -380,7 +380,7 @@ def test_server_rejects_requests_beyond_its_limit_in_a_sentence(app):
     assert wait_until(lambda: app.request("GET", "/jobs")[0], lambda status: status == 200)
 
 
-def test_late_response_is_replaced_by_a_sentence(tmp_path, monkeypatch):
+def test_late_response_is_replaced_by_a_timeout_message(tmp_path, monkeypatch):
     monkeypatch.setattr(server, "MAX_REQUEST_TIME", 0.05)
     app = server.Server(tmp_path, tmp_path, 1)
     monkeypatch.setattr(app, "_rejection", lambda request: None)
@@ -395,7 +395,7 @@ def test_late_response_is_replaced_by_a_sentence(tmp_path, monkeypatch):
     assert b"took longer" in messages[1]["body"]
 
 
-def test_terminated_server_ends_without_traceback_during_requests_and_jobs(tmp_path):
+def test_server_terminated_during_requests_and_jobs_prints_no_traceback(tmp_path):
     with start_server(tmp_path, "--keep") as server, server.block_commands(0):
         server.log_in()
         upper, lower = (server.upload(path) for path in write_maps(tmp_path))
@@ -417,7 +417,7 @@ def test_terminated_server_ends_without_traceback_during_requests_and_jobs(tmp_p
         assert server.process.stderr.read() == ""
 
 
-def test_killed_command_fails_its_job_with_the_signal_name(tmp_path):
+def test_job_of_a_killed_command_fails_with_the_name_of_the_signal(tmp_path):
     with start_server(tmp_path, "--keep") as server:
         server.log_in()
         upper, lower = (server.upload(path) for path in write_maps(tmp_path))
