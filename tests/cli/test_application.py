@@ -24,7 +24,7 @@ def run_shell_script(script, *arguments, cwd):
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120)
 
 
-def test_run_completes_after_the_reader_of_its_output_ends(tmp_path):
+def test_run_command_completes_if_its_output_pipe_is_closed(tmp_path):
     completed = run_shell_script('"$@" | true', "run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path)
     assert completed.returncode == 0
     assert all(
@@ -35,7 +35,7 @@ def test_run_completes_after_the_reader_of_its_output_ends(tmp_path):
     assert (completed.returncode, completed.stderr) == (0, "")
 
 
-def test_commands_report_full_disk_and_replace_unencodable_characters(tmp_path):
+def test_output_errors_are_reported_and_unencodable_characters_replaced(tmp_path):
     completed = run_shell_script('"$@" > /dev/full', "studies", cwd=tmp_path)
     assert_rejected(completed, "stiction: ", "No space left on device")
     completed = subprocess.run(
@@ -57,7 +57,7 @@ def test_commands_report_full_disk_and_replace_unencodable_characters(tmp_path):
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_exhausted_resource_is_reported_in_one_message(tmp_path, monkeypatch, error, expected_message):
+def test_exhausted_system_resource_is_reported_in_one_message(tmp_path, monkeypatch, error, expected_message):
     def raise_error(*_, **__):
         raise error
 
@@ -65,7 +65,7 @@ def test_exhausted_resource_is_reported_in_one_message(tmp_path, monkeypatch, er
     assert_rejected(call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path), expected_message)
 
 
-def test_interrupt_during_import_gives_no_traceback(monkeypatch):
+def test_interrupt_during_import_exits_with_status_130(monkeypatch):
     def raise_interrupt():
         raise KeyboardInterrupt
 
@@ -78,7 +78,7 @@ def test_interrupt_during_import_gives_no_traceback(monkeypatch):
 
 
 @pytest.mark.parametrize("error_type", [ImportError, RuntimeError])
-def test_error_that_an_interrupt_has_caused_is_an_interruption(monkeypatch, capsys, error_type):
+def test_import_error_caused_by_an_interrupt_is_reported_as_interruption(monkeypatch, capsys, error_type):
     """An extension module that is interrupted while it is imported raises ImportError."""
 
     def raise_error(**_):
@@ -90,7 +90,7 @@ def test_error_that_an_interrupt_has_caused_is_an_interruption(monkeypatch, caps
     assert capsys.readouterr().err == "stiction: interrupted\n"
 
 
-def test_interrupted_constructors_print_nothing_when_their_objects_are_deleted(monkeypatch, capfd):
+def test_incomplete_objects_print_no_error_when_deleted_after_an_interrupt(monkeypatch, capfd):
     class Partial:
         def __del__(self):
             self.file.close()
@@ -125,7 +125,7 @@ def test_failed_thread_start_is_reported_in_one_message(tmp_path, monkeypatch):
     ],
     ids=str.strip,
 )
-def test_hostile_study_file_is_rejected_in_short_printable_lines(tmp_path, study_text, expected_message):
+def test_malicious_study_file_is_rejected_in_short_printable_lines(tmp_path, study_text, expected_message):
     (tmp_path / "s.toml").write_text(study_text)
     completed = call_stiction("run", "s.toml", cwd=tmp_path)
     assert_rejected(completed, expected_message)
@@ -134,7 +134,7 @@ def test_hostile_study_file_is_rejected_in_short_printable_lines(tmp_path, study
     assert all(line.startswith("stiction: s.toml: ") for line in completed.stderr.splitlines())
 
 
-def test_input_file_must_not_be_a_pipe_or_device(tmp_path):
+def test_commands_reject_pipes_and_devices_as_input_files(tmp_path):
     for name in ("fifo.toml", "fifo.csv"):
         os.mkfifo(tmp_path / name)  # Opening a pipe for reading blocks until another program opens it for writing.
     for name in ("fifo.toml", "/dev/zero"):
@@ -144,7 +144,7 @@ def test_input_file_must_not_be_a_pipe_or_device(tmp_path):
         read_spectrum(tmp_path / "fifo.csv")
 
 
-def test_error_message_prints_any_file_name_on_one_line(tmp_path):
+def test_error_message_prints_any_file_name_on_one_printable_line(tmp_path):
     for name in ("a\nstiction: all is well", "\x1b[31m", "a/b" * 1500, "x" * 5000):
         completed = call_stiction("info", name, cwd=tmp_path)
         assert_rejected(completed, "stiction: ")
@@ -177,7 +177,7 @@ def test_misspelt_command_or_choice_gets_a_suggestion(arguments, suggestion, tmp
 
 
 @pytest.mark.parametrize("redirections", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
-def test_command_with_closed_streams_computes_and_writes(tmp_path, redirections):
+def test_command_with_closed_standard_streams_writes_its_result(tmp_path, redirections):
     completed = run_shell_script(f'"$@" {redirections}', "run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path)
     assert (completed.returncode, completed.stderr) == (0, "" if "2" in redirections else completed.stderr)
     assert "Traceback" not in completed.stderr
@@ -186,7 +186,7 @@ def test_command_with_closed_streams_computes_and_writes(tmp_path, redirections)
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits address space")
 @pytest.mark.parametrize("limit", [150_000, 450_000, 1_040_000])
-def test_low_address_space_is_reported_in_one_message(tmp_path, limit):
+def test_low_memory_limit_is_reported_in_one_message(tmp_path, limit):
     completed = run_shell_script(f'ulimit -v {limit}; "$@"', "run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path)
     assert_rejected(completed, "memory is limited to", "at least 1073 MB")
 

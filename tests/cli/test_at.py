@@ -63,7 +63,7 @@ CONDITIONS = {
 
 
 @pytest.mark.parametrize("name", CONDITIONS)
-def test_at_prints_values_of_the_library_for_any_mu0_and_tau0(results_folder, name):
+def test_at_command_prints_library_values_for_any_mu0_and_tau0(results_folder, name):
     options, loads, friction_parameters = CONDITIONS[name]
     output_record = json.loads(stiction_output("at", name, *options, "--json", cwd=results_folder))
     stored = open_stored(results_folder / name)
@@ -85,7 +85,7 @@ def test_at_prints_values_of_the_library_for_any_mu0_and_tau0(results_folder, na
     assert expected_points[0].verdict in text
 
 
-def test_at_uses_defaults_of_the_result_and_reports_status(results_folder):
+def test_at_command_uses_defaults_of_the_result_and_reports_status(results_folder):
     record = json.loads(stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_folder))
     assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)
@@ -98,7 +98,7 @@ def test_at_uses_defaults_of_the_result_and_reports_status(results_folder):
     assert "! no solved load" in text
 
 
-def test_at_without_options_uses_conditions_of_the_study(results_folder):
+def test_at_command_without_options_uses_conditions_of_the_study(results_folder):
     record = json.loads(stiction_output("at", "maps", "--json", cwd=results_folder))
     study = open_stored(results_folder / "maps").study
     expected_conditions = [
@@ -113,7 +113,7 @@ def test_at_without_options_uses_conditions_of_the_study(results_folder):
     assert {answer["at"]["mu0"] for answer in record["answers"]} == set(friction.mu0)
 
 
-def test_at_with_direction_prints_friction_in_that_direction(results_folder):
+def test_at_command_with_direction_prints_friction_in_that_direction(results_folder):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
     record = json.loads(stiction_output(*arguments, "--direction", "30", "--json", cwd=results_folder))
     assert "the upper body moves at 30°" in stiction_output(*arguments, "--direction", "30", cwd=results_folder)
@@ -123,7 +123,7 @@ def test_at_with_direction_prints_friction_in_that_direction(results_folder):
     assert record["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
 
 
-def test_at_accepts_comma_separated_and_repeated_options(results_folder):
+def test_at_command_accepts_comma_separated_and_repeated_options(results_folder):
     arguments = ("at", "study", "--tau0", "0 MPa,100 MPa", "--json")
     record_of_lists = json.loads(
         stiction_output(*arguments, "--load", "1 uN,2 uN", "--mu0", "0.3,0.4", "--d", "1.3,1.0", cwd=results_folder)
@@ -162,7 +162,7 @@ def test_at_accepts_comma_separated_and_repeated_options(results_folder):
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
     ],
 )
-def test_at_error_names_the_rejected_option(results_folder, arguments, expected_words):
+def test_at_command_error_names_the_rejected_option(results_folder, arguments, expected_words):
     assert_rejected(call_stiction("at", *arguments, cwd=results_folder), *expected_words)
 
 
@@ -170,7 +170,7 @@ def test_at_error_names_the_rejected_option(results_folder, arguments, expected_
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_info_has_the_same_schema_for_every_result(results_folder, name):
+def test_info_command_writes_the_same_schema_for_every_result(results_folder, name):
     record = json.loads(stiction_output("info", name, "--json", cwd=results_folder))
     assert list(record)[:3] == ["schema", "stiction", "command"]
     assert (record["schema"], record["command"]) == (SCHEMA_VERSION, "info")
@@ -191,7 +191,7 @@ def test_info_has_the_same_schema_for_every_result(results_folder, name):
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
 
-def test_scale_heights_requires_compute_and_prints_table_or_json(results_folder, tmp_path):
+def test_scale_heights_option_requires_compute_and_prints_table_or_json(results_folder, tmp_path):
     shutil.copytree(results_folder / "maps", tmp_path / "maps")
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
     assert_rejected(
@@ -233,12 +233,12 @@ def test_scale_heights_requires_compute_and_prints_table_or_json(results_folder,
         ("study", ("--scale-heights", "2", "--load", "1 uN", "--compute"), "needs two measured surfaces"),
     ],
 )  # fmt: skip
-def test_scale_heights_rejects_bad_input(results_folder, name, arguments, expected_message):
+def test_scale_heights_option_rejects_bad_input(results_folder, name, arguments, expected_message):
     assert_rejected(call_stiction("at", name, *arguments, cwd=results_folder), expected_message)
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_export_writes_netcdf_or_csv_and_replaces_no_file(results_folder, name, tmp_path):
+def test_export_command_writes_netcdf_or_csv_and_overwrites_no_file(results_folder, name, tmp_path):
     stiction_output("export", name, str(tmp_path / "r.nc"), cwd=results_folder)
     with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported:
         exported = exported.load()
@@ -258,7 +258,7 @@ def test_export_writes_netcdf_or_csv_and_replaces_no_file(results_folder, name, 
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", ["lines", "maps"])
-def test_run_extends_result_in_its_directory(results_folder, name, tmp_path):
+def test_run_command_adds_repetitions_to_a_result_directory(results_folder, name, tmp_path):
     shutil.copytree(results_folder / name, tmp_path / name)
     num_repetitions = open_stored(tmp_path / name).study.ensemble.repetitions
     stiction_output(
@@ -268,7 +268,7 @@ def test_run_extends_result_in_its_directory(results_folder, name, tmp_path):
     assert_rejected(call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=results_folder), "mu0")
 
 
-def test_plot_writes_given_formats_to_output_directory(results_folder, tmp_path, monkeypatch):
+def test_plot_command_writes_requested_formats_to_output_directory(results_folder, tmp_path, monkeypatch):
     calls = []
 
     def record_call(_, output_folder, *, formats):

@@ -65,7 +65,7 @@ def two_finishes(tmp_path_factory):
     return folder
 
 
-def test_calibrate_with_ball_stores_true_mu0_and_tau0(tmp_path):
+def test_calibrate_command_recovers_and_stores_mu0_and_tau0_of_ball_tests(tmp_path):
     write_table(tmp_path / "forces.csv", ball_test_rows())
     completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "-o", "film", cwd=tmp_path)
     first_line, *other_lines = completed.stdout.splitlines()
@@ -80,7 +80,7 @@ def test_calibrate_with_ball_stores_true_mu0_and_tau0(tmp_path):
     assert (tmp_path / "film.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_calibrate_determines_mu0_and_tau0_with_two_finishes_only(two_finishes):
+def test_calibrate_command_needs_two_finishes_to_separate_mu0_from_tau0(two_finishes):
     arguments = ["forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json"]
     record = json.loads(check_stiction("calibrate", *arguments, cwd=two_finishes, without_figures=True).stdout)
     assert (record["kind"], record["separated"]) == ("interface", True)
@@ -94,7 +94,7 @@ def test_calibrate_determines_mu0_and_tau0_with_two_finishes_only(two_finishes):
     assert "smooth ball" in single_pair.stdout
 
 
-def test_calibrate_warns_about_ball_beyond_yield(tmp_path):
+def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
     completed = check_stiction("calibrate", *options, cwd=tmp_path)
     assert "onset of yield" in completed.stderr
@@ -124,7 +124,7 @@ def test_calibrate_warns_about_ball_beyond_yield(tmp_path):
         ("load (mN),coefficient", ("0,5", "0,25"), "semicolons"),
     ],
 )
-def test_calibrate_rejects_contradictory_table(tmp_path, header, row, expected_words):
+def test_calibrate_command_rejects_contradictory_table(tmp_path, header, row, expected_words):
     write_table(tmp_path / "forces.csv", [row], header)
     assert_rejected(call_stiction("calibrate", "forces.csv", *BALL_OPTIONS, cwd=tmp_path), "forces.csv", expected_words)
 
@@ -145,12 +145,12 @@ def test_calibrate_rejects_contradictory_table(tmp_path, header, row, expected_w
         (("forces.csv", "--pair", ".", "--upper", "steel"), "not a result"),
     ],
 )
-def test_calibrate_rejects_conflicting_arguments(tmp_path, arguments, expected_words):
+def test_calibrate_command_rejects_conflicting_arguments(tmp_path, arguments, expected_words):
     write_table(tmp_path / "forces.csv", ball_test_rows())
     assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), expected_words)
 
 
-def test_calibrate_accepts_lower_bounds_and_semicolons(tmp_path):
+def test_calibrate_command_accepts_lower_bounds_and_semicolon_separators(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(
         f"{load};{coefficient};{0.03 * coefficient};1" for load, coefficient, _ in ball_test_rows()
     )
@@ -160,7 +160,7 @@ def test_calibrate_accepts_lower_bounds_and_semicolons(tmp_path):
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-16-le"])
-def test_tests_file_accepts_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
+def test_friction_test_file_accepts_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
     rows = [
         f"{1e3 * load:g};{load * coefficient:.6g};{0.03 * load * coefficient:.6g}"
         for load, coefficient, _ in ball_test_rows()
@@ -184,7 +184,7 @@ def test_tests_file_accepts_semicolons_and_decimal_commas_in_any_encoding(tmp_pa
         )
 
 
-def test_line_numbers_in_messages_count_quoted_line_breaks(tmp_path):
+def test_line_numbers_in_error_messages_count_quoted_line_breaks(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text('load (mN),coefficient,run\n1,0.2,"first\nrun"\n# a comment\n2,0.3,second\n3,much,third\n')
     with pytest.raises(ValueError, match="line 6: coefficient must be a number"):
@@ -197,7 +197,7 @@ def test_line_numbers_in_messages_count_quoted_line_breaks(tmp_path):
     ]
 
 
-def test_tests_file_converts_units_of_its_columns(tmp_path):
+def test_friction_test_file_units_are_converted(tmp_path):
     (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
     (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")
     for name in ("a.csv", "b.csv"):
@@ -213,7 +213,7 @@ def test_tests_file_converts_units_of_its_columns(tmp_path):
         ("--upper", "PMMA", "--lower", "glass"),
     ],
 )
-def test_calibrate_interval_of_tau0_contains_results_at_modulus_limits(tmp_path, ranges):
+def test_calibrated_interval_of_tau0_contains_fits_at_both_modulus_limits(tmp_path, ranges):
     write_table(tmp_path / "forces.csv", ball_test_rows())
     arguments = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
     completed = check_stiction(*arguments, *ranges, cwd=tmp_path, without_figures=True)
@@ -229,7 +229,7 @@ def test_calibrate_interval_of_tau0_contains_results_at_modulus_limits(tmp_path,
         assert interval["lower"] < tau0 < interval["upper"]
 
 
-def test_interfaces_lists_stored_interfaces_of_a_directory(tmp_path):
+def test_interfaces_command_lists_stored_interfaces_of_a_directory(tmp_path):
     write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "film", {"operator": "A. B."})
     (tmp_path / "notes.txt").write_text("nothing")
     completed = call_stiction("interfaces", ".", cwd=tmp_path)

@@ -68,7 +68,7 @@ def join_lines(text):
     return " ".join(text.split())
 
 
-def test_characterise_of_file_equals_library_with_profile(scans_folder, profile):
+def test_characterise_command_prints_library_results_of_a_profile(scans_folder, profile):
     levelled_profile = levelled(profile, "line")
     history, output_table, figure = run_characterise("scan.csv", cwd=scans_folder)
     assert join_lines(output_table) == normalized_table(characterisation_text(levelled_profile))
@@ -87,7 +87,7 @@ def test_characterise_of_file_equals_library_with_profile(scans_folder, profile)
 
 
 @pytest.mark.parametrize("file_name", ["scan.csv", "map.npy"])
-def test_characterise_prints_one_screen_without_verbose(scans_folder, file_name):
+def test_characterise_command_prints_at_most_40_lines_without_verbose(scans_folder, file_name):
     options = ("--unit", "um", "--spacing", "50 nm,100 nm") if file_name == "map.npy" else ()
     short_lines, all_lines = (
         check_stiction(
@@ -104,7 +104,7 @@ def test_characterise_prints_one_screen_without_verbose(scans_folder, file_name)
     assert set(short_lines) - {f"{num_omitted}{ending}", "wrote short.html, without a figure"} <= set(all_lines)
 
 
-def test_characterise_applies_unit_level_band_and_output(scans_folder, profile):
+def test_characterise_command_applies_unit_level_band_and_output_options(scans_folder, profile):
     profile_in_nm = Profile(profile.heights / 1000, spacing=0.01)
     history, output_table, figure = run_characterise(
         "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",
@@ -120,7 +120,7 @@ def test_characterise_applies_unit_level_band_and_output(scans_folder, profile):
     assert not any("levelled" in step for step in history)
 
 
-def test_characterise_handles_missing_points_and_selects_columns(scans_folder, profile):
+def test_characterise_command_handles_missing_points_and_selects_columns(scans_folder, profile):
     lines = (scans_folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     lines[100] = lines[100].split(",")[0] + ",nan"
     (scans_folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
@@ -141,7 +141,7 @@ def test_characterise_handles_missing_points_and_selects_columns(scans_folder, p
     assert history[:2] == ["read from wide.csv", "columns 1 (x (um)), 2 (z (um))"]
 
 
-def test_characterise_of_map_prints_roughness_of_surface_and_profiles(scans_folder, surface):
+def test_characterise_command_prints_roughness_of_a_map_and_its_profiles(scans_folder, surface):
     options = ["map.npy", "--unit", "um", "--spacing", "0.05 um,0.1 um"]
     history, output_table, figure = run_characterise(*options, cwd=scans_folder)
     assert join_lines(output_table) == normalized_table(characterisation_text(levelled(surface, "plane")))
@@ -157,7 +157,7 @@ def test_characterise_of_map_prints_roughness_of_surface_and_profiles(scans_fold
         assert history == ["read from map.npy", f"{option[2:]} 7", "levelled by a line"]
 
 
-def test_characterise_replaces_its_own_figure_only(scans_folder):
+def test_characterise_command_overwrites_only_its_own_figures(scans_folder):
     run_characterise("scan.csv", cwd=scans_folder)
     inode_before = (scans_folder / "scan.png").stat().st_ino
     run_characterise("scan.csv", "--band", "0.1 um,1 um", cwd=scans_folder)
@@ -168,7 +168,7 @@ def test_characterise_replaces_its_own_figure_only(scans_folder):
     assert (scans_folder / "scan.png").read_bytes() == photograph
 
 
-def test_characterise_report_shows_command_without_directories(scans_folder):
+def test_report_shows_characterise_command_without_directories(scans_folder):
     options = ["--level", "quadratic", "--tip", "2 um"]
     completed = call_stiction(
         "characterise", scans_folder / "scan.csv", *options, cwd=scans_folder, without_figures=True
@@ -186,7 +186,7 @@ def test_characterise_report_shows_command_without_directories(scans_folder):
     assert_rejected(completed, "alone.html: exists already")
 
 
-def test_characterise_writes_json_and_figure_together(scans_folder):
+def test_characterise_command_writes_json_and_figure_in_one_run(scans_folder):
     completed = check_stiction("characterise", "scan.csv", "--json", "-o", "look.png", cwd=scans_folder)
     assert completed.stderr == "stiction: wrote look.html\nstiction: wrote look.png\n"
     assert imread(scans_folder / "look.png").std() > 0.05
@@ -199,7 +199,7 @@ def test_characterise_writes_json_and_figure_together(scans_folder):
         assert value["at"] == {"file": "scan.csv"}
 
 
-def test_characterise_of_several_files_prints_one_table(scans_folder):
+def test_characterise_command_summarises_several_files_in_one_table(scans_folder):
     files = ["scan.csv", "map.npy"]
     options = ["--unit", "um", "--spacing", "10 nm"]
     completed = check_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=scans_folder)
@@ -246,7 +246,7 @@ def test_characterise_of_several_files_prints_one_table(scans_folder):
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
     ],
 )
-def test_characterise_rejects_bad_input(scans_folder, arguments, expected_message):
+def test_characterise_command_rejects_bad_input(scans_folder, arguments, expected_message):
     (scans_folder / "empty.csv").touch()
     completed = call_stiction("characterise", *arguments, cwd=scans_folder)
     assert_rejected(completed, expected_message)
@@ -254,14 +254,14 @@ def test_characterise_rejects_bad_input(scans_folder, arguments, expected_messag
     assert completed.stderr.startswith("stiction: ")
 
 
-def test_characterise_reads_stylus_profile(measured, tmp_path):
+def test_characterise_command_reads_stylus_profile(measured, tmp_path):
     history, output_table, _ = run_characterise(measured("dektak-1.csv"), cwd=tmp_path)
     assert "spacing 0.1562454 µm from its positions, declared as 0.156 µm" in history
     assert "Pq                  94.24 nm\n" in output_table
     assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in output_table
 
 
-def test_characterise_reads_map_of_atomic_force_microscope(measured, tmp_path):
+def test_characterise_command_reads_atomic_force_microscope_map(measured, tmp_path):
     pytest.importorskip("SurfaceTopography")
     history, output_table, _ = run_characterise(measured("di-4.di"), cwd=tmp_path)
     assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
@@ -279,7 +279,7 @@ def test_characterise_reads_map_of_atomic_force_microscope(measured, tmp_path):
 # ---- Scales ---------------------------------------------------------------------------------------------------------
 
 
-def test_characterise_filters_at_cutoff_and_reports_blunt_tip(scans_folder, profile):
+def test_characterise_command_filters_at_cutoff_and_reports_blunt_tip(scans_folder, profile):
     filtered_profile = cut_off(levelled(profile, "line"), 0.5)
     history, output_table, _ = run_characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=scans_folder)
     assert history[-1] == filtered_profile.history[-1]
@@ -290,7 +290,7 @@ def test_characterise_filters_at_cutoff_and_reports_blunt_tip(scans_folder, prof
     assert_rejected(call_stiction("characterise", "scan.csv", "--cutoff", "20 um", cwd=scans_folder), "--cutoff")
 
 
-def test_characterise_joins_spectra_of_several_scans(scans_folder):
+def test_characterise_command_joins_spectra_of_several_scans(scans_folder):
     surface = self_affine_surface(2, hurst_exponent=0.8, rms=0.05, shape=(256, 256), spacing=0.02)
     fine_heights, coarse_heights = surface.heights[:128, :128], surface.heights[::4, ::4]
     write_surface(Surface(coarse_heights, spacing=0.08), scans_folder / "coarse.npy")
@@ -319,7 +319,7 @@ def test_characterise_joins_spectra_of_several_scans(scans_folder):
     np.testing.assert_allclose(record["spectrum"]["rms_gradient"], joined.roughness().gradient)
 
 
-def test_characterise_repeated_writes_mean_scan_and_noise(tmp_path):
+def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     profile = self_affine(3, hurst_exponent=0.8, rms=0.1, points=3000, spacing=0.01, shortest_wavelength=0.2)
     random = np.random.default_rng(1)
     for name, first_point in (("a.csv", 0), ("b.csv", 25)):
@@ -363,7 +363,7 @@ def test_dry_run_prints_layout_points_and_units_of_files(scans_folder):
     )
 
 
-def test_undeclared_missing_value_is_a_caveat(scans_folder):
+def test_undeclared_missing_value_code_is_reported_as_a_caveat(scans_folder):
     heights = np.load(scans_folder / "heights.npy")
     heights[[5, 70]] = -9999
     np.save(scans_folder / "codes.npy", heights)

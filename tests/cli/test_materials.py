@@ -7,7 +7,7 @@ from stiction import materials
 from support.command import assert_rejected, call_stiction, check_stiction
 
 
-def test_materials_lists_all_within_terminal_width(tmp_path):
+def test_materials_command_lists_all_materials_within_terminal_width(tmp_path):
     completed = check_stiction("materials", cwd=tmp_path, columns=80)
     assert max(map(len, completed.stdout.splitlines())) <= 80
     for entry in materials():
@@ -15,7 +15,7 @@ def test_materials_lists_all_within_terminal_width(tmp_path):
         assert " ".join((entry.hardness or entry.young_modulus).source.split()) in " ".join(completed.stdout.split())
 
 
-def test_materials_accepts_any_alias_of_a_material(tmp_path):
+def test_materials_command_accepts_any_alias_of_a_material(tmp_path):
     completed = call_stiction("materials", "steel", "--json", cwd=tmp_path)
     (entry,) = json.loads(completed.stdout)["materials"]
     assert entry["name"] == "mild steel"

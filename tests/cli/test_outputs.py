@@ -51,7 +51,7 @@ OUTPUTS_OF_COMMANDS = [
 
 @pytest.mark.parametrize(("arguments", "name"), OUTPUTS_OF_COMMANDS)
 @pytest.mark.parametrize("kind", ["file", "link", "dangling"])
-def test_command_does_not_replace_foreign_file(scans_folder, arguments, name, kind):
+def test_command_does_not_overwrite_a_foreign_file(scans_folder, arguments, name, kind):
     path, target = scans_folder / name, scans_folder / "elsewhere"
     path.parent.mkdir(exist_ok=True)
     if kind != "dangling":
@@ -66,7 +66,7 @@ def test_command_does_not_replace_foreign_file(scans_folder, arguments, name, ki
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
-def test_files_of_pair_agree_with_study_that_another_command_stored(scans_folder):
+def test_pair_files_are_written_from_the_study_that_is_stored_at_that_time(scans_folder):
     check_stiction(*PAIR_COMMAND, cwd=scans_folder)
     folder = scans_folder / "pair"
     result, report = open_result(folder), (folder / "report.html").read_bytes()
@@ -79,7 +79,7 @@ def test_files_of_pair_agree_with_study_that_another_command_stored(scans_folder
 
 
 @pytest.mark.parametrize("scan_name", ["result.csv", "onset.csv"])
-def test_pair_does_not_replace_its_own_scan(scans_folder, scan_name):
+def test_pair_command_does_not_overwrite_its_input_scan(scans_folder, scan_name):
     content = (scans_folder / "upper.csv").rename(scans_folder / scan_name).read_bytes()
     assert_rejected(
         call_stiction("pair", scan_name, *PAIR_COMMAND[2:], "-o", ".", cwd=scans_folder), f"{scan_name}: exists"
@@ -94,7 +94,7 @@ def test_pair_does_not_replace_its_own_scan(scans_folder, scan_name):
         (TABLE_COMMAND, ("table.csv", "laws.csv", "table.nc")),
     ],
 )
-def test_command_replaces_its_own_output(scans_folder, arguments, names):
+def test_command_overwrites_its_own_output(scans_folder, arguments, names):
     check_stiction(*arguments, cwd=scans_folder)
     output_folder = scans_folder / arguments[0]
     inodes = {name: (output_folder / name).stat().st_ino for name in names}
@@ -102,14 +102,14 @@ def test_command_replaces_its_own_output(scans_folder, arguments, names):
     assert all((output_folder / name).stat().st_ino != inode for name, inode in inodes.items())
 
 
-def test_characterise_rejects_repeated_scan_as_output(scans_folder):
+def test_characterise_command_rejects_a_repeated_scan_as_output_file(scans_folder):
     content = (scans_folder / "upper.csv").read_bytes()
     completed = call_stiction(*CHARACTERISE_COMMAND, "--repeated", "--output", "upper.csv", cwd=scans_folder)
     assert_rejected(completed, "upper.csv: exists already")
     assert (scans_folder / "upper.csv").read_bytes() == content
 
 
-def test_export_on_full_disk_leaves_no_file(scans_folder, monkeypatch):
+def test_export_command_leaves_no_file_on_a_full_disk(scans_folder, monkeypatch):
     check_stiction(*PAIR_COMMAND, cwd=scans_folder)
 
     def write_half(path, text, **_):
@@ -123,7 +123,7 @@ def test_export_on_full_disk_leaves_no_file(scans_folder, monkeypatch):
 
 
 @pytest.mark.parametrize("first_character", ["=", "+", "-", "@"])
-def test_csv_escapes_file_names_that_start_like_formulas(scans_folder, first_character):
+def test_csv_table_escapes_file_names_that_start_like_formulas(scans_folder, first_character):
     name = f"{first_character}cmd.csv"
     (scans_folder / "upper.csv").rename(scans_folder / name)
     check_stiction("characterise", "--output", "t.csv", "--", name, "lower.csv", cwd=scans_folder)
@@ -134,7 +134,7 @@ def test_csv_escapes_file_names_that_start_like_formulas(scans_folder, first_cha
     assert np.isfinite(float(rows[0]["Ssk"]))
 
 
-def test_pair_prints_estimated_time_of_long_computations(scans_folder, monkeypatch):
+def test_pair_command_prints_estimated_time_of_long_computations_only(scans_folder, monkeypatch):
     assert "computing" not in check_stiction(*PAIR_COMMAND, "-o", "short", cwd=scans_folder).stderr
     monkeypatch.setattr(pipeline, "MIN_ANNOUNCED_TIME", 0.0)
     assert "computing 2 repetitions: about " in check_stiction(*PAIR_COMMAND, "-o", "long", cwd=scans_folder).stderr

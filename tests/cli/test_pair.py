@@ -156,14 +156,14 @@ REPETITIONS_KEY = "ensemble.repetitions"
         ),
     ],
 )
-def test_pair_option_sets_key_of_study(scans_folder, files, options, values):
+def test_pair_option_sets_its_key_in_the_study(scans_folder, files, options, values):
     load = [] if "--load" in options else LOAD_OPTION
     study = parse_study(scans_folder, *files, *MATERIAL_OPTIONS, *load, *options)
     for key, value in values.items():
         assert read_key(study, key) == value
 
 
-def test_gap_map_is_only_levelled_and_used_at_one_position(scans_folder):
+def test_gap_map_is_pressed_as_given_at_one_position_and_only_levelled(scans_folder):
     study = parse_study(scans_folder, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "fixed")
     assert study.surfaces.level == "mean"
     study = parse_study(
@@ -185,7 +185,7 @@ def test_gap_map_is_only_levelled_and_used_at_one_position(scans_folder):
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_closure_stiffness_exceeds_contact_stiffness_in_half_space_only(scans_folder, mechanics):
+def test_closure_stiffness_exceeds_contact_stiffness_in_half_space_model_only(scans_folder, mechanics):
     study = parse_study(scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mechanics", mechanics)
     upper, lower = load_bodies(study).member(0, 0.0).pair
     result = solve_at_loads(study, upper, lower, unloads=True)
@@ -204,7 +204,7 @@ def test_study_rejects_free_tilt_with_periodic_boundary(scans_folder):
         study.with_changes({"contact.boundary": "periodic"})
 
 
-def test_study_has_checksums_of_files_and_travel(scans_folder):
+def test_study_of_profiles_contains_file_checksums_and_travel(scans_folder):
     study = parse_study(
         scans_folder, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--travel", "2 um", "--offsets", 1
     )
@@ -219,7 +219,7 @@ def test_study_has_checksums_of_files_and_travel(scans_folder):
     assert 1.5 < max(offsets) <= 2
 
 
-def test_young_and_poisson_give_effective_modulus_and_compliance_fraction(scans_folder):
+def test_young_and_poisson_options_set_effective_modulus_and_compliance(scans_folder):
     arguments = ["--young", "20 GPa,30 GPa", "--poisson", "0.3,0.2", "--mu0", "0.3", "--mechanics", "half-space"]
     contact = parse_study(scans_folder, *PROFILE_FILES, *arguments, *LOAD_OPTION).contact
     modulus = float(effective_modulus(20.0, 0.3, 30.0, 0.2))
@@ -227,7 +227,7 @@ def test_young_and_poisson_give_effective_modulus_and_compliance_fraction(scans_
     assert contact.compliance_share == pytest.approx(modulus * (1 - 0.2**2) / 30)
 
 
-def test_hardness_of_jackson_green_is_2_84_times_yield_strength(scans_folder):
+def test_jackson_green_hardness_is_2_84_times_yield_strength(scans_folder):
     arguments = [*PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--law", "jackson-green", "--poisson", "0.3"]
     law_by_hardness, law_by_yield_strength = (parse_study(scans_folder, *arguments, *option).contact.law for option in
                   (("--hardness", "568 MPa"), ("--yield-strength", "200 MPa")))  # fmt: skip
@@ -235,7 +235,7 @@ def test_hardness_of_jackson_green_is_2_84_times_yield_strength(scans_folder):
     assert law_by_hardness.poisson_ratio == 0.3
 
 
-def test_load_steps_extend_beyond_the_requested_loads_up_to_hardness(scans_folder):
+def test_load_steps_extend_beyond_requested_loads_but_not_above_hardness(scans_folder):
     steps = parse_study(scans_folder, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION).contact.steps()
     assert steps[[0, -1]] == pytest.approx([0.02 / 30, 0.02 * 30])
     assert 0.02 in steps
@@ -251,7 +251,7 @@ def test_load_steps_extend_beyond_the_requested_loads_up_to_hardness(scans_folde
         np.testing.assert_array_equal(study.contact.steps(), check_study.contact.steps())
 
 
-def test_named_materials_give_modulus_hardness_and_yield_strength(scans_folder):
+def test_material_names_set_modulus_hardness_and_yield_strength(scans_folder):
     from stiction.mechanics.materials import compliance_fraction, material, softer_hardness
 
     steel, brass = material("steel"), material("brass")
@@ -280,7 +280,7 @@ def test_named_materials_give_modulus_hardness_and_yield_strength(scans_folder):
         parse_study(scans_folder, *MAP_ARGUMENTS, *arguments, "--hardness", "1 GPa")
 
 
-def test_smallest_load_has_no_lower_steps(scans_folder):
+def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed(scans_folder):
     steps = parse_study(
         scans_folder, *PROFILE_FILES, "--mu0", "0.3", "--effective-modulus", "10 GPa", "--load", "1e-12 mN"
     ).contact.steps()
@@ -371,13 +371,13 @@ def test_smallest_load_has_no_lower_steps(scans_folder):
         ([*MAP_ARGUMENTS, "--direction", "0,360"], ["direction"]),
     ],
 )
-def test_pair_rejects_bad_input(scans_folder, arguments, expected_words):
+def test_pair_command_rejects_bad_input(scans_folder, arguments, expected_words):
     completed = call_stiction("pair", *MATERIAL_OPTIONS, *LOAD_OPTION, "--output", "bad", *arguments, cwd=scans_folder)
     assert_rejected(completed, *expected_words)
     assert not (scans_folder / "bad" / "blocks").exists()
 
 
-def test_preview_and_check_ignore_dwell_time(scans_folder):
+def test_preview_and_model_check_ignore_dwell_time(scans_folder):
     dwell_time_options = ["--hardness", "1 GPa", "--wait", "1 h,1 min,1 h", "--creep", "0.03", "--check"]
     parsed_pair = parse_pair(scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, *dwell_time_options)
     with contextlib.chdir(scans_folder):
@@ -385,7 +385,7 @@ def test_preview_and_check_ignore_dwell_time(scans_folder):
         assert not parsed_pair.preview_study.friction.wait
 
 
-def test_csv_table_and_json_have_equal_intervals(scans_folder, tmp_path):
+def test_csv_table_and_json_output_have_equal_intervals(scans_folder, tmp_path):
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--shifts", 4, "--direction", "0,90", "--onset", 0]
     call_stiction(
         "pair",
@@ -413,7 +413,7 @@ def test_csv_table_and_json_have_equal_intervals(scans_folder, tmp_path):
 @pytest.mark.parametrize(
     "bodies", [["hole.csv", "lower.csv", "--offsets", 2], ["--gap", "hole.npy", *MAP_ARGUMENTS[2:]]]
 )
-def test_pair_writes_report_of_scans_with_missing_points(scans_folder, tmp_path, bodies):
+def test_pair_command_writes_report_of_scans_with_missing_points(scans_folder, tmp_path, bodies):
     profile_heights, map_heights = create_profile("upper").heights.copy(), create_surface("upper").heights.copy()
     profile_heights[300:340] = map_heights[10:14, 20:26] = np.nan
     np.savetxt(
@@ -441,7 +441,7 @@ def test_pair_writes_report_of_scans_with_missing_points(scans_folder, tmp_path,
         ),
     ],
 )
-def test_pair_rejects_files_as_materials_and_missing_materials(scans_folder, arguments, expected_words):
+def test_pair_command_rejects_missing_materials_and_file_names_as_materials(scans_folder, arguments, expected_words):
     assert_rejected(call_stiction("pair", *arguments, *LOAD_OPTION, "--mu0", "0.3", cwd=scans_folder), *expected_words)
 
 
@@ -539,7 +539,7 @@ RUBBER_OPTIONS = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--ta
     ],
     ids=["lapped", "ground", "rubber", "maps", "honed"],
 )
-def test_pair_output_fits_24_lines(scans_folder, arguments, tmp_path):
+def test_pair_command_output_fits_on_24_lines(scans_folder, arguments, tmp_path):
     completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", cwd=scans_folder, columns=80)
     # The paths are not counted: they are longer here than in the current directory.
     text_before_paths, _, paths = (completed.stderr + completed.stdout).partition("wrote ")
@@ -561,7 +561,7 @@ def test_pair_output_fits_24_lines(scans_folder, arguments, tmp_path):
     assert not repeated_values
 
 
-def test_value_and_assessment_are_bold_on_terminals_only(capsys, monkeypatch):
+def test_friction_value_and_assessment_are_bold_on_terminals_only(capsys, monkeypatch):
     text = "μ_s = 0.29 [0.24, 0.42]  if all\nQuote with care; measure\nQuote withers\n"
     print_output(text)
     assert capsys.readouterr().out == text
@@ -630,7 +630,7 @@ def result_of_maps(scans_folder):
     return completed
 
 
-def test_pair_stores_results_files_and_check_for_repeated_command(scans_folder, run_with_check, result_of_maps):
+def test_pair_command_stores_results_files_and_model_check_for_reuse(scans_folder, run_with_check, result_of_maps):
     for folder in ("pair", "pair/half-space", "areas"):
         stored = store.read(scans_folder / folder)
         result = run(Study.from_toml(scans_folder / folder / "study.toml")).dataset
@@ -647,7 +647,7 @@ def test_pair_stores_results_files_and_check_for_repeated_command(scans_folder, 
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_pair_resumes_with_same_options_and_rejects_others(scans_folder, result_of_maps):
+def test_pair_command_resumes_with_equal_options_and_rejects_other_options(scans_folder, result_of_maps):
     command = [
         "pair",
         *MAP_ARGUMENTS,
@@ -671,7 +671,7 @@ def test_pair_resumes_with_same_options_and_rejects_others(scans_folder, result_
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_pair_with_changed_tau0_reuses_stored_repetitions(scans_folder):
+def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
     command = (
         "pair",
         *MAP_ARGUMENTS,
@@ -694,7 +694,7 @@ def test_pair_with_changed_tau0_reuses_stored_repetitions(scans_folder):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_pair_replaces_files_of_a_concurrent_writer(scans_folder, monkeypatch):
+def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeypatch):
     """Two equal commands in one directory write the same files, and both must succeed."""
     from stiction.studies import contact_picture, onset
 
@@ -729,7 +729,7 @@ def test_pair_replaces_files_of_a_concurrent_writer(scans_folder, monkeypatch):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_pair_in_two_parts_completes_result(scans_folder):
+def test_pair_command_in_two_parts_completes_the_result(scans_folder):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
         check_stiction(*arguments, "--part", part, cwd=scans_folder)
@@ -739,7 +739,7 @@ def test_pair_in_two_parts_completes_result(scans_folder):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_run_rejects_changed_scan_file(scans_folder):
+def test_run_command_rejects_changed_scan_file(scans_folder):
     arguments = [
         "pair",
         "scan.npy",
@@ -763,7 +763,7 @@ def test_run_rejects_changed_scan_file(scans_folder):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_pair_of_stylus_profile_with_itself_shifts_by_travel(measured, tmp_path):
+def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured, tmp_path):
     file = measured("dektak-1.csv")
     shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
     check_stiction("pair", file, file, *MATERIAL_OPTIONS, *shifted, cwd=tmp_path)
@@ -773,7 +773,7 @@ def test_pair_of_stylus_profile_with_itself_shifts_by_travel(measured, tmp_path)
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("lines", [4, 16])  # the mean of four lines has no interval
-def test_pair_of_afm_map_and_surrogate_is_computed(measured, tmp_path, lines):
+def test_pair_command_computes_an_afm_map_with_its_surrogates(measured, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
     arguments = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
@@ -797,7 +797,7 @@ def two_maps(tmp_path_factory):
     return folder, options, json.loads(completed.stdout)
 
 
-def test_pair_reports_resolution_and_plastic_limit(two_maps):
+def test_pair_command_reports_resolution_and_plastic_limit(two_maps):
     folder, _, record = two_maps
     resolution, answer = record["resolution"], record["answers"][0]
     assert resolution["waves"]["shortest_um"] == pytest.approx(0.2)
@@ -814,7 +814,7 @@ def test_pair_reports_resolution_and_plastic_limit(two_maps):
     assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in pair_folder.iterdir()}
 
 
-def test_pair_reports_onset_of_sliding(two_maps):
+def test_pair_command_reports_onset_of_sliding(two_maps):
     folder, arguments, record = two_maps
     onset = record["onset"]
     assert onset["members"] == 3
@@ -830,7 +830,7 @@ def test_pair_reports_onset_of_sliding(two_maps):
     assert "plastic limit" in completed.stdout
 
 
-def test_scan_with_noise_band_is_computed_with_and_without_filter(tmp_path):
+def test_scan_with_a_band_of_noise_is_computed_with_and_without_filter(tmp_path):
     clean = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
     frequency = np.fft.rfftfreq(1500, 0.0167)
     phases = np.exp(2j * np.pi * np.random.default_rng(3).uniform(size=frequency.size))
@@ -901,7 +901,7 @@ def test_declared_texture_prevents_filtering_and_unknown_texture_is_rejected():
         stiction.pair(profile_with_line, clean, texture="shiny", **options)
 
 
-def test_profiles_of_hard_materials_use_the_half_space(scans_folder):
+def test_profiles_of_metals_use_the_half_space_model_by_default(scans_folder):
     options = ["--mu0", "0.3", *LOAD_OPTION, "--upper", "steel"]
     assert parse_study(scans_folder, *PROFILE_FILES, *options, "--lower", "brass").contact.mechanics == "half-space"
     assert (
@@ -916,7 +916,7 @@ def test_profiles_of_hard_materials_use_the_half_space(scans_folder):
         assert parse_study(scans_folder, *PROFILE_FILES, *options, *asperity_options).contact.mechanics == "asperities"
 
 
-def test_width_converts_force_to_force_on_one_strip(scans_folder):
+def test_width_option_converts_the_load_to_the_load_on_one_strip(scans_folder):
     arguments = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
     study = parse_study(scans_folder, *PROFILE_FILES, *arguments, "--load", "5 N", "--width", "5 mm")
     assert [float(load) for load in study.friction.load] == [1.0]
@@ -930,7 +930,7 @@ def test_width_converts_force_to_force_on_one_strip(scans_folder):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_result_of_profiles_lists_its_assumptions(scans_folder, tmp_path):
+def test_result_of_profiles_states_its_assumptions(scans_folder, tmp_path):
     arguments = ["pair", *PROFILE_FILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
     record = json.loads(
         check_stiction(*arguments, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=scans_folder).stdout

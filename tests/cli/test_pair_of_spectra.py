@@ -78,7 +78,7 @@ def spectra_folder(tmp_path_factory, surfaces, spectra):
 # ---- Computed pairs ------------------------------------------------------------------------------------------------
 
 
-def test_surrogates_have_given_spectra_and_equal_phases_at_all_cutoffs(spectra):
+def test_surrogates_have_the_given_spectra_and_equal_phases_at_all_cutoffs(spectra):
     pairs = SpectrumPairs(*spectra)
     assert pairs.spacing[0] == pytest.approx(min(spectrum.shortest for spectrum in spectra) / 4)
     assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side / pairs.spacing[0], abs=4)
@@ -99,7 +99,7 @@ def test_surrogates_have_given_spectra_and_equal_phases_at_all_cutoffs(spectra):
     assert SpectrumPairs(*spectra, cut_off=(0.4, 0.4), finest=0.4).spacing[0] == pytest.approx(0.1)
 
 
-def test_pair_of_joined_spectra_gives_friction_of_full_surfaces(spectra, surfaces):
+def test_friction_interval_from_joined_spectra_contains_friction_of_full_surfaces(spectra, surfaces):
     elastic_options = {name: value for name, value in MATERIAL_OPTIONS.items() if name != "hardness"} | {
         "load": "200 MPa"
     }
@@ -121,7 +121,7 @@ def test_pair_of_joined_spectra_gives_friction_of_full_surfaces(spectra, surface
     )  # A coarse scan lacks the short wavelengths, which determine the area.
 
 
-def test_result_of_spectra_supports_other_commands(spectra_folder):
+def test_result_of_spectra_is_accepted_by_the_other_commands(spectra_folder):
     completed = check_stiction(
         "pair",
         "upper.csv",
@@ -150,7 +150,7 @@ def test_result_of_spectra_supports_other_commands(spectra_folder):
     assert cutoffs[1] == pytest.approx(read_spectrum(spectra_folder / "upper.csv").shortest, rel=1e-3)
 
 
-def test_pair_accepts_spectrum_and_scan(spectra_folder, surfaces, spectra):
+def test_pair_command_accepts_a_spectrum_with_a_scan(spectra_folder, surfaces, spectra):
     command = ["pair", "upper.csv", "lower.npy", *COMMAND_OPTIONS, "--surrogates", "2", "--output", "mixed"]
     check_stiction(*command, cwd=spectra_folder, without_figures=True)
     changed_folder = spectra_folder / "changed"
@@ -181,7 +181,7 @@ REJECTED_OUTPUT = ["--output", "rejected"]
         (["characterise", "upper.csv", "--output", "rejected.html"], "spectrum"),
     ],
 )
-def test_pair_of_spectra_rejects_options_of_scans(spectra_folder, arguments, expected_words):
+def test_pair_command_rejects_options_of_scans_for_spectra(spectra_folder, arguments, expected_words):
     assert_rejected(call_stiction(*arguments, cwd=spectra_folder), expected_words)
 
 
@@ -207,7 +207,7 @@ def test_spectrum_file_preserves_all_digits(spectra, tmp_path):
         write_spectrum("joined", tmp_path / "other.csv")
 
 
-def test_pair_accepts_spectrum_from_plain_table(tmp_path):
+def test_pair_accepts_a_spectrum_from_a_plain_table(tmp_path):
     wave_numbers = np.geomspace(1.0, 30.0, 8)
     rows = "".join(f"{wave_number!r},{1e-4 * wave_number**-3.6!r}\n" for wave_number in wave_numbers.tolist())
     (tmp_path / "table.csv").write_text("wave number (1/um),C2D (um4)\n" + rows)
@@ -233,7 +233,7 @@ def test_pair_accepts_spectrum_from_plain_table(tmp_path):
         ("", "is not a table"),
     ],
 )
-def test_read_spectrum_rejects_bad_file(tmp_path, text, expected_message):
+def test_read_spectrum_rejects_bad_files(tmp_path, text, expected_message):
     (tmp_path / "bad.csv").write_text(text)
     with pytest.raises(ValueError, match=expected_message):
         read_spectrum(tmp_path / "bad.csv")
