@@ -90,7 +90,7 @@ SPACING_TOLERANCE = 0.03
     ],
     ids=["hard ball", "ball", "smooth", "rough", "silicone", "complete"],
 )
-def test_adhesive_contact_is_a_minimum_of_energy_up_to_the_pull_off_force(case):
+def test_adhesive_contact_minimizes_energy_up_to_the_pull_off_force(case):
     bodies, adhesive = case
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     gap, area = -bodies[1].heights, bodies[0].heights.size * bodies[0].spacing[0] ** 2
@@ -132,7 +132,7 @@ def test_adhesive_contact_agrees_with_tamaas_at_equal_mean_gap(rms, modulus, loa
 
 
 @pytest.mark.parametrize("tabor", [0.3, 1.0, 1.7])
-def test_sphere_has_pull_off_of_maugis_for_any_period(tabor):
+def test_pull_off_force_of_sphere_equals_maugis_for_any_period(tabor):
     bodies, adhesive = ball(tabor)
     assert tabor_parameter(1.0, 1.0, **{name: adhesive[name] for name in ("work_of_adhesion", "adhesion_range")}) == (
         pytest.approx(tabor)
@@ -149,7 +149,7 @@ def test_sphere_has_pull_off_of_maugis_for_any_period(tabor):
 
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
-def test_sphere_with_dugdale_attraction_equals_maugis_on_any_grid(tabor, monkeypatch):
+def test_sphere_with_dugdale_attraction_agrees_with_maugis_on_any_grid(tabor, monkeypatch):
     """Check that the law of an exponential attraction, not the grid or the edge, causes differences from Maugis."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
@@ -170,7 +170,7 @@ def test_sphere_with_dugdale_attraction_equals_maugis_on_any_grid(tabor, monkeyp
     assert np.sqrt(curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=MAUGIS_TOLERANCE)
 
 
-def test_adhesive_cylinder_equals_solution_of_barquins():
+def test_adhesive_cylinder_equals_barquins_solution():
     """Check F = π E* a²/(4R) - (2π E* w a)^(1/2) per µm of length (Barquins, The Journal of Adhesion 26 (1988) 1)."""
     work, length = 1e-6, 1024
     radius = (2 * work / np.pi) ** (1 / 3)  # at pull-off
@@ -185,7 +185,7 @@ def test_adhesive_cylinder_equals_solution_of_barquins():
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.6])
-def test_adhesive_sinusoid_follows_johnson_and_jumps_into_full_contact(alpha):
+def test_adhesive_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
     """Check p/p* = sin²s - α (tan s)^(1/2), s = πa/λ (Johnson, Int. J. Solids Structures 32 (1995) 423).
 
     Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it at a smaller
@@ -215,7 +215,7 @@ PULL_OFF_TOLERANCE = 0.01
 
 
 @pytest.mark.parametrize("tension", [1.02, 1.05, 1.13, 1.7, 2.3])
-def test_pull_off_from_full_contact_of_sinusoid_equals_opening_load(tension):
+def test_pull_off_force_of_sinusoid_in_full_contact_equals_opening_load(tension):
     """Complete contact under a load of 0.05 p* opens where the lowest pressure is 0: at a tension of w/ρ - p*."""
     points, height = 512, 0.005
     x, full = np.arange(points) / points, np.pi * height
@@ -237,7 +237,7 @@ def test_pull_off_from_full_contact_of_sinusoid_equals_opening_load(tension):
         half_space(*bodies, [*loads, -(1 + PULL_OFF_TOLERANCE) * opening], boundary="periodic", **adhesive)
 
 
-def test_pull_off_of_rough_surfaces_is_the_largest_local_maximum():
+def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum():
     shape = {"shape": (64, 64), "spacing": 0.01, "hurst_exponent": 0.769, "rms": 3.39e-3, "shortest_wavelength": 0.08}
     bodies = [
         self_affine_surface(4, side=side, longest_wavelength=longest, **shape)
@@ -265,7 +265,7 @@ def soft_in_complete_contact():
     return rough(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
 
 
-def test_attraction_decreases_at_all_points_as_the_load_decreases_to_pull_off():
+def test_attraction_decreases_everywhere_as_the_load_decreases_to_pull_off():
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     attraction = Attraction(curve._problem, tolerance=1e-6, report=None)
@@ -284,7 +284,7 @@ def test_attraction_decreases_at_all_points_as_the_load_decreases_to_pull_off():
     assert not attraction.relax(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
 
 
-def test_pull_off_is_lower_bound_if_no_load_is_tried(monkeypatch):
+def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_tried(monkeypatch):
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert not curve.pull_off_is_bound
@@ -295,7 +295,7 @@ def test_pull_off_is_lower_bound_if_no_load_is_tried(monkeypatch):
         assert 0 < short.pull_off < curve.pull_off
 
 
-def test_pull_off_is_lower_bound_if_load_is_undecided(monkeypatch):
+def test_pull_off_force_is_a_lower_bound_if_a_tensile_load_is_undecided(monkeypatch):
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert curve.contact(0).pressure.all()
@@ -304,7 +304,7 @@ def test_pull_off_is_lower_bound_if_load_is_undecided(monkeypatch):
 
 
 @pytest.mark.parametrize("case", [rough(1e-3, 5e-5), rough(3e-3, 5e-5, modulus=2.0, length=2e-3)], ids=["hard", "soft"])
-def test_work_of_loading_and_unloading_equals_change_of_energy(case):
+def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
     """Check that the work over a closed loop is the energy lost in jumps, which is 0 without jumps."""
     bodies, adhesive = case
     area, free = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesive)
@@ -326,7 +326,7 @@ def test_work_of_loading_and_unloading_equals_change_of_energy(case):
 
 
 @pytest.mark.soak
-def test_random_problems_are_solved_and_most_pull_off_forces_are_certain():
+def test_random_adhesive_problems_converge_and_few_pull_off_forces_are_bounds():
     """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
 
     Some of them have a hardness.
@@ -360,7 +360,7 @@ def test_maugis_dugdale_tends_to_jkr_and_dmt():
         assert np.isnan(law(-1.0, 1.0, 1.0, **work)[0])
 
 
-def test_pull_off_of_summits_is_the_sum_over_their_heights():
+def test_fuller_tabor_pull_off_equals_the_sum_over_summit_heights():
     radius, modulus, work = 2.0, 1.3, 1e-3
     a = np.geomspace(1e-3, 3.0, 200_000)
     force = 4 * modulus * a**3 / (3 * radius) - np.sqrt(8 * np.pi * work * modulus * a**3)
@@ -380,7 +380,7 @@ def test_pull_off_of_summits_is_the_sum_over_their_heights():
         assert left[place] == pytest.approx(-min(stored) / (1.5 * np.pi * work * radius), rel=0.01)
 
 
-def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_load():
+def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_loads():
     bodies, adhesive = rough(1e-3, 5e-5)
     loads = np.array([0.01, 0.0, -0.001])
     curve = half_space(*bodies, loads, boundary="periodic", sliding="all", **adhesive)
@@ -394,7 +394,7 @@ def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_load():
     assert curve.with_sliding("opposing").normal_elastic == pytest.approx(curve.normal_elastic)
 
 
-def test_zero_work_of_adhesion_changes_no_bits():
+def test_zero_work_of_adhesion_gives_bit_identical_results():
     bodies, adhesive = ball(1.0)
     plain = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0)
     none = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0, work_of_adhesion="0 J/m^2", adhesion_range="1 nm")
@@ -405,7 +405,7 @@ def test_zero_work_of_adhesion_changes_no_bits():
     assert little.contact_area == pytest.approx(plain.contact_area, rel=1e-6)
 
 
-def test_pull_off_is_found_if_two_iterations_change_nothing():
+def test_pull_off_force_is_computed_if_two_iterations_change_nothing():
     """Solve a case in which two consecutive iterations change nothing, so that the ratio of their changes is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
     heights = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]
@@ -420,7 +420,7 @@ def test_pull_off_is_found_if_two_iterations_change_nothing():
     assert curve.pull_off > 0
 
 
-def test_half_space_rejects_bad_adhesion():
+def test_half_space_rejects_bad_adhesion_arguments():
     bodies, adhesive = ball(1.0)
     with pytest.raises(ValueError, match="strictly increasing or strictly decreasing"):
         half_space(*bodies, [1.0, 0.0, 1.0], **adhesive)
@@ -436,7 +436,7 @@ def test_half_space_rejects_bad_adhesion():
         half_space(*bodies, [-2 * np.pi * adhesive["work_of_adhesion"]], **adhesive)
 
 
-def test_adhesion_range_below_grid_resolution_is_increased_with_warning():
+def test_adhesion_range_below_grid_resolution_is_increased_with_a_warning():
     bodies, adhesive = ball(1.0)
     with pytest.warns(UserWarning, match="adhesion_range = 0.1 nm is increased to"):
         curve = half_space(*bodies, [0.0], **adhesive | {"adhesion_range": 1e-4})
@@ -444,7 +444,7 @@ def test_adhesion_range_below_grid_resolution_is_increased_with_warning():
 
 
 @pytest.mark.parametrize(("modulus", "length", "rms"), [(80.0, 5e-4, 1e-3), (2.0, 2e-3, 5e-3)])
-def test_pull_off_is_independent_of_spacing(modulus, length, rms):
+def test_pull_off_force_is_independent_of_grid_spacing(modulus, length, rms):
     values = []
     for points in (64, 128, 256):
         draw, x = np.random.default_rng(1), np.arange(points) / points

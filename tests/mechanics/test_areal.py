@@ -72,7 +72,7 @@ def assert_sums_close(one, other, tolerance, names=DIRECTION_FREE_SUMS + DIRECTI
 class TestArealReference:
     @pytest.mark.parametrize("sliding", ["opposing", "all"])
     @pytest.mark.parametrize("curvature", ["signed", "convex"])
-    def test_sums_equal_reference(self, sliding, curvature):
+    def test_areal_load_sums_equal_reference(self, sliding, curvature):
         total = 0
         for seed in (3, 4):
             upper, lower = rough_pair(seed)
@@ -92,7 +92,7 @@ class TestArealReference:
                         assert abs(getattr(curve, name)[row, k] - expected[name]) <= INDEPENDENT_TOLERANCE * size
         assert total > 20
 
-    def test_contacts_equal_reference(self):
+    def test_areal_contacts_equal_reference(self):
         upper, lower = rough_pair()
         table = contacts(upper, lower, 0.15, direction=20.0)
         result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.15)
@@ -119,7 +119,7 @@ class TestArealReference:
         assert np.allclose(np.linalg.norm(table.tangent, axis=1), 1, atol=ROUND_OFF)
         assert np.allclose((table.tangent * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
 
-    def test_unresolved_grid_minima_are_counted(self):
+    def test_unresolved_minima_of_the_grid_are_counted(self):
         upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
         gap = upper.heights - lower.heights
         inner = gap[1:-1, 1:-1]
@@ -262,7 +262,7 @@ class TestArealIdentities:
     def press_all(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
         return press(upper, lower, approaches, direction=angles, **contact)
 
-    def test_sums_scale_with_size_and_modulus(self):
+    def test_areal_load_sums_scale_with_size_and_modulus(self):
         upper, lower = rough_pair()
         large = [Surface(7 * one.heights, spacing=(7 * one.spacing[0], 7 * one.spacing[1])) for one in (upper, lower)]
         plain = self.press_all(upper, lower)
@@ -274,7 +274,7 @@ class TestArealIdentities:
             times = 1 if name.endswith(("count", "area", "adhesive")) else 3
             assert np.allclose(getattr(harder, name), times * getattr(plain, name), rtol=ROUND_OFF)
 
-    def test_contacts_oppose_one_of_two_opposite_directions(self):
+    def test_contacts_oppose_motion_in_exactly_one_of_two_opposite_directions(self):
         upper, lower = rough_pair()
         one, other, every = (
             contacts(upper, lower, 0.1, direction=angle, sliding=rule)
@@ -291,7 +291,7 @@ class TestArealIdentities:
         )
         assert_close(halves.tangential_frictional.sum(axis=0), whole.tangential_frictional[0], IDENTITY_TOLERANCE)
 
-    def test_several_directions_equal_single_directions(self):
+    def test_sums_for_several_directions_equal_sums_for_single_directions(self):
         upper, lower = rough_pair()
         many = self.press_all(upper, lower)
         assert many.direction.tolist() == [angle % 360 for angle in ANGLES]
@@ -307,7 +307,7 @@ class TestArealIdentities:
         shear = self.press_all(upper, lower, angles=None, shear="-x")
         assert (shear.tangential_elastic == many.tangential_elastic[3]).all()
 
-    def test_candidates_of_large_map_equal_those_of_its_pieces(self):
+    def test_candidates_of_a_map_of_several_tiles_include_minima_on_seams(self):
         # The map has several tiles of 256 cells per side, and a minimum on a seam between two tiles.
         size = 300
         y, x = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
@@ -322,7 +322,7 @@ class TestArealIdentities:
 
 
 class TestLaws:
-    def test_elastic_plastic_law_uses_geometric_mean_radius(self):
+    def test_elastic_plastic_law_uses_the_geometric_mean_of_the_radii(self):
         upper, lower = rough_pair()
         # A bowl shape keeps contacts away from the edge.
         y, x = (np.linspace(-1, 1, size) for size in upper.heights.shape)
@@ -339,14 +339,14 @@ class TestLaws:
         assert np.allclose(np.pi * table.axes.prod(axis=1), table.area, rtol=ROUND_OFF)
         assert np.allclose(table.axes[:, 1] / table.axes[:, 0], elastic.axes[:, 1] / elastic.axes[:, 0], rtol=1e-9)
 
-    def test_press_rejects_cylinder_law_on_maps(self):
+    def test_press_rejects_cylinder_law_for_maps(self):
         for law in (HertzCylinder(), "hertz-cylinder"):
             with pytest.raises(ValueError, match="ellipses"):
                 press(*rough_pair(), [0.1], law=law)
 
 
 class TestValidity:
-    def test_overlapping_ellipses_agree_with_sampled_points(self):
+    def test_fraction_of_overlapping_ellipses_agrees_with_sampled_points(self):
         upper, lower = rough_pair(6)
         approaches = np.linspace(0.05, 0.25, 9)
         curve = press(upper, lower, approaches)
@@ -386,7 +386,7 @@ class TestValidity:
             return False
         return bool(Path(one).contains_points(other).any() or Path(other).contains_points(one).any())
 
-    def test_ellipse_at_edge_counts_its_part_inside_the_map(self):
+    def test_contact_at_the_edge_carries_load_only_inside_the_map(self):
         body = surface_from_function(lambda x, y: -((x - 0.2) ** 2 + (y - 0.6) ** 2) / 0.4)
         flat = Surface(np.zeros_like(body.heights), spacing=0.02)
         # The edge is at a distance of 0.2. With R = 0.2, the contact radius is 0.2 at an overlap of 0.2.
@@ -418,7 +418,7 @@ class TestValidity:
 
 
 class TestLoading:
-    def test_approach_at_load_reaches_the_load(self):
+    def test_load_at_the_computed_approach_equals_the_requested_load(self):
         upper, lower = rough_pair()
         loads = np.array([0.01, 0.1, 0.3])
         for choices in ({"direction": 40.0}, {"direction": 40.0, "sliding": "all"}):
@@ -432,7 +432,7 @@ class TestLoading:
         at = approach_at_load(flat, ball, 4 / 3 * 10.0 * 0.01**1.5, mu0=0.3)
         assert float(at) == pytest.approx(0.01 - touch, rel=SPLINE_TOLERANCE)
 
-    def test_candidates_can_be_pressed_repeatedly(self):
+    def test_candidates_can_be_pressed_repeatedly_up_to_their_depth_limit(self):
         upper, lower = rough_pair()
         points = candidates(upper, lower, deepest=0.2)
         assert points.curvature == "signed"
@@ -451,7 +451,7 @@ class TestLoading:
 class TestProfiles:
     """Tests of the sliding rules on profiles."""
 
-    def test_sliding_rule_all_applies_to_profiles(self):
+    def test_sliding_rule_for_all_contacts_applies_to_profiles(self):
         upper, lower = (
             self_affine(5, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.01, shortest_wavelength=0.2, side=side)
             for side in ("upper", "lower")
@@ -488,11 +488,11 @@ class TestBadInput:
             ({"direction": 10.0, "shear": "-x"}, "shear"),
         ],
     )
-    def test_press_rejects_bad_model(self, changes, match):
+    def test_press_rejects_bad_contact_models_of_maps(self, changes, match):
         with pytest.raises(ValueError, match=match):
             press(*rough_pair(), [0.1], **changes)
 
-    def test_press_rejects_bad_surfaces(self):
+    def test_press_and_contacts_reject_bad_surfaces(self):
         upper, lower = rough_pair()
         flat = Surface(np.zeros((10, 10)), spacing=1.0)
         for bad, match in (
@@ -513,14 +513,14 @@ class TestBadInput:
         with pytest.raises(ValueError, match="direction must be a single direction"):
             approach_at_load(upper, lower, 0.1, mu0=0.3, direction=[0, 90])
 
-    def test_contact_model_leaves_unset_fields_none(self):
+    def test_unset_fields_of_a_contact_model_are_none(self):
         model = ContactModel()
         assert (model.detection, model.curvature) == (None, None)
         assert ContactModel(direction=[0, 90]) == ContactModel(direction=(0, 90))
 
 
 class TestGrid:
-    def test_sums_converge_with_grid(self):
+    def test_areal_load_sums_converge_as_the_grid_is_refined(self):
         # All grids have equal heights. First contact is defined by grid points, so approaches of two grids differ by an
         # offset.
         created = {}
@@ -555,7 +555,7 @@ class TestGrid:
 
 
 class TestGentleSurfaces:
-    def test_sums_follow_closed_forms_of_both_sliding_rules(self):
+    def test_areal_friction_agrees_with_closed_forms_of_both_sliding_rules(self):
         pairs, mu0, tau0 = 16, 0.4, 0.1
         loads = {rule: np.zeros((2, pairs)) for rule in ("opposing", "all")}
         area = force = slope = 0.0
@@ -604,7 +604,7 @@ def test_press_rejects_straight_grooves():
         ({"shear": "-x"}, {}, 180.0),
     ],
 )
-def test_direction_keywords_override_model(model, arguments, angle):
+def test_direction_keywords_override_the_contact_model(model, arguments, angle):
     upper, lower = rough_maps(points=32)
     curve = press(upper, lower, [0.02], model=ContactModel(**model), **arguments)
     assert float(curve.direction) == angle
@@ -700,7 +700,7 @@ def test_contacts_of_flat_valleys_are_invariant_under_symmetries(kind):
     assert num_pressed > 2
 
 
-def test_flat_valleys_count_as_unresolved():
+def test_points_of_flat_valleys_count_as_unresolved():
     # The surface has a flat-bottomed trench next to a pit with a round bottom.
     y, x = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
     upper = -0.05 * (np.abs(x - 15) <= 6) - 0.06 * np.maximum(0, 1 - ((x - 45) ** 2 + (y - 20) ** 2) / 100)
@@ -709,7 +709,7 @@ def test_flat_valleys_count_as_unresolved():
     assert curve.grid_minimum_count[0] == 13 * 38 + 1 == curve.unanswered_count[0] + 1
 
 
-def test_flat_surface_counts_as_convex():
+def test_summits_in_contact_with_a_flat_surface_count_as_convex():
     upper, lower = rough_pair()
     for flat in (
         np.zeros_like(upper.heights),
@@ -723,7 +723,7 @@ def test_flat_surface_counts_as_convex():
             assert convex.contact_count[-1] > 5
 
 
-def test_candidates_include_every_minimum_of_the_gap():
+def test_areal_candidates_include_every_minimum_of_the_gap():
     # The roughness extends down to the grid spacing, with many small minima near saddles.
     upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
     gap = upper.heights - lower.heights
@@ -735,7 +735,7 @@ def test_candidates_include_every_minimum_of_the_gap():
     assert apart.min(axis=0).max() < 1e-6
 
 
-def test_loads_are_linear_in_mu0_and_tau0():
+def test_normal_tangential_and_lateral_loads_equal_sums_over_reference_contacts():
     upper, lower = rough_pair()
     result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.1)
     curve = press(upper, lower, [0.1], direction=33)
@@ -754,7 +754,7 @@ def test_loads_are_linear_in_mu0_and_tau0():
     assert_close(curve.lateral_load(mu0=0.3, tau0=0.07), -np.array([-s[1], s[0], 0]) @ total, INDEPENDENT_TOLERANCE)
 
 
-def test_overlapping_ellipses_are_counted():
+def test_load_fraction_of_overlapping_ellipses_is_reported():
     # The surface has two adjacent summits whose ellipses meet, and a distant summit.
     def bumps(x, y):
         centres = ((0.6, 0.6, 0.0), (0.8, 0.6, 0.0), (2.0, 0.6, 0.0))
@@ -770,7 +770,7 @@ def test_overlapping_ellipses_are_counted():
     assert np.allclose(curve.validity.share_overlapping, [0, 0, 2 / 3, 2 / 3], atol=0.02)
 
 
-def test_long_valley_load_is_limited_to_the_map():
+def test_load_of_a_long_valley_is_limited_to_the_map():
     # As the bow decreases, the ellipse grows, and its part on the map approaches a line contact.
     y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
     flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))

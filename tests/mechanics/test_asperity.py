@@ -19,7 +19,7 @@ def test_slope_and_curvature_equal_scipy_natural_spline(rough_pair, dimension, s
     assert np.allclose(1 / ours.radius, 1 / radius, rtol=0, atol=SPLINE_TOLERANCE * curvature.std())
 
 
-def test_asperity_of_circle_has_its_radius_and_centre(circular_arc):
+def test_asperities_of_a_circle_have_the_radius_and_centre_of_the_circle(circular_arc):
     # The curvature error of the spline is of second order in spacing / radius. The ends are ten points away.
     apex, radius = 0.5, 2.0
     for side, height in (("lower", -radius), ("upper", radius)):
@@ -29,7 +29,7 @@ def test_asperity_of_circle_has_its_radius_and_centre(circular_arc):
         assert np.allclose(arc.centre[inner], [apex, 0, height], atol=4e-6)
 
 
-def test_asperities_have_flat_ends_and_read_only_arrays():
+def test_asperities_have_no_curvature_at_the_ends_and_read_only_arrays():
     profile = Profile(np.sin(np.arange(30.0)), spacing=0.1)
     lower = asperities(profile, "lower")
     assert lower.curvature[[0, -1]].tolist() == [0, 0]
@@ -37,11 +37,11 @@ def test_asperities_have_flat_ends_and_read_only_arrays():
     assert not any(array.flags.writeable for array in vars(lower).values())
 
 
-def test_asperities_reject_unknown_side():
+def test_asperities_function_rejects_an_unknown_side():
     with pytest.raises(ValueError, match="side must be one of 'lower', 'upper', got 'left'"):
         asperities(Profile(np.arange(9.0), spacing=1), "left")
 
 
-def test_asperities_reject_surface():
+def test_asperities_function_rejects_a_surface():
     with pytest.raises(ValueError, match="profile must be a Profile, got Surface"):
         asperities(Surface(np.eye(9), spacing=1), "lower")

@@ -35,7 +35,7 @@ def exact_fraction(pressure):
 
 
 @pytest.mark.parametrize("relative", [0.02, 0.1, 0.3, 0.5])
-def test_boundary_elements_equal_westergaard(relative):
+def test_boundary_elements_agree_with_westergaard(relative):
     """Check area, mean gap and stiffness, to detect errors of the modulus, the point count and the sign of the gap."""
     random, pressure = np.random.default_rng(7), relative * FULL_CONTACT
     solid = [PeriodicHalfSpace(sinusoid(256, shift), WAVELENGTH) for shift in random.random(20)]
@@ -61,7 +61,7 @@ def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
     assert asperities.measure_with_interaction(pressure)[STIFFNESS_INDEX] == pytest.approx(westergaard, rel=1e-4)
 
 
-def test_periodic_asperity_model_is_invariant_under_shift():
+def test_periodic_asperity_model_is_invariant_under_shifts():
     """Check that a contact across the seam, or among the points that are added by wrapping, is counted once."""
     heights = band_limited_profile(np.random.default_rng(3), 0.5, 8, 32)
     pressure = 0.1 * EFFECTIVE_MODULUS * RMS_SLOPE
@@ -73,7 +73,7 @@ def test_periodic_asperity_model_is_invariant_under_shift():
         )
 
 
-def test_interaction_explains_difference_to_boundary_elements():
+def test_asperity_interaction_explains_the_difference_from_boundary_elements():
     """Compare both asperity models with boundary elements for H = 0.75, bandwidth 32 and p̄ = 0.02 E* h'rms.
 
     The profile has half of the points of the published table. Another law or detection, and lost or doubly counted

@@ -42,7 +42,7 @@ def pair():
 
 class TestCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
-    def test_candidates_equal_those_of_press_and_contacts(self, pair, curvature):
+    def test_pressing_candidates_equals_pressing_their_surfaces(self, pair, curvature):
         points = candidates(*pair, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
         ours = press(points, steps, shear="-x")
@@ -71,7 +71,7 @@ class TestCandidates:
         assert (points.radii[:, 0] == points.radii[:, 1]).all()
         assert not points.gap.flags.writeable
 
-    def test_candidates_reject_options_of_other_searches(self, pair):
+    def test_pressing_candidates_rejects_options_that_differ_from_their_search(self, pair):
         points = candidates(*pair, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
@@ -100,7 +100,7 @@ class TestContactModel:
         assert ours.effective_modulus == 20.0
         assert np.array_equal(ours.tangential_elastic, theirs.tangential_elastic)
 
-    def test_contact_model_is_pickled(self, pair):
+    def test_pickled_contact_model_gives_equal_results(self, pair):
         model = ContactModel(law=JacksonGreen(yield_strength=0.5, poisson_ratio=0.3), shear="-x")
         ours = press(*pair, [0.01], model=model)
         again = pickle.loads(pickle.dumps(model))
@@ -122,7 +122,7 @@ class TestContactModel:
             press(*pair, [0.01], modulus=3.0)
 
 
-def test_quantities_and_laws_have_unique_names():
+def test_names_of_sums_match_the_core_and_laws_have_unique_names():
     assert tuple(field.name for field in dataclasses.fields(Sums)) == SUMS
     assert all(name in QUANTITIES for name in (*SUMS, *VALIDITY))
     assert tuple(LAWS_BY_NAME) == LawName.__args__
@@ -132,7 +132,7 @@ def test_quantities_and_laws_have_unique_names():
             stiction._core.force_and_area(law.name, {}, overlap=0.1, radius=1.0)
 
 
-def test_combined_status_is_the_first_failed_condition():
+def test_combined_status_is_that_of_the_first_failed_condition():
     arguments = [
         (False, False, False, False), (True, True, False, False), (True, False, True, False),
         (True, False, False, True), (True, False, False, False),
@@ -161,7 +161,7 @@ def noise(body, shape):
     ],
     ids=["press", "press areas", "profile", "surface"],
 )
-def test_long_call_ends_on_ctrl_c(call):
+def test_long_computation_stops_on_ctrl_c(call):
     before, start = signal.signal(signal.SIGPROF, signal.default_int_handler), time.process_time()
     try:
         with pytest.raises(KeyboardInterrupt):  # noqa: PT012, the signal comes however long it takes to get there

@@ -69,7 +69,7 @@ def reference():
 class TestAgainstContactMechanics:
     @settings(max_examples=50)
     @given(overlap=lengths, radius=lengths, modulus=moduli)
-    def test_hertz_sphere_agrees_with_contact_mechanics(self, reference, overlap, radius, modulus):
+    def test_hertz_sphere_agrees_with_contact_mechanics_package(self, reference, overlap, radius, modulus):
         force, area = hertz_sphere(overlap, radius, modulus)
         assert reference[0].normal_load(overlap, radius, modulus) == pytest.approx(
             float(force), rel=REORDERING_TOLERANCE
@@ -77,7 +77,7 @@ class TestAgainstContactMechanics:
         contact_radius, _ = reference[0].radius_and_pressure(float(force), radius, modulus)
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=REORDERING_TOLERANCE)
 
-    def test_westergaard_agrees_with_contact_mechanics(self, reference):
+    def test_westergaard_fraction_agrees_with_contact_mechanics_package(self, reference):
         # ContactMechanics gives the half-width in wavelengths. Its pressure is in units of π E* Δ / λ with the total
         # height 2Δ.
         pressures = np.linspace(0.01, 0.99, 20)
@@ -108,7 +108,7 @@ def test_asperities_on_sinusoid_tend_to_westergaard_at_light_load():
 
 
 class TestFractalMoments:
-    def test_moments_equal_means_over_many_profiles(self):
+    def test_exact_spectral_moments_equal_means_over_many_profiles(self):
         # All frequencies are well resolved and have many periods in the profile.
         shape = {"directions": 10, "frequencies": 6}
         exact = weierstrass_mandelbrot_moments(1.4, **shape)
@@ -124,7 +124,7 @@ class TestFractalMoments:
         # profiles by 1.5 %. Long waves (small |cos|) do not have a whole number of periods.
         assert np.allclose(measured / count, [exact.height, exact.slope, exact.curvature], rtol=0.05)
 
-    def test_moments_follow_convention_and_band_limit(self):
+    def test_exact_spectral_moments_depend_on_convention_and_band_limit(self):
         paper = weierstrass_mandelbrot_moments(1.6)
         classical = weierstrass_mandelbrot_moments(1.2, convention="classical")
         assert classical.height == pytest.approx(paper.height, rel=REORDERING_TOLERANCE)
@@ -133,13 +133,13 @@ class TestFractalMoments:
         assert limited.height < paper.height
         assert limited.curvature < 0.5 * paper.curvature
 
-    def test_moments_reject_bad_arguments(self):
+    def test_exact_spectral_moments_reject_bad_arguments(self):
         for bad in ({"directions": 0}, {"gamma": 1.0}, {"length_scale": -1}, {"convention": "x"}):
             with pytest.raises(ValueError, match=next(iter(bad))):
                 weierstrass_mandelbrot_moments(1.5, **bad)
 
 
-def test_effective_modulus_of_equal_materials_is_half_the_plane_strain_modulus():
+def test_effective_modulus_of_equal_materials_is_half_of_plane_strain_modulus():
     assert effective_modulus(210.0, 0.3, 210.0, 0.3) == pytest.approx(210 / (1 - 0.09) / 2, rel=REORDERING_TOLERANCE)
     assert effective_modulus(210.0, 0.3, 1e12, 0.3) == pytest.approx(210 / (1 - 0.09), rel=1e-9)
     with pytest.raises(ValueError, match="poisson_lower"):
@@ -191,7 +191,7 @@ CLOSED_FORMS = (
 
 
 @pytest.mark.parametrize(("name", "positional", "named"), CLOSED_FORMS, ids=[form[0] for form in CLOSED_FORMS])
-def test_closed_form_of_extreme_arguments_is_a_number_or_raises_value_error(name, positional, named):
+def test_closed_forms_of_extreme_arguments_are_finite_or_raise_value_error(name, positional, named):
     """Replace one argument at a time by an extreme value, with NumPy's warnings as errors."""
     function = getattr(stiction, name)
     function(*positional, **named)
@@ -217,11 +217,11 @@ def test_closed_forms_accept_empty_arrays():
     assert hertz_sphere([], 1.0, 10.0)[0].shape == (0,)
 
 
-def test_closed_form_names_value_that_is_not_positive():
+def test_closed_form_error_names_the_argument_that_is_not_positive():
     with pytest.raises(ValueError, match=r"^overlap must be above 0, got -0\.5$"):
         hertz_sphere(np.array([[0.1, -0.5]]), 1.0, 10.0)
 
 
-def test_gentle_friction_rejects_array_as_order():
+def test_gentle_friction_rejects_an_array_as_order():
     with pytest.raises(ValueError, match="order must be 1 or 2"):
         stiction.gentle_friction(0.4, rms_gradient=0.04, order=np.array([1, 2]))

@@ -50,7 +50,7 @@ class TestProfileReference:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     @pytest.mark.parametrize("bodies", ["rough on rough", "flat on rough", "rough on flat"])
     @pytest.mark.parametrize("dimension", [1.0, 1.7])
-    def test_sums_equal_reference(self, rough_pair, dimension, bodies, curvature, detection):
+    def test_load_sums_of_profiles_equal_reference(self, rough_pair, dimension, bodies, curvature, detection):
         upper, lower = rough_pair(dimension, points=150_000)
         flat = Profile(np.full(len(upper), 0.37), spacing=upper.spacing)
         upper = flat if bodies.startswith("flat") else upper
@@ -67,7 +67,7 @@ class TestProfileReference:
             expected = np.transpose([list(pressing.sum_contacts(row, sigma).values()) for row in rows])
             assert_close(all_sums(curve), expected, INDEPENDENT_TOLERANCES[detection])
 
-    def test_contacts_equal_reference(self, rough_pair):
+    def test_contacts_of_profiles_equal_reference(self, rough_pair):
         upper, lower = rough_pair(1.4)
         table = contacts(upper, lower, 0.01, effective_modulus=3.0)
         rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
@@ -76,7 +76,7 @@ class TestProfileReference:
         ours = np.column_stack([table.normal[:, [0, 2]], table.overlap, table.radius, table.force, table.area])
         assert np.allclose(ours, rows[:, 1:], rtol=INDEPENDENT_TOLERANCES["cell"], atol=0)
 
-    def test_sums_are_independent_of_height_offset(self, rough_pair):
+    def test_load_sums_are_independent_of_height_offset(self, rough_pair):
         upper, lower = rough_pair(1.2)
         raised = Profile(upper.heights + 1024.0, spacing=upper.spacing)
         # The addition of 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude. Curvatures are affected most.
@@ -129,7 +129,7 @@ class TestProfileExact:
         assert curve.contact_area[0] < 1e-3 * curve.contact_area[1]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-    def test_crests_come_into_contact_in_order_of_height(self, detection):
+    def test_crests_of_profiles_come_into_contact_in_order_of_height(self, detection):
         # A flat lies above waves on a slope of 1e-3. Each crest is 1e-3 wavelengths below its neighbour.
         x = np.arange(4000) * 0.001 + 0.3003
         lower = Profile(0.01 * np.cos(2 * np.pi * x) + 1e-3 * x, spacing=0.001)
@@ -137,7 +137,7 @@ class TestProfileExact:
         steps = np.array([0.2e-3, 0.9e-3, 1.1e-3, 1.9e-3, 2.1e-3])
         assert press(upper, lower, steps, detection=detection).contact_count.tolist() == [1, 1, 2, 2, 3]
 
-    def test_single_opposing_contact_is_a_wedge_with_friction(self, circular_arc):
+    def test_friction_of_a_single_opposing_contact_equals_that_of_a_wedge(self, circular_arc):
         upper = circular_arc(0.9411, 2.0, 0.002, 1000, "upper")
         lower = circular_arc(1.0307, 3.0, 0.002, 1000, "lower")
         mu0 = np.array([0.0, 0.1, 0.4, 1.0])
@@ -196,7 +196,7 @@ class TestProfileExact:
         assert curve.status(mu0=0.4).tolist() == ["no-contact", "no-contact"]
         assert np.isnan(curve.friction_coefficient(mu0=0.4)).all()
 
-    def test_loads_equal_reference_with_friction_at_each_contact(self, rough_pair):
+    def test_loads_with_friction_equal_reference_sums_over_contacts(self, rough_pair):
         upper, lower = rough_pair(1.45)
         rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01)
         for shear, sigma in (("+x", 1), ("-x", -1)):
@@ -206,7 +206,7 @@ class TestProfileExact:
                 assert_close(curve.normal_load(mu0=mu0, tau0=tau0), normal, INDEPENDENT_TOLERANCES["cell"])
                 assert_close(curve.tangential_load(mu0=mu0, tau0=tau0), tangential, INDEPENDENT_TOLERANCES["cell"])
 
-    def test_steep_flanks_are_self_locked(self):
+    def test_contact_on_a_steep_flank_is_self_locked(self):
         # The profiles have two triangular teeth, rounded by the spline, with flanks of 60 degrees. At mu0 = 1, mu0 tan
         # θ > 1.
         x = np.arange(400) * 0.01
@@ -282,14 +282,14 @@ class TestProfileIdentities:
     )
     @RANDOM_PAIRS
     @IDENTITY_SETTINGS
-    def test_sums_are_invariant_under_mirror_and_exchange(self, law, pair, approach, choices, other, tolerance):
+    def test_load_sums_are_invariant_under_mirroring_and_exchange(self, law, pair, approach, choices, other, tolerance):
         assume(is_robust(*pair, approach, choices))
         turned_sums = all_sums(press(*other(pair), [approach], law=law, **reversed_options(choices)))
         assert_close(turned_sums, all_sums(press(*pair, [approach], law=law, **choices)), tolerance)
 
     @RANDOM_PAIRS
     @IDENTITY_SETTINGS
-    def test_sums_scale_with_size(self, law, pair, approach, choices):
+    def test_load_sums_scale_with_size(self, law, pair, approach, choices):
         """Forces and areas of spheres scale with size squared, those of cylinders of equal width with size."""
         assume(is_robust(*pair, approach, choices))
         size = 3.7
@@ -303,7 +303,7 @@ class TestProfileIdentities:
 
     @RANDOM_PAIRS
     @IDENTITY_SETTINGS
-    def test_sums_scale_with_modulus(self, law, pair, approach, choices):
+    def test_load_sums_scale_with_modulus(self, law, pair, approach, choices):
         """If all strengths scale with the modulus, so do forces, and friction depends only on tau0/E*."""
         soft_law, hard_law = law, law
         if isinstance(law, JacksonGreen):
@@ -320,7 +320,7 @@ class TestProfileIdentities:
 
     @RANDOM_PAIRS
     @IDENTITY_SETTINGS
-    def test_sums_equal_sums_of_table(self, law, pair, approach, choices):
+    def test_load_sums_equal_sums_over_the_table_of_contacts(self, law, pair, approach, choices):
         table = contacts(*pair, approach, law=law, **choices)
         curve = press(*pair, [approach / 2, approach], law=law, **choices)
         assert curve.contact_count[1] == len(table)
@@ -369,21 +369,21 @@ class TestGapMinimum:
             result[points] = np.array(result[points])
         return result
 
-    def test_area_and_loads_are_independent_of_grid(self, curves_by_points):
+    def test_contact_area_and_loads_are_independent_of_the_grid(self, curves_by_points):
         finest = curves_by_points[self.POINT_COUNTS[-1]]
         assert np.all(finest[:, 0] >= 1)
         for points in self.POINT_COUNTS[:-1]:
             assert_close(curves_by_points[points][:, 1:], finest[:, 1:], self.PAIR_TOLERANCE)
             assert_close(curves_by_points[points][:, 1:].sum(axis=0), finest[:, 1:].sum(axis=0), self.SUM_TOLERANCE)
 
-    def test_sums_converge_with_second_order(self, curves_by_points):
+    def test_load_sums_converge_with_second_order_in_spacing(self, curves_by_points):
         # The position of first contact within a cell is random. Therefore mean errors over the pairs are compared.
         finest, coarser = curves_by_points[self.POINT_COUNTS[-1]], self.POINT_COUNTS[:-1]
         errors = [np.abs(curves_by_points[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]
         order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]
         assert 1.7 < order < 2.3
 
-    def test_cell_detection_tends_to_gap_minimum_for_small_spacing_and_approach(self):
+    def test_cell_detection_tends_to_gap_minimum_detection_for_fine_grids(self):
         differences = []
         for points, approach in ((150_000, 0.02), (600_000, 0.005), (2_400_000, 0.00125)):
             each = []
@@ -404,14 +404,14 @@ class TestGapMinimum:
 
 
 class TestInterface:
-    def test_friction_parameters_broadcast_before_approaches(self, rough_pair):
+    def test_friction_parameters_are_broadcast_before_the_axis_of_approaches(self, rough_pair):
         curve = press(*rough_pair(1.2), [0.005, 0.01, 0.02])
         assert curve.normal_load(mu0=0.1).shape == (3,)
         assert curve.normal_load(mu0=[0.1, 0.2], tau0=0.1).shape == (2, 3)
         assert curve.friction_coefficient(mu0=np.ones((2, 1)) * 0.1, tau0=[0, 0.1, 0.2, 0.3]).shape == (2, 4, 3)
         assert curve.status(mu0=[0.1, 0.2]).shape == (2, 3)
 
-    def test_tau0_in_mpa_is_warned_about(self, rough_pair):
+    def test_normal_load_warns_if_tau0_seems_to_be_in_mpa(self, rough_pair):
         curve = press(*rough_pair(1.2), [0.01])
         with pytest.warns(UserWarning, match="meant in MPa"):
             curve.normal_load(mu0=0.4, tau0=200)
@@ -463,7 +463,7 @@ class TestInterface:
         with pytest.raises(ValueError, match=message):
             press(*rough_pair(1.2), approaches)
 
-    def test_results_are_read_only(self, rough_pair):
+    def test_arrays_of_results_are_read_only(self, rough_pair):
         curve = press(*rough_pair(1.2), [0.01])
         table = contacts(*rough_pair(1.2), 0.01)
         arrays = [
@@ -472,7 +472,7 @@ class TestInterface:
         assert not any(array.flags.writeable for array in arrays)
 
 
-def test_press_lets_other_threads_run(rough_pair):
+def test_press_releases_the_interpreter_lock(rough_pair):
     upper, lower = rough_pair(1.5)
     approaches = np.linspace(1e-4, 0.04, 20)
     assert runs_other_threads(lambda: press(upper, lower, approaches))

@@ -65,7 +65,7 @@ def bowl(n, extent, radii):
 @pytest.mark.parametrize("shape", [(64,), (63,), (12, 15)])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("pressed", [0.02, 0.3])
-def test_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
+def test_half_space_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
     lower = rough(shape, longest=1, shortest=5)
     load = pressed * MODULUS * 0.1
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-11)
@@ -87,7 +87,7 @@ def test_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("hardness", [None, 0.5])
 @pytest.mark.parametrize("pressed", [0.02, 0.3])
-def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
+def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness, pressed):
     body = rough(shape, longest=1, shortest=5)
     missing = np.zeros(shape, bool)  # The summit and a quarter of all points are missing.
     missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
@@ -137,7 +137,7 @@ def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_uniform_bounds_on_flat_are_reached_at_full_load(boundary):
+def test_uniform_pressure_bounds_on_a_flat_are_reached_at_the_largest_load(boundary):
     """Solve a flat with equal bounds up to the largest load that the bounds permit.
 
     With a periodic boundary all points move equally. With a free boundary the traction is that of a punch.
@@ -175,7 +175,7 @@ def test_traction_under_sphere_equals_mindlin(ratio):
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.1, 0.5, 0.9, 0.99])
-def test_sinusoid_equals_westergaard(fraction):
+def test_half_space_solution_of_sinusoid_equals_westergaard(fraction):
     amplitude, full = 1e-4, np.pi * MODULUS * 1e-4  # the slopes are so small that areas equal projected areas
     wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": MODULUS}
     load = full * np.sin(np.pi / 2 * fraction) ** 2
@@ -211,7 +211,7 @@ def test_westergaard_closed_forms_are_consistent():
     np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
 
 
-def test_line_contact_equals_hertz():
+def test_half_space_solution_of_line_contact_equals_hertz():
     radius, load, errors = 5.0, 0.1, []
     half_width, peak = hertz_line(load, radius, MODULUS)
     for n in (512, 2048):
@@ -228,7 +228,7 @@ def test_line_contact_equals_hertz():
 
 
 @pytest.mark.parametrize("radii", [(5.0, 5.0), (5.0, 15.0)])
-def test_point_contact_equals_hertz(radii):
+def test_half_space_solution_of_point_contact_equals_hertz(radii):
     force, area, axes = hertz_ellipse(0.01, *radii, MODULUS)
     errors = []
     for n in (64, 128, 256):
@@ -259,7 +259,7 @@ def test_hertz_ellipse_tends_to_sphere_and_line():
     np.testing.assert_allclose([b / a, area / sphere[1], force / sphere[0]], [0.346, 0.9680, 1.0536], atol=5e-4)
 
 
-def test_flat_punch_equals_closed_form():
+def test_pressure_under_flat_punch_equals_closed_form():
     n = 1024
     flat = Profile(np.zeros(n), spacing=1 / n)
     p = half_space(flat, flat, [1.0]).contact(0).pressure
@@ -269,7 +269,7 @@ def test_flat_punch_equals_closed_form():
 
 
 @pytest.mark.parametrize("shape", [(128,), (48, 40)])
-def test_full_contact_equals_inverse_of_kernel(shape):
+def test_pressure_in_full_contact_equals_inverse_of_the_kernel(shape):
     lower = rough(shape)
     waves = np.meshgrid(
         *[2 * np.pi * np.fft.fftfreq(n, 1 / n) for n in shape[:-1]],
@@ -284,7 +284,7 @@ def test_full_contact_equals_inverse_of_kernel(shape):
     assert np.isinf(curve.stiffness[0])
 
 
-def test_results_are_linear_in_modulus_and_independent_of_offset():
+def test_half_space_results_scale_with_modulus_and_ignore_height_offsets():
     lower = rough((64, 64))
     one = half_space(flat_like(lower), lower, [0.01, 0.1], boundary="periodic", tolerance=TIGHT_TOLERANCE)
     raised = Surface(lower.heights + 3.0, spacing=lower.spacing)
@@ -317,7 +317,7 @@ def test_free_and_periodic_boundaries_agree_for_small_patches():
     assert differences[2] < 0.01
 
 
-def test_stiffness_is_derivative_of_load():
+def test_contact_stiffness_equals_derivative_of_load():
     lower = rough((96, 96), shortest=8)
     load = 0.05 * np.array([0.99, 1.0, 1.01])
     curve = half_space(flat_like(lower), lower, load, boundary="periodic", tolerance=1e-9)
@@ -328,7 +328,7 @@ def test_stiffness_is_derivative_of_load():
 
 @pytest.mark.parametrize("hardness", [None, 0.06 * MODULUS], ids=["elastic", "yielding"])
 @pytest.mark.parametrize(("shape", "boundary"), [((63,), "periodic"), ((12, 15), "periodic"), ((12, 15), "free")])
-def test_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
+def test_contact_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
     """Compare the stiffness with dense matrices; unloading is elastic also at points that yielded.
 
     Without a hardness, the stiffnesses of loading and unloading are equal.
@@ -351,7 +351,7 @@ def test_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("pressed", [0.002, 0.05, 0.5])
-def test_pressure_agrees_with_tamaas(pressed, boundary):
+def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     tamaas = pytest.importorskip("tamaas")
     tamaas.set_log_level(tamaas.LogLevel.error)
     n = 64
@@ -372,13 +372,13 @@ def test_pressure_agrees_with_tamaas(pressed, boundary):
     assert np.abs(result - exact).max() < 1e-7 * exact.max()
 
 
-def test_kappa_is_near_2_at_light_load():
+def test_area_to_load_ratio_kappa_is_near_2_at_light_load():
     lower = rough((256, 256), shortest=32)
     curve = half_space(flat_like(lower), lower, [0.02 * MODULUS * 0.1], boundary="periodic")
     assert 1.8 < curve.contact_area[0] * MODULUS * 0.1 / curve.load[0] < 2.5
 
 
-def test_hardness_limits_pressure_and_area_tends_to_load_over_hardness():
+def test_pressure_is_limited_by_hardness_and_area_tends_to_load_over_hardness():
     lower = rough((128, 128), shortest=16)
     load = 0.01
     elastic = half_space(flat_like(lower), lower, [load], boundary="periodic")
@@ -400,7 +400,7 @@ def test_hardness_limits_pressure_and_area_tends_to_load_over_hardness():
     assert ratio == pytest.approx(1.0, abs=0.05)
 
 
-def test_random_problems_with_hardness_are_solved():
+def test_random_half_space_problems_with_hardness_are_solved():
     """Check that problems of the stress suite are solved, with a mean contact pressure of at most the hardness."""
     random = np.random.default_rng(8)
     for _ in range(8):
@@ -457,7 +457,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness
 
 
-def test_friction_follows_small_slope_formula():
+def test_half_space_friction_agrees_with_small_slope_formula():
     slope, mu0, tau0 = 0.1, 0.4, 0.2
     load = 0.005 * MODULUS * slope
     angles = np.arange(0, 360, 45)
@@ -476,7 +476,7 @@ def test_friction_follows_small_slope_formula():
             assert np.mean(result) == pytest.approx(np.mean(expected), rel=tolerance), (sliding, strength)
 
 
-def test_gentle_friction_equals_formula():
+def test_gentle_friction_equals_its_formula():
     m, s = 0.4 + 2.0 * 0.1 / (20 * 0.3), 0.2 / (2 * np.sqrt(2 * np.pi))
     arguments = {"rms_gradient": 0.3, "rms_slope": 0.2, "effective_modulus": 20.0, "kappa": 2.0}
     assert gentle_friction(0.4, 0.1, **arguments) == pytest.approx((m / 2 + s) / (1 - m * s), rel=ROUND_OFF)
@@ -525,7 +525,7 @@ def test_second_order_gentle_friction_equals_sum_over_random_slopes(rule, gradie
         assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE_TOLERANCE)
 
 
-def test_second_order_gentle_friction_has_limits():
+def test_second_order_gentle_friction_has_expected_limits():
     for rule in ("opposing", "all"):
         for arguments in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
             first, second = (gentle_friction(0.4, sliding=rule, order=order, **arguments) for order in (1, 2))
@@ -552,7 +552,7 @@ def pair_with_gradient(ratio, seeds, slope):
     )
 
 
-def test_friction_includes_area_of_slopes_across_the_motion():
+def test_friction_at_steep_slopes_agrees_with_second_order_formula():
     slope = 0.9
     values = []
     for seeds in ((1, 2), (3, 4)):
@@ -566,7 +566,7 @@ def test_friction_includes_area_of_slopes_across_the_motion():
     assert np.mean(values) == pytest.approx(expected, rel=FRICTION_SCATTER)
 
 
-def test_mean_slope_of_contacts_depends_on_roughness_alone():
+def test_mean_slope_of_contacts_is_independent_of_compliance_fraction():
     slope, ratio = 0.9, 3.0
     lean = []
     for share in (0.0, 0.5, 1.0):
@@ -583,7 +583,7 @@ def test_mean_slope_of_contacts_depends_on_roughness_alone():
     assert 0.7 < np.mean(lean) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 
-def test_results_are_invariant_under_mirror_and_exchange():
+def test_half_space_results_are_invariant_under_mirroring_and_exchange():
     upper, lower = (rough((2048,), seed=seed, shortest=64) for seed in (3, 4))
     loads = [0.005, 0.02]
     curve = half_space(upper, lower, loads, boundary="periodic", compliance_share=0.3, tolerance=TIGHT_TOLERANCE)
@@ -600,7 +600,7 @@ def test_results_are_invariant_under_mirror_and_exchange():
             np.testing.assert_allclose(getattr(one, name), getattr(curve, name), rtol=1e-6, err_msg=name)
 
 
-def test_extruded_profile_equals_profile():
+def test_half_space_solution_of_extruded_profile_equals_that_of_the_profile():
     lines = [rough((256,), seed=seed, shortest=16) for seed in (1, 2)]
     wide = [Surface(np.tile(line.heights, (8, 1)), spacing=(1 / 8, 1 / 256)) for line in lines]
     one = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT_TOLERANCE)
@@ -614,7 +614,7 @@ def test_extruded_profile_equals_profile():
     np.testing.assert_allclose(other.tangential_load(mu0=0.4)[1], 0.0, atol=1e-9)
 
 
-def test_patches_connect_across_periodic_edges():
+def test_contact_patches_connect_across_periodic_edges():
     n = 32
     x = np.arange(n) / n
     lower = Surface(0.01 * (np.cos(2 * np.pi * x)[:, None] + np.cos(2 * np.pi * x)[None, :]), spacing=1 / n)
@@ -626,7 +626,7 @@ def test_patches_connect_across_periodic_edges():
     assert (periodic.contact(0).patches > 0).sum() == (periodic.contact(0).pressure > 0).sum()
 
 
-def test_half_space_rejects_tolerance_below_round_off():
+def test_half_space_raises_if_tolerance_is_below_round_off():
     lower = rough((64, 64))
     with pytest.raises(RuntimeError, match="no solution at"):
         half_space(flat_like(lower), lower, [0.01], boundary="periodic", tolerance=1e-18)
@@ -676,7 +676,7 @@ def test_half_space_rejects_bad_arguments(arguments, message):
         half_space(**options)
 
 
-def test_curve_is_read_only_and_checks_indices():
+def test_half_space_curve_is_read_only_and_checks_indices():
     curve = half_space(flat_like(EXAMPLE_LINE), EXAMPLE_LINE, [1.0])
     assert isinstance(curve, HalfSpaceCurve)
     with pytest.raises(ValueError, match="read-only"):
@@ -688,7 +688,7 @@ def test_curve_is_read_only_and_checks_indices():
 
 
 @pytest.mark.parametrize("load", [0.02, 0.05, 0.1])
-def test_level_contact_of_ball_opposes_no_direction(load):
+def test_contact_of_a_ball_on_a_level_flat_opposes_no_direction(load):
     # The only patch is level. A residual asymmetry of the solution must not change its class.
     x = (np.arange(65) - 32) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
@@ -701,7 +701,7 @@ def test_level_contact_of_ball_opposes_no_direction(load):
     assert np.array_equal(curve.direction, [0, 90, 180, 270])
 
 
-def test_gap_vanishes_in_contact_at_hardness():
+def test_gap_vanishes_at_contact_points_at_hardness():
     x = (np.arange(33) - 16) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
     curve = half_space(Surface(np.zeros((33, 33)), spacing=0.05), ball, [1e-4], hardness=1e-3)
@@ -722,7 +722,7 @@ def test_displacements_equal_direct_sum_for_any_thread_count(periodic):
         assert np.array_equal(grids.displacement(pressure, threads=threads), result)
 
 
-def test_pairs_on_equal_grids_share_kernels():
+def test_half_space_problems_on_equal_grids_share_kernels():
     one, other = (rough((32, 32), seed=seed) for seed in (1, 2))
     first = half_space(flat_like(one), one, [0.01])
     second = half_space(flat_like(other), other, [0.02])
@@ -748,7 +748,7 @@ def test_half_space_of_several_loads_equals_single_loads(boundary):
 
 
 @pytest.mark.parametrize(("shape", "boundary"), [((256,), "periodic"), ((48, 40), "periodic"), ((48, 40), "free")])
-def test_approaches_and_their_loads_are_consistent(shape, boundary):
+def test_solutions_at_given_approaches_and_at_their_loads_are_equal(shape, boundary):
     body = rough(shape)
     upper = flat_like(body)
     expected = np.array([0.05, 0.2, 0.6]) * (body.heights.max() - body.heights.mean())
@@ -763,7 +763,7 @@ def test_approaches_and_their_loads_are_consistent(shape, boundary):
 
 @pytest.mark.parametrize("shape", [(64,), (24, 20)])
 @pytest.mark.parametrize("left", [1e-2, 1e-6, 1e-14])
-def test_approaches_are_reached_up_to_full_contact(shape, left):
+def test_requested_approaches_are_reached_up_to_full_contact(shape, left):
     body = rough(shape, longest=1, shortest=5)
     full = (body.heights.max() - body.heights).mean()
     curve = half_space(flat_like(body), body, approaches=[full * (1 - left)], boundary="periodic")
@@ -803,7 +803,7 @@ def test_half_space_rejects_bad_spacing(spacing):
         half_space(Surface(0 * heights, spacing=spacing), Surface(heights, spacing=spacing), [1e-3])
 
 
-def test_progress_reports_iterations_and_can_cancel():
+def test_progress_callback_reports_iterations_and_can_cancel():
     body = rough((32, 32))
     events = []
     half_space(
@@ -821,7 +821,7 @@ def test_progress_reports_iterations_and_can_cancel():
         half_space(flat_like(body), body, [0.01], progress=stop)
 
 
-def test_half_space_solver_ends_soon_after_ctrl_c():
+def test_half_space_solver_stops_soon_after_ctrl_c():
     """Send the signal long before the end of the solution, while the main thread is in the compiled core."""
     body = rough((512, 512), shortest=128)
     pressed = []
@@ -841,7 +841,7 @@ def test_half_space_solver_ends_soon_after_ctrl_c():
     assert time.process_time() - pressed[0] < MAX_SECONDS_TO_END
 
 
-def test_solver_converges_if_steps_are_extrapolated():
+def test_half_space_solver_converges_with_extrapolated_steps():
     """Solve a half-plane on which extrapolated steps are about thirty times as long as tried steps."""
     study = Study.named("figure6-half-plane")
     dimension = float(study.surfaces.fractal_dimensions()[7])
@@ -857,7 +857,7 @@ def test_half_space_rejects_extreme_gaps(height):
         half_space(flat_like(body), high, [0.01])
 
 
-def test_onset_rejects_vanishing_strength():
+def test_onset_rejects_an_interface_without_strength():
     body = rough((32, 32), shortest=8)
     with pytest.raises(ValueError, match="must not both be 0"):
         half_space(flat_like(body), body, [0.01]).onset(0, mu0=1e-160)
@@ -872,7 +872,7 @@ def test_half_space_results_are_bit_identical_for_any_thread_count(boundary, har
     assert np.array_equal(alone.contact(0).pressure, together.contact(0).pressure)
 
 
-def test_closure_of_masked_surface_differs_from_complete_surface():
+def test_closure_of_a_masked_surface_differs_from_that_of_a_complete_surface():
     body = rough((32, 32))
     missing = np.zeros((32, 32), bool)
     missing[:8] = True
@@ -887,7 +887,7 @@ def test_closure_of_masked_surface_differs_from_complete_surface():
     assert holed.closure[0] == pytest.approx(holed.approach[0] - moved / (~missing).sum(), rel=1e-12)
 
 
-def test_curve_and_onset_are_pickled_and_copied():
+def test_half_space_curve_and_onset_can_be_pickled_and_copied():
     rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (32, 32), "spacing": 0.1}
     curve = half_space(*(self_affine_surface(3, side=side, **rough) for side in ("upper", "lower")), [0.01, 0.02])
     onset = curve.onset(1, mu0=0.3, steps=3)

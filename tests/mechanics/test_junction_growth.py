@@ -16,7 +16,7 @@ def random_cases(count=200):
         yield hardness, mu0, draw.uniform(0, 0.98) * hardness / np.sqrt(alpha), alpha
 
 
-def test_hardness_under_shear_solves_both_laws():
+def test_hardness_under_shear_satisfies_yield_and_friction_laws():
     for hardness, mu0, tau0, alpha in random_cases():
         pressure = float(hardness_under_shear(hardness, mu0, tau0, alpha))
         assert 0 < pressure <= hardness
@@ -27,7 +27,7 @@ def beyond(friction, mu0, ratio, alpha):
     return friction - mu0 - ratio * np.sqrt(1 + alpha * friction**2)
 
 
-def test_tabor_friction_is_the_root_of_its_equation_and_agrees_with_the_hardness():
+def test_tabor_friction_solves_its_equation_and_agrees_with_the_hardness():
     for hardness, mu0, tau0, alpha in random_cases():
         ratio = tau0 / hardness
         highest = 1 + (mu0 + ratio) / (1 - ratio * np.sqrt(alpha))
@@ -37,7 +37,7 @@ def test_tabor_friction_is_the_root_of_its_equation_and_agrees_with_the_hardness
         assert result == pytest.approx(mu0 + tau0 / hardness_under_shear(hardness, mu0, tau0, alpha), rel=1e-9)
 
 
-def test_hardness_under_shear_equals_hardness_without_growth():
+def test_hardness_under_shear_equals_hardness_without_junction_growth():
     hardness = np.random.default_rng(1).uniform(0.01, 20, 1000)
     assert (hardness_under_shear(hardness, 0.3, 0.05, 0.0) == hardness).all()
 
@@ -48,7 +48,7 @@ def test_tabor_friction_equals_mu0_without_adhesive_strength():
     assert (np.diff(hardness_under_shear(1.0, 0.3, 0.0, alpha)) < 0).all()
 
 
-def test_tabor_friction_is_nan_for_interfaces_stronger_than_the_bulk():
+def test_tabor_friction_is_nan_for_an_interface_stronger_than_the_bulk():
     bulk = 1 / np.sqrt(27)
     for tau0 in (bulk * (1 + 1e-9), 2 * bulk):
         assert np.isnan(hardness_under_shear(1.0, 0.2, tau0, 27.0))
@@ -73,6 +73,6 @@ def test_half_space_at_reduced_hardness_has_tabor_friction(alpha):
     ((0.0, 0.2, 0.1, 9.0), "hardness"), ((1.0, -0.2, 0.1, 9.0), "mu0"), ((1.0, 0.2, -0.1, 9.0), "tau0"),
     ((1.0, 0.2, 0.1, -9.0), "alpha"),
 ])  # fmt: skip
-def test_junction_growth_functions_name_bad_arguments(law, arguments, word):
+def test_errors_of_junction_growth_functions_name_the_bad_argument(law, arguments, word):
     with pytest.raises(ValueError, match=word):
         law(*arguments)

@@ -9,7 +9,7 @@ ARC_TOLERANCE = 1e-6  # relative error of the Hertzian force of two arcs, as in 
 
 
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-def test_approach_of_arcs_equals_hertz(circular_arc, detection):
+def test_approach_of_circular_arcs_at_a_load_equals_hertz(circular_arc, detection):
     radius, spacing = 1.0, 1e-3
     lower = circular_arc(0.5003, radius, spacing, 1001, "lower")
     upper = circular_arc(0.5003, radius, spacing, 1001, "upper")
@@ -21,7 +21,7 @@ def test_approach_of_arcs_equals_hertz(circular_arc, detection):
     np.testing.assert_allclose(result + deep, overlaps, rtol=ARC_TOLERANCE, atol=1e-9)
 
 
-def test_approach_at_load_preserves_shape_of_loads(rough_pair):
+def test_approach_at_load_returns_an_array_of_the_shape_of_loads(rough_pair):
     upper, lower = rough_pair(1.2)
     loads = np.array([[1e-4, 1e-3, 3e-3], [2e-3, 2e-4, 1e-2]])
     result = approach_at_load(upper, lower, loads, mu0=0.4)
@@ -32,7 +32,7 @@ def test_approach_at_load_preserves_shape_of_loads(rough_pair):
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
 @pytest.mark.parametrize("dimension", [1.1, 1.4, 1.6])
 @pytest.mark.parametrize("shear", ["+x", "-x"])
-def test_approach_at_load_is_the_smallest_approach(rough_pair, dimension, detection, shear):
+def test_approach_at_load_is_the_smallest_approach_with_that_load(rough_pair, dimension, detection, shear):
     upper, lower = rough_pair(dimension)
     choices = {"detection": detection, "shear": shear, "effective_modulus": 20.0}
     friction = {"mu0": 0.4, "tau0": 0.2}
@@ -54,7 +54,7 @@ def test_approach_at_load_is_the_smallest_approach(rough_pair, dimension, detect
         assert (before >= load).mean() < 0.03
 
 
-def test_approach_depends_on_friction_of_slopes(rough_pair):
+def test_approach_at_load_increases_with_friction(rough_pair):
     upper, lower = rough_pair(1.3)
     less, more = (approach_at_load(upper, lower, 1e-3, mu0=mu0) for mu0 in (0.0, 1.0))
     assert more > less

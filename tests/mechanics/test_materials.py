@@ -13,7 +13,7 @@ ROUND_OFF = 1e-14
 FOR_EACH_MATERIAL = pytest.mark.parametrize("each", materials(), ids=lambda each: each.name)
 
 
-def test_table_has_materials_of_all_kinds():
+def test_table_of_materials_contains_all_kinds():
     assert len(materials()) >= 30
     kinds = {item.kind for item in materials()}
     assert kinds == {"metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"}
@@ -22,7 +22,7 @@ def test_table_has_materials_of_all_kinds():
 
 
 @FOR_EACH_MATERIAL
-def test_values_of_materials_are_physical(each):
+def test_material_values_are_physical_and_have_sources(each):
     values = (each.young_modulus, each.poisson_ratio, each.hardness)
     for value in (value for value in values if value is not None):
         assert 0 < value.low <= value <= value.high
@@ -50,14 +50,14 @@ def test_values_of_materials_are_physical(each):
         ("silicon nitride", 300, 16), ("PMMA", 3, 0.2), ("gold", 78, 0.3), ("silicon", 165, 11), ("lead", 16, 0.04),
     ],
 )  # fmt: skip
-def test_ranges_contain_reference_values(name, young, hardness):
+def test_material_ranges_contain_reference_values(name, young, hardness):
     result = material(name)
     assert 0.9 * result.young_modulus.low <= young <= 1.1 * result.young_modulus.high
     assert 0.9 * result.hardness.low <= hardness <= 1.1 * result.hardness.high
 
 
 @FOR_EACH_MATERIAL
-def test_material_accepts_each_alias_in_any_spelling(each):
+def test_material_accepts_every_alias_in_any_spelling(each):
     for name in (each.name, *each.aliases):
         assert material(name) is material(name.upper()) is material(name.replace("-", " ")) is each
 
@@ -77,12 +77,12 @@ def test_materials_have_unique_names():
         (3, "name must be the name of a material, got 3"),
     ],
 )
-def test_material_suggests_nearest_name(name, message):
+def test_material_error_suggests_the_nearest_name(name, message):
     with pytest.raises(ValueError, match=message):
         material(name)
 
 
-def test_two_materials_give_modulus_compliance_and_hardness():
+def test_modulus_compliance_and_hardness_of_two_materials_equal_closed_forms():
     steel, brass = material("steel"), material("brass")
     by_hand = 1 / sum((1 - item.poisson_ratio**2) / item.young_modulus for item in (steel, brass))
     assert effective_modulus(steel, brass) == pytest.approx(by_hand, rel=ROUND_OFF)
@@ -97,7 +97,7 @@ def test_two_materials_give_modulus_compliance_and_hardness():
     assert softer_hardness(brass, material("PDMS")) is softer_hardness(material("rubber"), brass) is None
 
 
-def test_effective_modulus_accepts_four_numbers():
+def test_effective_modulus_accepts_two_moduli_and_two_poisson_ratios():
     assert effective_modulus(200.0, 0.0, [200.0, 100.0], 0.0).tolist() == pytest.approx([100, 200 / 3])
 
 
@@ -105,7 +105,7 @@ def test_effective_modulus_accepts_four_numbers():
     "arguments",
     [("steel", "brass"), (material("steel"), 0.3, 200.0, 0.3), (material("steel"), material("gold"), 1.0, 0.3)],
 )
-def test_effective_modulus_rejects_mixed_arguments(arguments):
+def test_effective_modulus_rejects_materials_mixed_with_numbers(arguments):
     with pytest.raises(ValueError, match=r"effective_modulus|young_upper|array of real numbers"):
         effective_modulus(*arguments)
     with pytest.raises(ValueError, match="upper must be a Material"):
@@ -114,7 +114,7 @@ def test_effective_modulus_rejects_mixed_arguments(arguments):
         softer_hardness(material("brass"), 3.0)
 
 
-def test_material_value_is_pickled_with_its_range():
+def test_pickled_material_value_preserves_its_range_and_source():
     value = pickle.loads(pickle.dumps(material("copper").hardness))
     assert isinstance(value, MaterialValue)
     assert (value.low, value.high, value.source) == (0.34, 1.14, material("copper").hardness.source)
@@ -122,7 +122,7 @@ def test_material_value_is_pickled_with_its_range():
     assert repr(MaterialValue(2, 2, "somebody")) == "<2, somebody>"
 
 
-def test_documented_table_of_materials_is_current():
+def test_documented_table_of_materials_is_up_to_date():
     docs = Path(__file__).parents[2] / "docs"
     spec = importlib.util.spec_from_file_location("materials_table", docs / "scripts/materials.py")
     script = importlib.util.module_from_spec(spec)

@@ -80,7 +80,7 @@ def test_onset_of_ball_equals_cattaneo_mindlin(ball):
         np.testing.assert_allclose(onset.energy_lost(onset.tangential_load)[2:], lost[2:], rtol=5 * MINDLIN_TOLERANCE)
 
 
-def test_ball_slips_from_edge_inwards(ball):
+def test_slip_of_a_ball_spreads_from_the_edge_inwards(ball):
     curve, radius = ball
     x = (np.arange(96) - 48 + 0.31) / 96
     away = np.hypot(x[:, None], x).ravel()
@@ -121,7 +121,7 @@ def test_onset_of_cylinder_equals_cattaneo():
         onset.iwan()
 
 
-def test_stick_area_of_ellipse_preserves_shape():
+def test_stick_area_of_an_ellipse_has_the_shape_of_the_contact():
     radii = (0.5, 1.5)
     lower = bowl(128, 1.0, radii)
     load, _, axes = hertz_ellipse(0.04, *radii, MODULUS)
@@ -161,7 +161,7 @@ def contact_strength(curve, mu0, tau0):
 @pytest.mark.parametrize("shape", [(32, 32), (24, 32), (256,)])
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.0, 0.02), (0.2, 0.004)])
-def test_onset_agrees_with_active_set(shape, boundary, mu0, tau0):
+def test_onset_agrees_with_active_set_solver(shape, boundary, mu0, tau0):
     lower = rough(shape, slope=1e-4)
     tau0 *= 1e-2  # The adhesive strength must have the order of magnitude of the pressures.
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10)
@@ -190,7 +190,7 @@ def test_onset_agrees_with_active_set(shape, boundary, mu0, tau0):
         )
 
 
-def test_masing_energy_equals_computed_loop():
+def test_energy_lost_by_masing_rule_equals_simulated_cycle():
     lower = rough((16, 16), slope=1e-4)
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.1)], tolerance=1e-10)
     points, bound, _, _ = contact_strength(curve, 0.3, 0.0)
@@ -224,7 +224,7 @@ def areas(request):
     return half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=request.param, tolerance=1e-8)
 
 
-def test_sliding_load_equals_friction_at_all_contacts(areas):
+def test_sliding_load_equals_sum_of_friction_at_all_contacts(areas):
     onset = areas.onset(1, mu0=0.3, tau0=0.05)
     all_rub = 0.3 * areas.normal_elastic[1] + 0.05 * areas.contact_area[1]
     assert onset.sliding_load == pytest.approx(all_rub, rel=1e-9)
@@ -237,7 +237,7 @@ def test_sliding_load_equals_friction_at_all_contacts(areas):
     assert onset.displacement[-1] == onset.displacement_at_sliding
 
 
-def test_onset_quantities_increase_with_load(areas):
+def test_onset_quantities_increase_with_tangential_load(areas):
     onset = areas.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) >= 0).all(), name
@@ -249,7 +249,7 @@ def test_onset_quantities_increase_with_load(areas):
         assert onset.traction(i).sum() * areas._problem.cell == pytest.approx(onset.tangential_load[i], rel=1e-6)
 
 
-def test_initial_stiffness_equals_mindlin(areas):
+def test_initial_tangential_stiffness_equals_mindlin_ratio(areas):
     for poisson, upper, lower in ((0.3, 0.3, 0.3), ((0.1, 0.45), 0.1, 0.45), (0.5, 0.5, 0.5)):
         onset = areas.onset(0, mu0=0.3, poisson=poisson, steps=1)
         ratio = 0.5 * (2 - upper) / (2 * (1 - upper)) + 0.5 * (2 - lower) / (2 * (1 - lower))
@@ -258,14 +258,14 @@ def test_initial_stiffness_equals_mindlin(areas):
         assert light.tangential_load[0] / light.displacement[0] == pytest.approx(onset.stiffness, rel=1e-4)
 
 
-def test_poisson_ratio_of_stiffer_body_has_less_weight():
+def test_poisson_ratio_of_the_stiffer_body_has_less_weight():
     lower = rough((32, 32))
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], compliance_share=1.0)
     soft = [curve.onset(0, mu0=0.3, poisson=poisson, steps=1).stiffness for poisson in ((0.0, 0.4), 0.4, 0.0)]
     assert soft[0] == soft[1] < soft[2]
 
 
-def test_onset_of_maps_equals_ciavarella_jaeger(areas):
+def test_onset_of_maps_agrees_with_ciavarella_jaeger(areas):
     """Compare the traction with mu0 times the difference of the pressures at the load and at a smaller load."""
     onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
     for i, smaller in enumerate((1, 0)):
@@ -276,7 +276,7 @@ def test_onset_of_maps_equals_ciavarella_jaeger(areas):
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_onset_of_profiles_equals_ciavarella_jaeger(boundary):
+def test_onset_of_profiles_agrees_with_ciavarella_jaeger(boundary):
     lower = rough((1024,))
     load = mean_pressure(lower, 0.05)
     curve = half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=boundary, tolerance=1e-8)
@@ -306,7 +306,7 @@ def test_onset_scales_with_size(areas, factor):
     )
 
 
-def test_onset_reaches_given_displacements(areas):
+def test_onset_reaches_requested_displacements(areas):
     farthest = areas.onset(0, mu0=0.3, steps=1).displacement_at_sliding
     onset = areas.onset(0, mu0=0.3, displacements=[0.2 * farthest, 0.7 * farthest, farthest])
     np.testing.assert_allclose(onset.displacement, np.array([0.2, 0.7, 1.0]) * farthest, rtol=1e-6)
@@ -366,7 +366,7 @@ def single_ball(radii=(1.0, 1.0), approach=0.02):
     return press(flat_like(lower), lower, [approach])
 
 
-def test_onset_of_asperity_equals_mindlin():
+def test_onset_of_a_single_asperity_equals_mindlin():
     curve = single_ball()
     for poisson in (0.0, 0.3):
         onset = curve.onset(0, mu0=0.3, poisson=poisson)
@@ -388,7 +388,7 @@ def test_onset_of_asperity_equals_mindlin():
 
 @pytest.mark.parametrize("radii", [(1.0, 1.0), (0.3, 1.0)])
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.3, 0.1), (0.0, 0.1)])
-def test_onset_of_asperity_agrees_with_half_space(radii, mu0, tau0):
+def test_onset_of_a_single_asperity_agrees_with_half_space(radii, mu0, tau0):
     lower = bowl(128, 1.0, radii)
     asperity = press(flat_like(lower), lower, [0.04])
     exact = half_space(flat_like(lower), lower, asperity.normal_elastic)
@@ -429,7 +429,7 @@ def many_asperities():
     return bodies, press(*bodies, [0.01, 0.04], direction=[0.0, 90.0])
 
 
-def test_onset_of_many_asperities_is_their_sum(many_asperities):
+def test_onset_of_many_asperities_is_the_sum_over_contacts(many_asperities):
     bodies, curve = many_asperities
     onset = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0)
     assert curve.contact_count[1] > 20
@@ -449,7 +449,7 @@ def test_onset_of_many_asperities_is_their_sum(many_asperities):
         assert ((slides <= load) == np.isclose(onset.traction(i), onset.traction(-1), rtol=1e-12)).all()
 
 
-def test_energy_lost_equals_area_of_loop(many_asperities):
+def test_energy_lost_equals_area_of_the_hysteresis_loop(many_asperities):
     onset = many_asperities[1].onset(1, mu0=0.3, tau0=0.1, steps=400)
     for part in (0.5, 1.0):
         way, load = onset.loop(part * onset.sliding_load)
@@ -480,7 +480,7 @@ def test_onset_accepts_sphere_and_elastic_plastic_laws_on_profiles():
     assert yields.sliding_load < onset.sliding_load
 
 
-def test_onset_of_pickled_curve_is_equal(many_asperities):
+def test_pickled_load_curve_has_equal_onset(many_asperities):
     bodies, curve = many_asperities
     again = pickle.loads(pickle.dumps(curve))
     assert again.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
@@ -521,7 +521,7 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
     assert np.abs(result.residual).max() < 1e-6
 
 
-def test_onset_frame_and_fits_have_columns_residuals_and_read_only_arrays(many_asperities):
+def test_onset_data_frame_has_units_and_fits_have_residuals(many_asperities):
     onset = many_asperities[1].onset(1, mu0=0.3, tau0=0.1)
     frame = onset.frame()
     assert list(frame) == ["tangential_load_mN", "displacement_um", "slipped_area", "slipped_load", "energy_lost_mN_um"]
@@ -566,7 +566,7 @@ def test_onset_rejects_bad_arguments(ball, arguments, message):
             curve.onset(0, **arguments)
 
 
-def test_onset_rejects_bad_steps_and_amplitudes(ball):
+def test_onset_rejects_bad_indices_steps_and_amplitudes(ball):
     with pytest.raises(ValueError, match="index must be one of the 1 loads"):
         ball[0].onset(1, mu0=0.3)
     with pytest.raises(ValueError, match="index must be one of the 1 approaches"):

@@ -99,14 +99,14 @@ def expected_dims(name, dataset):
     return {step.get(str(dim), str(dim)) for dim in dataset[name].dims} - others
 
 
-def test_quantities_contain_every_variable_of_results_with_its_unit(results, at_loads):
+def test_table_of_quantities_contains_every_result_variable_with_its_unit(results, at_loads):
     for title, name, item in list_variables(results | {f"{key} at a load": one for key, one in at_loads.items()}):
         if name not in NON_QUANTITY_DIMENSIONS:
             assert name in QUANTITIES, f"{name} of {title}"
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
-def test_stored_variables_have_the_dimensions_and_dtypes_of_the_table(results):
+def test_stored_variables_have_the_dimensions_and_dtypes_of_their_quantities(results):
     for title, dataset in results.items():
         for name in map(str, dataset.data_vars):
             quantity = QUANTITIES[name]
@@ -116,7 +116,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_of_the_table(results):
             assert quantity.stored, f"{name} of {title}"
 
 
-def test_variables_at_a_load_have_the_dimensions_of_the_table(at_loads):
+def test_variables_at_a_load_have_the_dimensions_of_their_quantities(at_loads):
     for title, dataset in at_loads.items():
         for name in map(str, dataset.data_vars):
             if name == "status":  # The status belongs to the coefficient, not to the contact.
@@ -131,7 +131,7 @@ def test_variables_at_a_load_have_the_dimensions_of_the_table(at_loads):
                 )
 
 
-def test_intervals_at_a_load_are_within_the_bounds_of_the_table(at_loads):
+def test_intervals_at_a_load_are_within_the_bounds_of_their_quantities(at_loads):
     for title, name, item in list_variables(at_loads):
         if name in QUANTITIES and "statistic" in item.dims and item.dtype.kind == "f":
             ends, mean = item.sel(statistic=["lower", "upper"]), item.sel(statistic="mean")
@@ -140,7 +140,7 @@ def test_intervals_at_a_load_are_within_the_bounds_of_the_table(at_loads):
             assert not (ends > max(high, float(mean.max()))).any(), f"{name} of {title}"
 
 
-def test_values_of_members_are_quantities_of_the_table():
+def test_member_values_are_quantities_with_the_unit_of_the_table():
     options = {"mu0": 0.2, "effective_modulus": 10.0}
     longer = Profile(heights((600,), 5), spacing=0.5)
     result = {
@@ -155,7 +155,7 @@ def test_values_of_members_are_quantities_of_the_table():
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
-def test_resolution_uses_units_of_the_table():
+def test_variables_of_resolution_have_the_units_of_their_quantities():
     result = resolution(*maps(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
     shared = {*map(str, result.data_vars)} & {*QUANTITIES}
     assert {"contact_area", "contact_count", "mean_pressure", "error", *SIX_SUMS} <= shared
@@ -163,7 +163,7 @@ def test_resolution_uses_units_of_the_table():
         assert result[name].attrs["units"] == QUANTITIES[name].unit
 
 
-def test_table_of_quantities_agrees_with_the_core_and_the_classes_of_sums():
+def test_table_of_quantities_agrees_with_the_core_and_its_classes():
     assert set(SIX_SUMS) < set(SUMS)
     assert {*SUMS} == {*Sums.__dataclass_fields__}
     assert {*VALIDITY} == {*Validity.__dataclass_fields__}
@@ -175,7 +175,7 @@ def test_table_of_quantities_agrees_with_the_core_and_the_classes_of_sums():
 
 
 @pytest.mark.parametrize("name", QUANTITIES)
-def test_entry_of_a_quantity_is_consistent(name):
+def test_entries_of_the_table_of_quantities_are_consistent(name):
     quantity = QUANTITIES[name]
     assert quantity.words
     assert len(quantity.short) <= len(quantity.words)
@@ -190,7 +190,7 @@ def test_entry_of_a_quantity_is_consistent(name):
     assert len(set(quantity.along)) == len(quantity.along)
 
 
-def test_csv_columns_are_the_quantities_shown_in_csv_in_their_order(at_loads):
+def test_csv_columns_have_the_order_of_the_table_of_quantities(at_loads):
     at = at_loads["half-planes"]
     columns = list(summary_table(summarize(at, study_of(at))).columns)
     shown = [name for name in shown_in("csv") if name in at and "direction" not in at[name].dims]
@@ -200,7 +200,7 @@ def test_csv_columns_are_the_quantities_shown_in_csv_in_their_order(at_loads):
     assert places == sorted(places)
 
 
-def test_modules_do_not_infer_properties_from_the_names_of_quantities():
+def test_modules_do_not_infer_properties_from_names_of_quantities():
     parts = "share|fraction|count|load|area|pull_off|slipped|stiffness|unloaded|friction|pressure"
     tests = "startswith|endswith|replace|removeprefix|removesuffix"
     pattern = re.compile(rf"""["']_?({parts})\w*["'] in (str\()?name\b|\bname\)?\.({tests})\(\(?["']_?({parts})""")

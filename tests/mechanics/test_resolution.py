@@ -38,7 +38,7 @@ def resolved_pair():
     return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL)
 
 
-def test_resolution_equals_half_space_of_filtered_surfaces(resolved_pair):
+def test_resolution_equals_half_space_solution_of_filtered_surfaces(resolved_pair):
     upper, lower, load, result = resolved_pair
     for length in result.cut_off.values:
         bodies = [cut_off(body, length, periodic=True) if length else body for body in (upper, lower)]
@@ -63,7 +63,7 @@ def test_resolution_equals_half_space_of_filtered_surfaces(resolved_pair):
     assert abs(smooth.sel(sliding="all")).max() < 0.02  # The slopes in both directions cancel.
 
 
-def test_bracket_with_hardness_contains_finer_results(resolved_pair):
+def test_bracket_with_hardness_contains_results_of_finer_scans(resolved_pair):
     *_, load, result = resolved_pair
     area = result.contact_area_fraction[:, 0].values
     mu = result.friction_coefficient.sel(sliding="all")[:, 0].values
@@ -81,7 +81,7 @@ def test_bracket_with_hardness_contains_finer_results(resolved_pair):
         assert (mu[finer] <= mu[finer:] * (1 + 0.02)).all()
 
 
-def test_bracket_contains_finer_results(resolved_pair):
+def test_bracket_of_elastic_contact_contains_results_of_finer_scans(resolved_pair):
     result = resolved_pair[3]
     stretch = 1 + np.square(result.rms_gradient.values) / 8
     for name, of in (("area_fraction", "contact_area_fraction"), ("friction_coefficient", "friction_coefficient")):
@@ -99,7 +99,7 @@ def test_bracket_contains_finer_results(resolved_pair):
     assert float(max_area(0.9, 1000)) == 1.0
 
 
-def test_bracket_of_few_contacts_allows_decreasing_area():
+def test_bracket_of_few_contacts_allows_area_to_decrease_with_resolution():
     """Use a pair of seven contacts whose finest result has more area than a coarser result."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
@@ -113,7 +113,7 @@ def test_bracket_of_few_contacts_allows_decreasing_area():
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
-def test_resolution_without_hardness_gives_plastic_wavelength(resolved_pair):
+def test_resolution_without_hardness_lists_plastic_wavelength_by_hardness(resolved_pair):
     upper, lower, load, plastic = resolved_pair
     result = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0
@@ -150,7 +150,7 @@ def test_plastic_wavelength_is_where_slope_reaches_hardness(resolved_pair):
     assert float(roughness.gradient_at(high)) == pytest.approx(kappa * 4.0 / 115.0 / within, rel=1e-6)
 
 
-def test_extrapolation_follows_power_law():
+def test_extrapolation_of_a_filtered_scan_agrees_with_the_unfiltered_scan():
     """Compare the extrapolation of a filtered scan with the unfiltered scan."""
     upper, lower = pair(points=256, spacing=0.02)
     coarse = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
@@ -172,7 +172,7 @@ def test_extrapolation_follows_power_law():
     assert float(fine.friction_coefficient.sel(sliding="all")[0, 0]) > 0.2
 
 
-def test_extrapolated_interval_contains_friction_of_finer_scan():
+def test_extrapolated_interval_contains_friction_of_a_finer_scan():
     """Extrapolate pairs that are filtered at 16 points, and compare them with the unfiltered pairs."""
     inside = 0
     for seed in range(6):
@@ -207,7 +207,7 @@ def test_resolution_of_profiles_averages_both_directions():
     assert result.friction_coefficient.sel(sliding="opposing")[0].values == pytest.approx(mu, rel=1e-6)
 
 
-def test_resolution_scales_with_size():
+def test_resolution_results_scale_with_size():
     one = resolution(*pair(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL)
     bodies = [Surface(10 * body.heights, spacing=0.8) for body in pair(points=64, spacing=0.08)]
     ten = resolution(*bodies, [40.0], boundary="periodic", **STEEL)
@@ -216,7 +216,7 @@ def test_resolution_scales_with_size():
     assert ten.plastic_wavelength.values == pytest.approx(10 * one.plastic_wavelength.values, rel=1e-3)
 
 
-def test_resolution_dataset_has_units_and_is_written_to_netcdf(resolved_pair, tmp_path):
+def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(resolved_pair, tmp_path):
     result = resolved_pair[3]
     assert (result.instrument_limit_um, result.instrument_limit_reason) == (0.08, "pixels")
     for name, values in result.data_vars.items():
@@ -229,7 +229,7 @@ def test_resolution_dataset_has_units_and_is_written_to_netcdf(resolved_pair, tm
         xr.testing.assert_equal(again.load(), result)
 
 
-def test_unsolved_load_gives_nan_and_progress(monkeypatch):
+def test_resolution_at_an_unsolved_load_is_nan_and_reports_progress(monkeypatch):
     from stiction.mechanics import resolution as module
 
     upper, lower = pair(points=32, spacing=0.16)

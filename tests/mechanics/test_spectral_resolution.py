@@ -19,7 +19,7 @@ def both_roughnesses(bodies):
     return [scale_dependent_roughness(body, periodic=True) for body in bodies]
 
 
-def test_spectral_resolution_uses_smaller_of_elastic_pressure_and_hardness():
+def test_spectral_resolution_limits_elastic_pressure_by_hardness():
     upper, lower = both_roughnesses(pair())
     result = spectral_resolution(upper, lower, **OPTIONS)
     gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))
@@ -57,7 +57,7 @@ def test_spectral_resolution_agrees_with_half_space():
         assert one == pytest.approx(other, rel=within)
 
 
-def test_spectral_resolution_on_flat_uses_slopes_of_one_surface():
+def test_spectral_resolution_of_a_surface_on_a_flat_uses_its_slopes_only():
     upper = both_roughnesses(pair(64))[0]
     result = spectral_resolution(upper, None, **OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))

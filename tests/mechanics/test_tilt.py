@@ -25,7 +25,7 @@ def resultant(curve, index, missing=None):
 
 @pytest.mark.parametrize("hardness", [None, 0.4])
 @pytest.mark.parametrize("holes", [False, True])
-def test_free_tilt_centres_resultant_and_changes_stiffness(hardness, holes):
+def test_free_tilt_centres_the_resultant_force_and_changes_stiffness(hardness, holes):
     upper, lower = make_pair(3)
     missing = np.zeros(lower.heights.shape, bool)
     if holes:
@@ -48,7 +48,7 @@ def test_free_tilt_centres_resultant_and_changes_stiffness(hardness, holes):
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_closure_is_decrease_of_mean_gap(boundary):
+def test_closure_equals_the_decrease_of_the_mean_gap(boundary):
     upper, lower = make_pair(5)
     holed = Surface(lower.heights, spacing=lower.spacing, missing=np.arange(64) >= 50 + np.zeros((48, 1)))
     for below in (holed, lower):
@@ -67,7 +67,7 @@ def test_closure_is_decrease_of_mean_gap(boundary):
         assert (curve.closure < curve.approach).all()
 
 
-def test_tilt_response_agrees_with_dense_matrices():
+def test_response_to_tilt_agrees_with_dense_matrices():
     from stiction.mechanics.half_space_problem import TiltResponse, lever_arms
 
     one = half_space(*make_pair(3, (24, 32)), [1.0]).at(0)
@@ -86,7 +86,7 @@ def test_tilt_response_agrees_with_dense_matrices():
 
 
 @pytest.mark.parametrize("areal", [True, False])
-def test_free_tilt_moves_summit_of_ball_to_the_middle(areal):
+def test_free_tilt_moves_the_summit_of_a_ball_to_the_middle(areal):
     x = (np.arange(65) - 32) * 0.1
     ball = -((x - 1.3) ** 2) / 40 - (x[:, np.newaxis] ** 2 / 40 if areal else 0)
     kind = Surface if areal else Profile
@@ -95,7 +95,7 @@ def test_free_tilt_moves_summit_of_ball_to_the_middle(areal):
     assert np.isfinite(curve.closure).all()
 
 
-def test_free_tilt_balances_single_contact_point():
+def test_free_tilt_balances_a_single_contact_point():
     x = (np.arange(65) - 32) * 0.1
     ball = Surface(-((x - 1.3) ** 2) / 40 - x[:, np.newaxis] ** 2 / 40, spacing=0.1)
     curve = half_space(Surface(0 * ball.heights, spacing=0.1), ball, [1e-9], tilt="free")
@@ -111,6 +111,6 @@ def test_free_tilt_balances_single_contact_point():
         ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' except"),
     ],
 )
-def test_half_space_rejects_bad_tilt(arguments, message):
+def test_half_space_rejects_bad_tilt_arguments(arguments, message):
     with pytest.raises(ValueError, match=message):
         half_space(*make_pair(1, (16, 16)), **({"loads": [1.0], "tilt": "free"} | arguments))
