@@ -54,7 +54,7 @@ def adhesive_result():
     return run_pair(**ADHESION_OPTIONS)
 
 
-def test_adhesive_member_equals_half_space_of_its_surfaces(adhesive_result):
+def test_adhesive_member_equals_half_space_solution_of_its_surfaces(adhesive_result):
     data, contact = adhesive_result.dataset.isel(cut_off=0, repetition=1), adhesive_result.study.contact
     bodies = load_bodies(adhesive_result.study).member(1, 0.0).pair
     directions = {"direction": data["direction"].values.tolist(), "sliding": "all"}
@@ -71,7 +71,7 @@ def test_adhesive_member_equals_half_space_of_its_surfaces(adhesive_result):
     assert friction.mean() == pytest.approx(0.3 * free.contact_load[0] + 0.02 * free.contact_area[0], rel=0.05)
 
 
-def test_friction_coefficient_with_adhesion_increases_at_light_loads(adhesive_result):
+def test_friction_coefficient_with_adhesion_increases_as_the_load_decreases(adhesive_result):
     table = at_load(adhesive_result.source, adhesive_result.study.contact.steps()).isel(cut_off=0, mu0=0, tau0=0)
     coefficient = table["friction_all_round"].sel(sliding="all", statistic="mean").values
     assert (np.diff(coefficient) < 0).all()
@@ -82,7 +82,7 @@ def test_friction_coefficient_with_adhesion_increases_at_light_loads(adhesive_re
     assert table["mean_pressure"].sel(statistic="mean").values == pytest.approx(contact_load / area, rel=0.2)
 
 
-def test_pull_off_force_is_in_rows_text_report_and_figure(adhesive_result, tmp_path):
+def test_pull_off_force_is_shown_in_rows_text_report_and_figure(adhesive_result, tmp_path):
     text = repr(adhesive_result)
     assert text.startswith("Sticks without a load: yes. Pull-off force ")
     for term in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
@@ -107,7 +107,7 @@ def test_pull_off_force_is_in_rows_text_report_and_figure(adhesive_result, tmp_p
     assert len(adhesive_result.figure("adhesion").axes) == 2
 
 
-def test_pair_at_zero_load_assesses_sticking(adhesive_result):
+def test_pair_at_zero_load_assesses_whether_the_surfaces_stick(adhesive_result):
     unloaded_result, two_load_result = (run_pair(load=load, **ADHESION_OPTIONS) for load in (0, ["0", "20 MPa"]))
     (unloaded_point,) = unloaded_result.summary().points
     assert unloaded_point.unloaded
@@ -143,7 +143,7 @@ def test_pair_at_zero_load_assesses_sticking(adhesive_result):
         at_load(run_pair().source, [0.0])
 
 
-def test_verbose_text_at_zero_load_has_no_coefficients_along_axes():
+def test_verbose_text_at_zero_load_omits_coefficients_along_axes():
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     text = result_text(two_load_result.summary(), verbose=True)
     axis_lines = text[text.index("μ_s along an axis") :].split("\n\n")[0].splitlines()[1:]
@@ -153,7 +153,7 @@ def test_verbose_text_at_zero_load_has_no_coefficients_along_axes():
     assert "nan" not in text
 
 
-def test_at_load_has_no_value_between_zero_and_the_first_solved_load(adhesive_result):
+def test_values_between_zero_and_the_first_solved_load_are_not_reached(adhesive_result):
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     loads = two_load_result.study.contact.steps()
     table = at_load(two_load_result.source, np.sqrt(loads[1:] * loads[:-1])).isel(cut_off=0, mu0=0, tau0=0)
@@ -177,12 +177,12 @@ def test_at_load_has_no_value_between_zero_and_the_first_solved_load(adhesive_re
         ((2e-8, np.nan, np.nan), False, "no"),
     ],
 )
-def test_sticking_follows_interval_of_pull_off_pressure(pressure, is_bound, sticks):
+def test_assessment_of_sticking_agrees_with_interval_of_pull_off_pressure(pressure, is_bound, sticks):
     sticking = Sticking(pull_off=(1e-6, 1e-6, 1e-6), pressure=pressure, friction=(1e-6, 1e-6, 1e-6), is_bound=is_bound)
     assert sticking.sticks == sticks
 
 
-def test_explicit_zero_adhesion_changes_no_values_and_has_no_caveat(adhesive_result):
+def test_explicit_zero_adhesion_leaves_values_unchanged_and_adds_no_caveat(adhesive_result):
     caveat_text = "would increase"
     default_result, zero_adhesion_result = run_pair(), run_pair(work_of_adhesion="0 mJ/m^2")
     for name in default_result.dataset.data_vars:
@@ -204,7 +204,7 @@ def test_explicit_zero_adhesion_changes_no_values_and_has_no_caveat(adhesive_res
 
 
 @pytest.mark.parametrize("surfaces", ["surface", "profile"])
-def test_generated_surfaces_accept_adhesion(surfaces):
+def test_study_of_generated_surfaces_accepts_adhesion(surfaces):
     study = Study().with_changes({"surfaces.kind": surfaces, "contact.mechanics": "half-space"})
     changes = {
         "contact.work_of_adhesion": "50 mJ/m^2", "contact.boundary": "periodic", "contact.effective_modulus": "80 GPa",
@@ -244,7 +244,7 @@ def test_pair_rejects_bad_adhesion(changes, pattern):
         run_pair(**changes)
 
 
-def test_adhesion_range_below_grid_limit_gives_a_caveat():
+def test_adhesion_range_below_grid_limit_adds_a_caveat():
     options = PAIR_OPTIONS | {"effective_modulus": "1.5..2.5 GPa", "load": "2 MPa"}
     with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is increased to"):
         result = pair(rough_surface("upper", 0.01), rough_surface("lower", 0.01), **options, **ADHESION_OPTIONS)
@@ -255,7 +255,7 @@ def test_adhesion_range_below_grid_limit_gives_a_caveat():
 
 @pytest.mark.soak
 @pytest.mark.filterwarnings("ignore:adhesion_range")
-def test_estimated_effect_of_adhesion_agrees_with_solved_pairs():
+def test_estimated_effect_of_adhesion_agrees_with_solutions_of_pairs():
     """Compare estimated and solved effects of adhesion of 60 random pairs near the limit of a caveat."""
     random, misjudged_increases, roughness = (
         np.random.default_rng(7),

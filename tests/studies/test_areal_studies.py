@@ -93,7 +93,7 @@ def compute_curves(study, upper, lower):
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_study_sums_equal_sums_of_each_pair(name):
+def test_sums_of_an_areal_study_equal_sums_of_single_pairs(name):
     study = STUDIES[name]
     dataset = run(study).dataset
     step = study.contact.step
@@ -114,7 +114,7 @@ def test_study_sums_equal_sums_of_each_pair(name):
     assert (dataset["normal_elastic"].values.max(axis=-1) > 0).all()
 
 
-def test_pair_of_generates_the_surfaces_of_the_study():
+def test_pair_of_function_generates_the_surfaces_of_the_study():
     for body, side in zip(pair_of(SURFACES, 7, fractal_dimension=1.3, amplitude=0.1), ("upper", "lower"), strict=True):
         generated_surface = weierstrass_mandelbrot_surface(
             random_phases(2016, repetition=7, side=side), 1.3, shape=(24, 32), extent=(1.5, 2.0), band_limit="nyquist"
@@ -129,7 +129,7 @@ def test_pair_of_generates_the_surfaces_of_the_study():
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_stored_areal_study_is_read_and_continued(name, tmp_path):
+def test_stored_areal_study_can_be_read_and_continued(name, tmp_path):
     study = STUDIES[name]
     expected = run(study).dataset
     with ThreadPoolExecutor(2) as pool:
@@ -142,7 +142,7 @@ def test_stored_areal_study_is_read_and_continued(name, tmp_path):
         run(changed_study, store=tmp_path / "r")
 
 
-def test_friction_map_of_both_rules_equals_maps_of_each_rule(result):
+def test_friction_map_of_both_sliding_rules_equals_maps_of_single_rules(result):
     elastic = result["normal_elastic"].mean("repetition")
     load = float(elastic.isel({elastic.dims[-1]: -2}).min())
     maps = friction_map(result, [load])
@@ -156,7 +156,7 @@ def test_friction_map_of_both_rules_equals_maps_of_each_rule(result):
     assert np.array_equal(nondimensional_coefficient.values, maps["friction_coefficient"].values, equal_nan=True)
 
 
-def test_friction_map_of_half_space_is_ratio_of_means():
+def test_friction_map_of_half_space_study_equals_ratio_of_mean_loads():
     """Compare with the ratio at solved loads; mu0 = tau0 = 0, so that friction does not change the normal load."""
     dataset = run(HALF_SPACES).dataset
     loads = HALF_SPACES.contact.steps()
@@ -168,7 +168,7 @@ def test_friction_map_of_half_space_is_ratio_of_means():
     )
 
 
-def test_stiffness_map_of_half_space_is_derivative_of_approach():
+def test_stiffness_map_of_half_space_study_equals_derivative_of_approach():
     dataset = run(HALF_SPACES.with_changes({"contact.sliding": "all", "contact.direction": 90})).dataset
     loads = HALF_SPACES.contact.steps()
     stiffness = stiffness_map(dataset, [loads[1]], mu0=[0.0], tau0=[0.0])["normal_stiffness"].squeeze()
@@ -178,7 +178,7 @@ def test_stiffness_map_of_half_space_is_derivative_of_approach():
         stiffness_map(run(HALF_PLANES), [0.01])
 
 
-def test_standard_figures_exist_for_each_rule_and_direction():
+def test_standard_figures_exist_for_every_sliding_rule_and_direction():
     names = {f"{kind}_{rule}_{angle}" for kind in ("friction_mu0_0.4", "area")
              for rule in ("opposing", "all") for angle in (0, 90)}  # fmt: skip
     assert {name for name, _ in select_figures(run(SURFACES))} == names

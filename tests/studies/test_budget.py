@@ -47,7 +47,7 @@ def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 64, refinemen
     )
 
 
-def test_interval_of_exact_inputs_is_the_sampling_interval() -> None:
+def test_interval_for_exact_inputs_equals_the_sampling_interval() -> None:
     result = pair(*rough_surfaces(), load="2 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
     assert result.interval == pytest.approx(result.of_positions, rel=1e-9)
     assert result.budget["input"].tolist() == ["positions"]
@@ -68,7 +68,7 @@ def test_interval_at_a_load_is_independent_of_other_loads() -> None:
         np.testing.assert_array_equal(table[name].sel(load=study_loads), result.at_study_loads[name])
 
 
-def test_range_of_mu0_gives_equal_range_of_friction() -> None:
+def test_interval_of_friction_has_the_width_of_the_range_of_mu0() -> None:
     kwargs = dict(load="2 MPa", tau0=0.0, effective_modulus="80 GPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.001), mu0="0.2±0.02", **kwargs)
     assert result.interval == pytest.approx((0.2 - Z_95 * 0.02, 0.2 + Z_95 * 0.02), abs=SAMPLING_ERROR * 4 * 0.02)
@@ -78,7 +78,7 @@ def test_range_of_mu0_gives_equal_range_of_friction() -> None:
     assert uniform.value == pytest.approx(0.2, rel=1e-3)
 
 
-def test_range_of_tau0_scales_adhesive_friction() -> None:
+def test_interval_over_a_range_of_tau0_scales_adhesive_friction() -> None:
     result = pair(
         *rough_surfaces(rms=0.001), load="2 MPa", mu0=0.2, tau0="20..80 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS
     )  # fmt: skip
@@ -89,7 +89,7 @@ def test_range_of_tau0_scales_adhesive_friction() -> None:
     )
 
 
-def test_replaced_result_is_solved_over_hardness_again(tmp_path) -> None:
+def test_replaced_result_is_solved_again_over_the_hardness_range(tmp_path) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **THREE_POSITIONS)
     pair(*rough_surfaces(), effective_modulus="80 GPa", directory=tmp_path, **kwargs)
     softer = pair(*rough_surfaces(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
@@ -123,7 +123,7 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
 
 
 @pytest.mark.parametrize("dwell_hours", range(1, 20))
-def test_area_nodes_of_dwell_time_are_distinct(dwell_hours) -> None:
+def test_hardness_nodes_of_a_dwell_time_are_distinct(dwell_hours) -> None:
     options = {"hardness": "0.2 GPa", "wait": f"{dwell_hours} h", "creep": 0.05, "effective_modulus": "5 GPa"}
     study = pair_study(*rough_surfaces(), load="5 MPa", mu0=0.2, tau0="50 MPa", cutoff="none", **options)
     nodes, _ = choose_area_nodes(study)
@@ -133,7 +133,7 @@ def test_area_nodes_of_dwell_time_are_distinct(dwell_hours) -> None:
 
 
 @pytest.mark.parametrize("infinite", [0, 300, 500])
-def test_ends_of_samples_are_their_quantiles(infinite) -> None:
+def test_interval_ends_equal_quantiles_of_the_samples(infinite) -> None:
     samples = np.random.default_rng(3).lognormal(size=2**14)
     samples[:infinite] = np.inf
     method = "inverted_cdf" if infinite else "linear"
@@ -143,7 +143,7 @@ def test_ends_of_samples_are_their_quantiles(infinite) -> None:
         _ends(samples)
 
 
-def test_large_maps_are_solved_over_hardness_for_two_members(monkeypatch) -> None:
+def test_large_maps_are_solved_over_the_hardness_range_for_two_members_only(monkeypatch) -> None:
     options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*rough_surfaces(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
     with thread_executor(1) as executor:
@@ -155,7 +155,7 @@ def test_large_maps_are_solved_over_hardness_for_two_members(monkeypatch) -> Non
 
 
 @pytest.mark.parametrize("rms", [0.03, 0.003])  # These are a plastic and an elastic-plastic contact.
-def test_friction_after_dwell_equals_friction_at_reduced_hardness(rms) -> None:
+def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
     aged_point = (
         pair(*rough_surfaces(rms=rms), hardness="0.8 GPa", wait=["1 s", "1 h", "10 d"], creep=0.04, **kwargs)
@@ -173,7 +173,7 @@ def test_friction_after_dwell_equals_friction_at_reduced_hardness(rms) -> None:
         assert aged_point.ageing == pytest.approx(increase_per_log_time, rel=0.02)
 
 
-def test_range_of_creep_exponent_widens_aged_values_only() -> None:
+def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="0.8 GPa", **PAIR_OPTIONS)
     exact_point, ranged_point = (
         pair(*rough_surfaces(rms=0.03), wait="1 d", creep=m, **kwargs).summary().points[0]
@@ -188,7 +188,7 @@ def test_range_of_creep_exponent_widens_aged_values_only() -> None:
     assert exact_point.waited[0].upper - exact_point.waited[0].lower < 0.3 * (high - low)
 
 
-def test_named_materials_have_ranges_and_given_hardness_is_exact() -> None:
+def test_material_names_have_hardness_ranges_and_given_hardness_is_exact() -> None:
     kwargs = dict(load="2 MPa", mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", junction_growth=0, **PAIR_OPTIONS)
     named_result = pair(*rough_surfaces(rms=0.02), **kwargs)
     assert named_result.budget["input"][0] == "the hardness of the brass"
@@ -200,7 +200,7 @@ def test_named_materials_have_ranges_and_given_hardness_is_exact() -> None:
     assert exact_result.interval == pytest.approx((lower, upper), abs=SAMPLING_ERROR * np.ptp(named_result.interval))
 
 
-def test_area_of_elastic_pair_over_modulus_agrees_with_direct_solutions() -> None:
+def test_interpolated_area_over_modulus_agrees_with_direct_elastic_solutions() -> None:
     kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.01), effective_modulus="1.5..6 MPa", **kwargs)
     table, study = result.at_study_loads, result.study
@@ -218,7 +218,7 @@ def test_area_of_elastic_pair_over_modulus_agrees_with_direct_solutions() -> Non
         )
 
 
-def test_pair_given_a_gap_has_interval_from_inputs_only_and_caveat_about_one_position() -> None:
+def test_gap_map_has_interval_from_inputs_only_and_caveat_about_one_position() -> None:
     upper, lower = rough_surfaces(rms=0.03, points=128)
     options = {
         "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,
@@ -235,7 +235,7 @@ def test_pair_given_a_gap_has_interval_from_inputs_only_and_caveat_about_one_pos
         assert not any("members that differ" in caveat.remedy for caveat in result.caveats)
 
 
-def test_material_name_combines_with_numbers_of_the_other_surface() -> None:
+def test_material_name_can_be_combined_with_numbers_for_the_other_body() -> None:
     def contact_table(**materials):
         return pair_study(*rough_surfaces(), load="50 kPa", mu0=0.2, tau0="0.2 MPa", **materials).contact
 
@@ -249,7 +249,7 @@ def test_material_name_combines_with_numbers_of_the_other_surface() -> None:
         contact_table(lower_material="glass", young="3 MPa,70 GPa", poisson=0.49)
 
 
-def test_hardness_accepts_vickers_and_rockwell() -> None:
+def test_hardness_option_accepts_vickers_and_rockwell_numbers() -> None:
     assert parse_input("hardness", "150 HV", "hardness").value == pytest.approx(150 * 9.80665e-3 / 0.9272)
     rockwell = parse_input("hardness", "60 HRC", "hardness")
     assert rockwell.value == pytest.approx(697 * 9.80665e-3 / 0.9272)
@@ -279,7 +279,7 @@ def test_pair_rejects_bad_ranges(options, pattern) -> None:
         )
 
 
-def test_study_stores_uncertain_inputs() -> None:
+def test_stored_study_preserves_uncertain_inputs() -> None:
     result = pair(*rough_surfaces(), load="2 MPa", mu0="0.1..0.3", effective_modulus="80 GPa", **PAIR_OPTIONS)
     stored_study = Study.from_toml(result.path / "study.toml")
     assert find_inputs(stored_study)["mu0"].estimate == parse_input("mu0", "0.1..0.3")
@@ -292,7 +292,7 @@ MIN_COVERAGE = 0.92  # 95 % intervals must contain at least this fraction of 300
 
 
 @pytest.mark.parametrize("truths", NUMBERS_OF_TRUTHS)
-def test_interval_covers_true_friction_of_random_inputs(truths) -> None:
+def test_combined_interval_covers_true_friction_for_random_inputs(truths) -> None:
     ranges = {"mu0": "0.15..0.25", "tau0": "20..80 MPa", "hardness": "0.5..1.5 GPa", "effective_modulus": "70..90 GPa"}
     covered = covered_tests = 0
     rng = np.random.default_rng(2016)
@@ -332,7 +332,7 @@ def simulate_friction_test(truth, rng) -> float:
 
 
 @pytest.mark.parametrize("tau0", ["0±50 MPa", "5±50 MPa", "20±200 MPa"])
-def test_interval_contains_value_beyond_the_ends_of_a_truncated_distribution(tau0: str) -> None:
+def test_interval_contains_the_value_for_truncated_distributions_of_tau0(tau0: str) -> None:
     result = pair(
         *rough_surfaces(),
         load="2 MPa",
@@ -345,7 +345,7 @@ def test_interval_contains_value_beyond_the_ends_of_a_truncated_distribution(tau
     assert result.interval[0] <= result.value <= result.interval[1]
 
 
-def test_intervals_of_random_statistics_are_nested_and_positive(monkeypatch) -> None:
+def test_intervals_are_nested_and_positive_for_random_statistics(monkeypatch) -> None:
     monkeypatch.setattr(budget, "MAX_BUDGETS", 0)  # This saves the time of the budgets.
     # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
     random = np.random.default_rng(5)
@@ -377,7 +377,7 @@ def test_intervals_of_random_statistics_are_nested_and_positive(monkeypatch) -> 
             assert rule.lower <= computed.bracket[0] <= computed.bracket[1] <= rule.upper
 
 
-def test_equally_uncertain_inputs_have_equal_fractions_of_the_budget() -> None:
+def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
     result = pair(
         *rough_surfaces(), load="2 MPa", mu0="0.2±0.025", tau0="20..80 MPa", young="6..16 GPa,6..16 GPa",
         poisson="0.3,0.3", hardness="1 GPa", **PAIR_OPTIONS,
@@ -388,7 +388,7 @@ def test_equally_uncertain_inputs_have_equal_fractions_of_the_budget() -> None:
     assert shares.min() >= 0
 
 
-def test_interval_of_zero_coefficient_has_the_range_of_mu0() -> None:
+def test_interval_of_a_zero_coefficient_covers_the_range_of_mu0() -> None:
     options = {"load": "20 MPa", "effective_modulus": "80 GPa", "cutoff": "none"} | PAIR_OPTIONS | {"shifts": 8}
     low, high = pair(*rough_surfaces(points=24), mu0="0±0.1", **options).interval
     assert low == 0
@@ -423,7 +423,7 @@ def test_combined_interval_contains_sampling_interval_and_bracket(inputs: dict[s
             assert point.rules[0].lower <= point.bracket[0] <= point.bracket[1] <= point.rules[0].upper
 
 
-def test_interval_at_zero_strength_ignores_the_range_of_another_mu0():
+def test_interval_at_zero_mu0_and_tau0_ignores_the_range_of_the_study_mu0():
     upper, lower = (
         self_affine_surface(3, hurst_exponent=0.8, rms=0.03, shape=(32, 32), spacing=0.1, side=side)
         for side in ("upper", "lower")

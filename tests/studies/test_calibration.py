@@ -54,7 +54,7 @@ def fit_least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray
     return covariance @ matrix.T @ (np.array([test.coefficient for test in tests]) / error), covariance
 
 
-def test_calibrate_far_from_bounds_equals_least_squares() -> None:
+def test_calibration_far_from_bounds_equals_least_squares() -> None:
     tests = simulate_ball_tests(seed=4)
     interface = calibrate(tests, common=0.0, sliding="all")
     best, covariance = fit_least_squares(tests)
@@ -64,7 +64,7 @@ def test_calibrate_far_from_bounds_equals_least_squares() -> None:
         assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * 3.92 * deviation)
 
 
-def test_calibrate_at_a_bound_agrees_with_brute_force() -> None:
+def test_calibration_at_a_bound_agrees_with_brute_force_integration() -> None:
     tests = simulate_ball_tests(tau0=0.0, seed=11)
     interface = calibrate(tests, common=0.0, sliding="all")
     mu0, tau0 = np.meshgrid(np.linspace(0.1, 0.2, 801), np.linspace(0.0, 0.003, 801), indexing="ij")
@@ -83,13 +83,13 @@ def test_calibrate_at_a_bound_agrees_with_brute_force() -> None:
     assert interface.tau0[1] == 0.0
 
 
-def test_common_error_widens_the_identified_interval() -> None:
+def test_common_error_of_all_tests_widens_the_identified_interval() -> None:
     tests = simulate_ball_tests()
     narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
 
 
-def test_one_rough_pair_identifies_only_the_sum_of_both_parameters() -> None:
+def test_tests_on_one_rough_pair_identify_only_the_sum_of_mu0_and_tau0_terms() -> None:
     curve = compute_rough_curve(0.02, 1)
     tests = [
         FrictionTest(curve, load, coefficient=float(y), uncertainty=0.03 * float(y))
@@ -102,7 +102,7 @@ def test_one_rough_pair_identifies_only_the_sum_of_both_parameters() -> None:
     assert interface.excluded == ()
 
 
-def test_advice_expects_the_errors_of_a_ball_over_two_decades_of_load() -> None:
+def test_calibration_advice_predicts_errors_of_ball_tests_over_two_load_decades() -> None:
     curve = compute_rough_curve(0.02, 1)
     tests = [FrictionTest(curve, load, coefficient=0.3, uncertainty=0.009) for load in curve.load]
     interface = calibrate(tests)
@@ -116,7 +116,7 @@ def test_advice_expects_the_errors_of_a_ball_over_two_decades_of_load() -> None:
     assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
 
 
-def test_tests_on_two_finishes_separate_parameters_and_predict_a_third_finish() -> None:
+def test_tests_on_two_finishes_separate_mu0_from_tau0_and_predict_a_third_finish() -> None:
     curves = [compute_rough_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
     random = np.random.default_rng(1)
     tests = [
@@ -144,7 +144,7 @@ def compute_rough_curve(rms: float, seed: int):
     return half_space(upper, lower, loads, effective_modulus=80.0, sliding="all", boundary="periodic")
 
 
-def test_friction_test_accepts_result_of_pair() -> None:
+def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
     upper, lower = rough_maps()
     result = pair(
         upper, lower, load=["40 MPa", "160 MPa"], mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", shifts=4,
@@ -171,7 +171,7 @@ PAIR_OPTIONS = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "tau0": "50 MPa", "eff
            "direction": [0.0, 180.0], "onset": 0}  # fmt: skip
 
 
-def test_shared_hardness_cancels_in_prediction(tmp_path) -> None:
+def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) -> None:
     hardness = "0.5..1.5 GPa"
     tested_pair, predicted_pair = (pair(*rough_faces(rms), hardness=hardness, **PAIR_OPTIONS) for rms in (0.03, 0.02))
     tests = [FrictionTest(tested_pair, load, coefficient=0.25, uncertainty=0.005) for load in ("20 MPa", "50 MPa")]
@@ -198,7 +198,7 @@ def test_shared_hardness_cancels_in_prediction(tmp_path) -> None:
     assert result_in_other_unit.interval == pytest.approx(shared_result.interval, rel=1e-6)
 
 
-def test_tests_at_several_dwell_times_separate_parameters_of_one_plastic_pair() -> None:
+def test_tests_at_several_dwell_times_separate_mu0_from_tau0_of_a_plastic_pair() -> None:
     rough = pair(*rough_faces(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PAIR_OPTIONS)
     table, tests = rough.at("20 MPa"), []
     ratio = (table["contact_area"].sel(statistic="mean") / table["load"]).item()
@@ -211,7 +211,7 @@ def test_tests_at_several_dwell_times_separate_parameters_of_one_plastic_pair() 
     assert strength.tau0[0] == pytest.approx(0.05, rel=0.1)
 
 
-def test_calibrate_updates_a_range_of_modulus_by_the_tests() -> None:
+def test_calibration_infers_the_true_modulus_within_its_range() -> None:
     # The true modulus is 1.8 standard deviations above the middle of its range; a ball of exact modulus reveals it.
     ranged, exact = Ball("5 mm", "2..4.5 GPa"), Ball("5 mm", "30 GPa")
     modulus = 3.0 * 1.5 ** (1.8 / 1.96)
@@ -232,7 +232,7 @@ def test_calibrate_updates_a_range_of_modulus_by_the_tests() -> None:
     assert interface.tau0[1] < TAU0 < interface.tau0[2]
 
 
-def test_calibrate_over_a_range_of_modulus_agrees_with_brute_force() -> None:
+def test_calibration_over_a_range_of_modulus_agrees_with_brute_force() -> None:
     low, high = 2.0, 4.5
     body = Ball("5 mm", f"{low}..{high} GPa")
     tests = [
@@ -251,7 +251,7 @@ def test_calibrate_over_a_range_of_modulus_agrees_with_brute_force() -> None:
         assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * np.ptp(expected))
 
 
-def test_prediction_for_the_tested_pair_omits_the_error_of_its_area() -> None:
+def test_prediction_for_the_tested_pair_omits_the_error_of_its_contact_area() -> None:
     tested_pair = pair(*rough_faces(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4
     strength = calibrate(tests, common=0.0)
@@ -261,7 +261,7 @@ def test_prediction_for_the_tested_pair_omits_the_error_of_its_area() -> None:
     assert np.ptp(other_pair[1:]) > 2 * np.ptp(same_pair[1:])
 
 
-def test_predictions_contain_predictions_with_mu0_at_its_bound(tmp_path) -> None:
+def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) -> None:
     tests = simulate_ball_tests(mu0=0.0, seed=11)
     interface = calibrate(tests, common=0.0, sliding="all")
     assert interface.mu0[1] == 0.0
@@ -279,12 +279,12 @@ def test_predictions_contain_predictions_with_mu0_at_its_bound(tmp_path) -> None
         assert strength.tau0[2] >= np.quantile(tau0_at_bound, 0.975) * 0.999999
 
 
-def test_calibrate_with_given_mu0_has_no_bound() -> None:
+def test_calibration_with_given_mu0_has_no_samples_at_bounds() -> None:
     interface = calibrate(simulate_ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
     assert interface.at_bounds == ()
 
 
-def test_area_over_hardness_has_the_error_of_its_members() -> None:
+def test_contact_area_over_hardness_has_the_standard_error_of_the_members() -> None:
     tested_pair = pair(*rough_faces(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
     test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
     yielding = test.yields
@@ -299,7 +299,7 @@ def test_area_over_hardness_has_the_error_of_its_members() -> None:
     assert yielding.error in fit.scores
 
 
-def test_understated_errors_are_scaled() -> None:
+def test_understated_errors_of_tests_are_scaled_up() -> None:
     tests = simulate_ball_tests(error=0.1, seed=2)
     tests_of_small_errors = [
         FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty / 5) for test in tests
@@ -310,7 +310,7 @@ def test_understated_errors_are_scaled() -> None:
     assert calibrate(tests, sliding="all").fits[0].scale == 1.0
 
 
-def test_missing_errors_are_estimated_from_scatter() -> None:
+def test_missing_errors_of_tests_are_estimated_from_the_scatter() -> None:
     tests = simulate_ball_tests(seed=4)
     tests_without_errors = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
     expected, result = (calibrate(item, sliding="all", common=0.0) for item in (tests, tests_without_errors))
@@ -319,7 +319,7 @@ def test_missing_errors_are_estimated_from_scatter() -> None:
     assert 0.5 < ratio < 2.5
 
 
-def test_tests_without_sliding_are_lower_bounds() -> None:
+def test_tests_without_sliding_count_as_lower_bounds() -> None:
     sliding_tests = simulate_ball_tests()
     identified = calibrate(sliding_tests[:2], sliding="all").identified
     level = sliding_tests[0].coefficient * 1.05
@@ -369,7 +369,7 @@ def simulate_tests_with_growth(
 
 
 @pytest.mark.parametrize("truth", [3.0, 27.0])
-def test_calibrate_with_growth_recovers_mu0_and_tau0(truth: float) -> None:
+def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) -> None:
     interface = calibrate(simulate_tests_with_growth(truth, truth), common=0.0, sliding="all")
     assert interface.mu0[0] == pytest.approx(0.2, abs=0.005)
     assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
@@ -378,7 +378,7 @@ def test_calibrate_with_growth_recovers_mu0_and_tau0(truth: float) -> None:
     assert interface.about[GROWTH_ENTRY] == f"{truth:g}"
 
 
-def test_calibrate_with_growth_agrees_with_brute_force() -> None:
+def test_calibration_with_junction_growth_agrees_with_brute_force() -> None:
     tests = simulate_tests_with_growth(27.0, 27.0)
     interface = calibrate(tests, common=0.0, sliding="all")
     axes = np.linspace(0.17, 0.23, 9), np.linspace(0.043, 0.057, 9)
@@ -403,7 +403,7 @@ def test_calibrate_with_growth_agrees_with_brute_force() -> None:
         assert computed == pytest.approx(expected, abs=2 * SAMPLING_TOLERANCE * np.ptp(expected[1:]))
 
 
-def test_tests_on_ball_and_plastic_pair_determine_the_growth() -> None:
+def test_tests_on_ball_and_plastic_pair_determine_junction_growth() -> None:
     interface = calibrate(simulate_tests_with_growth("0..27", 9.0), common=0.0, sliding="all")
     low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     assert low < 9.0 < high
@@ -411,7 +411,7 @@ def test_tests_on_ball_and_plastic_pair_determine_the_growth() -> None:
     assert high - low < 8.0  # The given range of α alone would have a width of 25.7.
 
 
-def test_tests_on_one_plastic_pair_do_not_determine_the_growth() -> None:
+def test_tests_on_one_plastic_pair_do_not_determine_junction_growth() -> None:
     interface = calibrate(simulate_tests_with_growth("0..27", 9.0, balls=False), sliding="all")
     low, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
     assert low < 1.5
@@ -422,7 +422,7 @@ def test_tests_on_one_plastic_pair_do_not_determine_the_growth() -> None:
 
 
 @pytest.mark.parametrize(("alpha", "truth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
-def test_prediction_for_a_harder_pair_covers_its_direct_solution(alpha: Any, truth: float) -> None:
+def test_prediction_for_a_harder_pair_covers_the_direct_solution(alpha: Any, truth: float) -> None:
     interface = calibrate(simulate_tests_with_growth(alpha, truth), sliding="all")
     expected = solve_coefficient(0.2, 0.05, truth, 0.02, 1.25)
     value, low, high = interface.predict(plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
@@ -430,7 +430,7 @@ def test_prediction_for_a_harder_pair_covers_its_direct_solution(alpha: Any, tru
     assert value == pytest.approx(expected, rel=0.02)
 
 
-def test_prediction_without_growth_differs_from_direct_solution() -> None:
+def test_prediction_without_junction_growth_differs_from_the_direct_solution() -> None:
     interface = calibrate(simulate_tests_with_growth(0, 20.0), sliding="all")
     predicted, *_ = interface.predict(plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
     assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
@@ -439,18 +439,18 @@ def test_prediction_without_growth_differs_from_direct_solution() -> None:
     assert interface.about[GROWTH_ENTRY] == "0"
 
 
-def test_predict_warns_if_result_and_tests_have_different_growth() -> None:
+def test_predict_warns_if_result_and_tests_have_different_junction_growth() -> None:
     interface = calibrate(simulate_tests_with_growth(9.0, 9.0), sliding="all")
     with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
         interface.predict(plastic_pair(0), "20 MPa")
     interface.predict(STEEL_BALL, 50.0)  # This prediction gives no warning, because the ball does not yield.
 
 
-def test_tests_below_yield_have_no_growth() -> None:
+def test_calibration_below_yield_has_no_junction_growth() -> None:
     assert GROWTH_ENTRY not in calibrate(simulate_ball_tests()).about
 
 
-def test_interface_file_preserves_junction_growth_of_the_tests(tmp_path) -> None:
+def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     path = tmp_path / "film.csv"
     interface = calibrate(simulate_tests_with_growth("0..27", 9.0), sliding="all")
     write_interface(interface, path)
@@ -470,7 +470,7 @@ def test_interface_file_preserves_junction_growth_of_the_tests(tmp_path) -> None
     assert any("calibrated with α = 0..27" in caveat.text for caveat in contradicting_result.caveats)
 
 
-def test_outlier_does_not_move_a_robust_fit() -> None:
+def test_outlier_does_not_shift_a_robust_fit() -> None:
     tests = simulate_ball_tests()
     tests_with_outlier = [*tests, FrictionTest(BALL, LOADS[4], coefficient=3 * tests[4].coefficient, uncertainty=0.03)]
     expected = calibrate(tests, sliding="all").identified
@@ -478,7 +478,7 @@ def test_outlier_does_not_move_a_robust_fit() -> None:
     assert abs(robust[0] - expected[0]) < 0.3 * (expected[2] - expected[1])
 
 
-def test_common_error_of_a_run_widens_the_interval() -> None:
+def test_common_error_of_each_test_run_widens_the_interval() -> None:
     random = np.random.default_rng(8)
     offsets = {run: 0.1 * random.standard_normal() for run in "abcd"}
     tests = [
@@ -499,7 +499,7 @@ def test_common_error_of_a_run_widens_the_interval() -> None:
     assert with_runs[2] - with_runs[1] > without_runs[2] - without_runs[1]
 
 
-def test_calibrate_preserves_given_parameters() -> None:
+def test_calibration_preserves_given_parameters() -> None:
     tests = simulate_ball_tests()
     fixed = calibrate(tests[:1], sliding="all", tau0="12 MPa")
     assert fixed.separated
@@ -522,7 +522,7 @@ def test_calibrate_preserves_given_parameters() -> None:
         (lambda: calibrate([*simulate_ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests or for none"),
     ],
 )
-def test_calibrate_rejects_bad_input(call, pattern: str) -> None:
+def test_calibration_rejects_bad_input(call, pattern: str) -> None:
     with pytest.raises(ValueError, match=pattern):
         call()
 
@@ -594,7 +594,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
     return np.array(is_covered)
 
 
-def test_predictions_cover_true_friction() -> None:
+def test_predictions_from_ball_tests_cover_true_friction() -> None:
     assert (
         simulate_coverage("ball", 40)[:, 1].sum() >= 34
     )  # At a coverage of 95 %, fewer than 34 of 40 have a probability of 0.4 %.
@@ -609,7 +609,7 @@ def test_predictions_cover_true_friction_for_every_test_series(kind: str) -> Non
     assert coverage.min() > 0.9
 
 
-def test_calibrate_intervals_agree_with_minos() -> None:
+def test_calibration_intervals_agree_with_minos() -> None:
     iminuit = pytest.importorskip("iminuit")
     tests = simulate_ball_tests(seed=5)
 
@@ -630,7 +630,7 @@ def test_calibrate_intervals_agree_with_minos() -> None:
 
 
 @pytest.mark.parametrize(("modulus", "has_interval"), [("3 GPa", False), ("2..4 GPa", True)])
-def test_text_gives_interval_of_uncertain_area_per_load(modulus, has_interval):
+def test_interface_text_states_interval_of_uncertain_area_per_load(modulus, has_interval):
     ball = Ball("5 mm", modulus)
     tests = [
         FrictionTest(ball, float(load), coefficient=MU0 + TAU0 * BALL.area_per_load(load), uncertainty=0.003)

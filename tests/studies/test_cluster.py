@@ -35,7 +35,7 @@ def scheduler():
         yield running.scheduler_address
 
 
-def test_dask_workers_write_the_same_bits_as_threads(scheduler, tmp_path, monkeypatch):
+def test_dask_workers_and_threads_give_bit_identical_results(scheduler, tmp_path, monkeypatch):
     expected = run(STUDY).dataset
     monkeypatch.setattr(runner, "write_block", lambda *_: pytest.fail("written by the process that hands out the work"))
     with executors.connect_cluster(scheduler) as executor:
@@ -44,7 +44,7 @@ def test_dask_workers_write_the_same_bits_as_threads(scheduler, tmp_path, monkey
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_tasks_of_a_killed_worker_are_computed_again(scheduler, tmp_path, monkeypatch):
+def test_tasks_of_a_killed_worker_are_computed_again_by_another_worker(scheduler, tmp_path, monkeypatch):
     study = STUDY.with_changes({"surfaces.fractal_dimension.count": 12})
     with (
         distributed.Client(scheduler, set_as_default=False) as client,
@@ -66,7 +66,7 @@ def test_tasks_of_a_killed_worker_are_computed_again(scheduler, tmp_path, monkey
     assert_same_bits(store.read(tmp_path), result)
 
 
-def test_worker_with_another_version_is_rejected(scheduler, monkeypatch):
+def test_worker_with_another_version_of_stiction_is_rejected(scheduler, monkeypatch):
     monkeypatch.setattr(runner, "__version__", "0.0.1")
     with (
         executors.connect_cluster(scheduler) as executor,
@@ -82,7 +82,7 @@ def test_absent_scheduler_is_reported_with_its_address(monkeypatch):
             pass
 
 
-def test_scheduler_without_workers_gives_a_warning():
+def test_scheduler_without_workers_causes_a_warning():
     with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as running:
         address = running.scheduler_address
         with (

@@ -27,7 +27,7 @@ def profile_contact(tmp_path_factory):
     return study, run(study).dataset
 
 
-def test_at_load_of_profiles_equals_press_of_each_position(profile_contact):
+def test_values_at_a_load_of_profiles_equal_press_at_single_positions(profile_contact):
     study, result = profile_contact
     pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
     order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
@@ -47,7 +47,7 @@ def test_at_load_of_profiles_equals_press_of_each_position(profile_contact):
             np.testing.assert_allclose(table["contact_area"], intervals.neighbors_mean(area), rtol=1e-9)
 
 
-def test_definitions_of_load_give_equal_friction_for_small_slopes(areal_contact):
+def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_contact):
     _, result = areal_contact
     tables = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
     values = [table["friction_all_round"].sel(statistic="mean").values for table in tables.values()]
@@ -59,7 +59,7 @@ def test_definitions_of_load_give_equal_friction_for_small_slopes(areal_contact)
     }  # fmt: skip
 
 
-def test_at_load_of_generated_result_equals_friction_map():
+def test_values_at_a_load_of_generated_profiles_equal_friction_map():
     study = Study.named("quick").with_changes({
         "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],
     })  # fmt: skip
@@ -75,7 +75,7 @@ def test_at_load_of_generated_result_equals_friction_map():
     )  # fmt: skip
 
 
-def test_at_load_of_one_quantity_equals_at_load_of_all_quantities(areal_contact):
+def test_values_of_one_quantity_at_a_load_equal_values_of_all_quantities(areal_contact):
     study, result = areal_contact
     loads = study.contact.steps()[1:3]
     complete = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])
@@ -87,7 +87,7 @@ def test_at_load_of_one_quantity_equals_at_load_of_all_quantities(areal_contact)
         assert some[name].equals(complete[name]), name
 
 
-def test_ensemble_quantities_average_directions_before_intervals():
+def test_intervals_of_generated_results_are_computed_after_averaging_directions():
     study = Study().with_changes({
         "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],
         "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 5,
@@ -104,7 +104,7 @@ def test_ensemble_quantities_average_directions_before_intervals():
             np.testing.assert_allclose(table[name].sel(statistic=statistic), quantity_map[variable], rtol=ROUND_OFF)
 
 
-def test_measured_quantities_average_directions_before_intervals(areal_contact):
+def test_intervals_of_measured_results_are_computed_after_averaging_directions(areal_contact):
     _, result = areal_contact
     values = member_values(result, [2.0], mu0=0.3)
     point = at_load(result, [2.0], mu0=0.3)
@@ -122,7 +122,7 @@ def test_measured_quantities_average_directions_before_intervals(areal_contact):
     assert (low, high) == pytest.approx(tuple(np.quantile(friction.values, [0.1, 0.9])))
 
 
-def test_axes_are_pairs_of_opposite_directions():
+def test_friction_axes_are_pairs_of_opposite_directions():
     axes, indices = axes_of(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
     assert axes.tolist() == [0.0, 30.0]
     assert indices.tolist() == [[1, 4], [0, 2]]
@@ -138,7 +138,7 @@ def test_unreached_loads_have_status_not_reached(areal_contact, profile_contact)
         assert int(table["ok"].max()) == 0
 
 
-def test_at_load_omits_member_without_solution(areal_contact):
+def test_member_without_solution_is_omitted_at_a_load(areal_contact):
     _, result = areal_contact
     incomplete = result.copy(deep=True)
     incomplete["normal_elastic"].values[0, 1] = np.nan
@@ -150,7 +150,7 @@ def test_at_load_omits_member_without_solution(areal_contact):
 
 
 @pytest.mark.parametrize("reading", ["elastic", "normal"])
-def test_unsolved_load_is_not_interpolated(areal_contact, reading):
+def test_unsolved_load_is_reported_instead_of_interpolated(areal_contact, reading):
     _, result = areal_contact
     step = 1
     incomplete = result.copy(deep=True)
@@ -175,7 +175,7 @@ def test_load_between_distant_steps_is_not_reached():
     assert np.isnan(crossing.at(values)).tolist() == [False, True, False, False]
 
 
-def test_load_ladder_fills_gaps_between_given_loads():
+def test_load_steps_are_added_between_distant_given_loads():
     loads = choose_load_steps([1e-3, 2e-3, 2.0], press="areas", mechanics="half-space")
     assert {1e-3, 2e-3, 2.0} <= set(loads.tolist())
     assert (loads[1:] / loads[:-1]).max() < 1.02 * MAX_AREAL_LOAD_RATIO
@@ -183,7 +183,7 @@ def test_load_ladder_fills_gaps_between_given_loads():
     assert close_loads.size == 4
 
 
-def test_at_load_rejects_bad_input(areal_contact):
+def test_evaluation_at_a_load_rejects_bad_input(areal_contact):
     _, result = areal_contact
     for changes, pattern in (
         ({"loads": [0.0]}, "loads must be above 0"), ({"mu0": -1.0}, "mu0 must not be negative"),

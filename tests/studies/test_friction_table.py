@@ -54,7 +54,7 @@ def test_friction_table_equals_direct_computation(dataset, table):
     assert ((ratio > 0.8) & (ratio < 1.3)).all()
 
 
-def test_decreasing_approach_leaves_stiffness_law_undefined(dataset, table):
+def test_stiffness_law_is_undefined_if_the_approach_decreases(dataset, table):
     # With one approach negated, the approach no longer increases with the load.
     changed_dataset = dataset.copy(deep=True)
     changed_dataset["approach"].values[0, 0, 1] *= -1
@@ -64,7 +64,7 @@ def test_decreasing_approach_leaves_stiffness_law_undefined(dataset, table):
         assert result[name].isel(hurst_exponent=0).equals(table[name].isel(hurst_exponent=0))
 
 
-def test_tabulated_quantities_increase_with_pressure(table):
+def test_tabulated_area_and_friction_have_the_expected_trends(table):
     mean = table.sel(statistic="mean")
     for name in ("contact_area_fraction", "normal_stiffness", "approach"):
         assert (mean[name].diff("pressure") > 0).all(), name
@@ -76,7 +76,7 @@ def test_tabulated_quantities_increase_with_pressure(table):
     assert ((lower < mean["contact_area_fraction"]) & (mean["contact_area_fraction"] < upper)).all()
 
 
-def test_fitted_area_law_agrees_with_light_pressures(table):
+def test_fitted_area_law_agrees_with_areas_at_light_pressures(table):
     for index in np.ndindex(2, 2):
         cell = table.isel(hurst_exponent=index[0], rms=index[1])
         mean = cell.sel(statistic="mean")
@@ -90,7 +90,7 @@ def test_fitted_area_law_agrees_with_light_pressures(table):
         assert 0.6 < float(mean["stiffness_exponent"]) < 1.1
 
 
-def test_fit_recovers_exact_power_laws(dataset):
+def test_fit_of_laws_recovers_exact_power_laws(dataset):
     """Fit laws to areas and approaches that follow the laws exactly."""
     exact_dataset = dataset.copy(deep=True)
     pressure = exact_dataset["load"].values / 100
@@ -104,7 +104,7 @@ def test_fit_recovers_exact_power_laws(dataset):
     assert result["stiffness_exponent"].values == pytest.approx(1)
 
 
-def test_interval_width_is_a_multiple_of_the_standard_error_of_pairs(dataset, table):
+def test_interval_half_width_is_2_to_14_times_the_standard_error(dataset, table):
     """Compare the upper half-width with the standard error of the coefficients of the pairs."""
     friction = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
     mean, lower, upper = friction.values
@@ -117,7 +117,7 @@ def test_interval_width_is_a_multiple_of_the_standard_error_of_pairs(dataset, ta
     assert 2 * error < upper - mean < 14 * error
 
 
-def test_friction_table_rejects_study_of_profiles(small_result):
+def test_friction_table_rejects_a_study_of_profiles(small_result):
     with pytest.raises(ValueError, match="must be from a study of generated height maps"):
         friction_table(small_result)
 
@@ -128,7 +128,7 @@ COMMAND_OPTIONS = [
 ]  # fmt: skip
 
 
-def test_table_command_equals_library(tmp_path):
+def test_table_command_writes_the_table_of_the_library(tmp_path):
     check_stiction("table", *COMMAND_OPTIONS, cwd=tmp_path)
     study = table_study(
         hurst_exponents=[0.8], rms=[0.02], pressures=[0.003, 0.01, 0.03], points=32, shortest_wavelength=0.625,

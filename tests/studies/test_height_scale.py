@@ -68,7 +68,7 @@ def result(bodies):
 # ---- Laws ------------------------------------------------------------------------------------------------------------
 
 
-def test_height_scale_1_equals_the_unscaled_result(result):
+def test_result_at_height_scale_1_equals_the_unscaled_result(result):
     scaled_table = evaluate_height_scale(result.source, 1, study_loads(result)).isel(height_scale=0)
     expected = add_uncertainty(at_load(result.source, study_loads(result)), result.source).isel(cut_off=0)
     for name in (
@@ -83,14 +83,14 @@ def test_height_scale_1_equals_the_unscaled_result(result):
         )
 
 
-def test_plastic_contacts_have_equal_area_at_every_factor(bodies):
+def test_plastic_contacts_have_equal_area_at_every_height_factor(bodies):
     computed = pair(*bodies, **PAIR_OPTIONS | {"hardness": "0.1 GPa"})
     table = computed.at(height_scale=[0.5, 1, 4], compute=True)
     assert mean_values(table["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
 
 
 @pytest.mark.parametrize("hardness", [{}, {"hardness": "0.2 GPa"}])
-def test_scaled_heights_equal_scaled_modulus(hardness):
+def test_scaling_heights_has_the_same_effect_as_scaling_modulus(hardness):
     flat_surfaces, kwargs = (
         smooth_maps(rms=0.002),
         PAIR_OPTIONS | hardness | {"load": "2 MPa"},
@@ -109,7 +109,7 @@ def test_scaled_heights_equal_scaled_modulus(hardness):
 
 
 @pytest.mark.parametrize(("scaled", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
-def test_stored_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, factors):
+def test_result_at_stored_height_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, factors):
     table = evaluate_height_scale(result.source, [2], study_loads(result), scaled=scaled).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, *factors), **PAIR_OPTIONS | HARDNESS_OPTION)
     expected = add_uncertainty(at_load(scaled_result.source, study_loads(scaled_result)), scaled_result.source).isel(
@@ -124,7 +124,7 @@ def test_stored_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, 
     )
 
 
-def test_scaled_results_of_files_equal_results_of_surfaces_in_memory(bodies, result, tmp_path):
+def test_scaled_results_of_files_equal_scaled_results_of_surfaces_in_memory(bodies, result, tmp_path):
     for side, body in zip(("upper", "lower"), bodies, strict=True):
         write_surface(body, tmp_path / f"{side}.npy")
     computed = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **PAIR_OPTIONS | HARDNESS_OPTION)
@@ -134,7 +134,7 @@ def test_scaled_results_of_files_equal_results_of_surfaces_in_memory(bodies, res
     )
 
 
-def test_height_scale_applies_to_every_scan(bodies):
+def test_height_scale_applies_to_every_scan_of_a_part(bodies):
     scans = [bodies, rough_maps(8, shortest_wavelength=0.6)]
     uppers, lowers = ([scan[side] for scan in scans] for side in (0, 1))
     computed = pair(uppers, lowers, **PAIR_OPTIONS | HARDNESS_OPTION)
@@ -148,7 +148,7 @@ def test_height_scale_applies_to_every_scan(bodies):
     )
 
 
-def test_spectrum_is_scaled_by_square_of_factor():
+def test_spectrum_is_scaled_by_the_square_of_the_height_factor():
     surface = rough_maps(3, points=64, rms=0.02, shortest_wavelength=0.6)[0]
     spectrum = joined_spectrum([surface])
     kwargs = PAIR_OPTIONS | HARDNESS_OPTION | {"shifts": None, "direction": [0.0, 180.0]}
@@ -162,7 +162,7 @@ def test_spectrum_is_scaled_by_square_of_factor():
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_profiles_are_scaled_with_both_contact_models(mechanics):
+def test_profiles_can_be_scaled_with_both_contact_models(mechanics):
     profiles = [self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in
              ("upper", "lower")]  # fmt: skip
     kwargs = {
@@ -194,7 +194,7 @@ def test_pull_off_force_decreases_with_height_scale():
 
 
 @pytest.mark.parametrize("hardness", [{}, HARDNESS_OPTION])
-def test_interpolation_between_factors_is_within_stated_error(hardness):
+def test_interpolation_between_height_factors_is_within_the_stated_error(hardness):
     computed = pair(*smooth_maps(64, rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
     compute_factors(computed.source, "0.25..4")
     factors = np.array([0.6, 1.7])
@@ -211,7 +211,7 @@ def test_interpolation_between_factors_is_within_stated_error(hardness):
     assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
 
 
-def test_missing_factors_are_the_fewest_that_enclose_the_request():
+def test_missing_height_factors_are_the_fewest_that_enclose_the_request():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]
@@ -223,7 +223,7 @@ def test_missing_factors_are_the_fewest_that_enclose_the_request():
     assert (ends[0], ends[-1]) == (MIN_FACTOR, MAX_FACTOR)
 
 
-def test_interpolation_preserves_missing_values_next_to_unsolved_factor():
+def test_interpolation_next_to_an_unsolved_height_factor_is_nan():
     solved = np.array([0.5, 1.0, 2.0])
     values = np.array([[1.0, np.nan], [2.0, 2.0], [4.0, 4.0]])
     assert (
@@ -238,7 +238,7 @@ def test_interpolation_preserves_missing_values_next_to_unsolved_factor():
 # ---- Input -----------------------------------------------------------------------------------------------------------
 
 
-def test_checked_factors_accepts_numbers_lists_and_ranges():
+def test_parse_factors_accepts_numbers_lists_and_ranges():
     assert parse_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
     assert parse_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
     assert parse_factors("2,0.5,1").tolist() == parse_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
@@ -267,7 +267,7 @@ def test_checked_factors_accepts_numbers_lists_and_ranges():
         "1..inf",
     ],
 )
-def test_checked_factors_rejects_values_outside_the_range(factors):
+def test_parse_factors_rejects_values_outside_the_allowed_range(factors):
     with pytest.raises(ValueError, match="height_scale"):
         parse_factors(factors)
 
@@ -288,7 +288,7 @@ def test_height_scale_rejects_results_that_are_not_stored_pairs(bodies, result):
         scale_study_heights(scale_study_heights(result.study, 50.0, "both"), 4.0, "both")
 
 
-def test_missing_factors_raise_error_with_estimated_time(result):
+def test_missing_height_factors_raise_an_error_with_the_estimated_time(result):
     with pytest.raises(
         MissingFactorsError, match=r"^height_scale needs .* computed, about .*: give compute=True$"
     ) as caught:
@@ -300,7 +300,7 @@ def test_missing_factors_raise_error_with_estimated_time(result):
 # ---- Stored factors --------------------------------------------------------------------------------------------------
 
 
-def test_finished_factors_are_preserved_after_interrupt(bodies, tmp_path):
+def test_finished_height_factors_are_preserved_after_an_interrupt(bodies, tmp_path):
     computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     announced = []
 
@@ -318,7 +318,7 @@ def test_finished_factors_are_preserved_after_interrupt(bodies, tmp_path):
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
 
 
-def test_stored_factors_apply_to_new_mu0_and_are_removed_with_new_modulus(bodies, tmp_path):
+def test_stored_height_factors_are_reused_at_new_mu0_but_not_at_new_modulus(bodies, tmp_path):
     kwargs = PAIR_OPTIONS | HARDNESS_OPTION
     first_result = pair(*bodies, directory=tmp_path, **kwargs)
     compute_factors(first_result.source, [2])
@@ -335,7 +335,7 @@ def test_stored_factors_apply_to_new_mu0_and_are_removed_with_new_modulus(bodies
     )
 
 
-def test_scaled_surfaces_are_solved_over_a_range_of_hardness(bodies):
+def test_scaled_surfaces_are_solved_over_the_range_of_hardness(bodies):
     kwargs = PAIR_OPTIONS | {"hardness": "1..3 GPa"}
     table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, 2), **kwargs)
@@ -347,7 +347,7 @@ def test_scaled_surfaces_are_solved_over_a_range_of_hardness(bodies):
     )
 
 
-def test_stored_study_without_height_factor_is_opened(bodies, tmp_path):
+def test_stored_study_without_height_factor_can_be_opened(bodies, tmp_path):
     computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     text = (tmp_path / STUDY_FILE).read_text()
     (tmp_path / STUDY_FILE).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
@@ -359,7 +359,7 @@ def test_stored_study_without_height_factor_is_opened(bodies, tmp_path):
 # ---- Views -----------------------------------------------------------------------------------------------------------
 
 
-def test_figure_and_report_show_stored_factors(bodies, result, tmp_path):
+def test_figure_and_report_show_stored_height_factors(bodies, result, tmp_path):
     assert {"height_scale", "height_scale_upper"} <= set(result.figures())
     axes = result.figure("height_scale").axes
     assert axes[0].lines[0].get_xdata() == pytest.approx(

@@ -22,7 +22,7 @@ from stiction.studies.input_uncertainty import UNCERTAINTY_PATTERN, draw_samples
         (0.3, "", (0.3, 0.3), "exact"),
     ],
 )
-def test_distribution_has_95_percent_between_its_ends(text, kind, ends, distribution) -> None:
+def test_input_distribution_has_95_percent_between_its_stated_ends(text, kind, ends, distribution) -> None:
     result = parse_input("input", text, kind)
     assert result.distribution == distribution
     assert result.quantile([0.025, 0.975]) == pytest.approx(ends, rel=1e-3)
@@ -59,7 +59,7 @@ def test_parse_input_accepts_relative_uncertainty_of_hardness(text: str) -> None
 
 
 @pytest.mark.parametrize("text", ["59.9..60.1 HRC", "60±0.05 HRC", "60 HRC ± 0.05", "60 HRC ± 0.1 %"])
-def test_rockwell_range_includes_uncertainty_of_conversion(text: str) -> None:
+def test_rockwell_range_includes_the_uncertainty_of_conversion(text: str) -> None:
     plain_number, result = (parse_input("hardness", item, "hardness") for item in ("60 HRC", text))
     assert (result.low, result.high) == pytest.approx((plain_number.low, plain_number.high), rel=0.01)
     assert result.high - result.low >= plain_number.high - plain_number.low - 1e-3
@@ -69,7 +69,7 @@ def test_rockwell_range_includes_uncertainty_of_conversion(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["150HV", "150 HV10", "150 HV 10", "150 HV0.5", "150 HV 0.5"])
-def test_vickers_hardness_accepts_test_load(text: str) -> None:
+def test_vickers_hardness_can_be_given_with_its_test_load(text: str) -> None:
     assert parse_input("hardness", text, "hardness").value == parse_input("hardness", "150 HV", "hardness").value
     assert UNCERTAINTY_PATTERN.search(text)
 
@@ -87,6 +87,6 @@ def test_parse_study_input_rejects_impossible_values(name: str, text: str, quote
         parse_study_input(name, text)
 
 
-def test_samples_of_poisson_ratio_stay_below_a_half() -> None:
+def test_samples_of_poisson_ratio_do_not_exceed_one_half() -> None:
     values = parse_study_input("poisson", "0.45±0.02").quantile(np.linspace(1e-6, 1 - 1e-6, 1001))
     assert 0 < values.min() < values.max() == 0.5

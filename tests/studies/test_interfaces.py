@@ -59,7 +59,7 @@ def result(film_file):
     return pair(*rough_surfaces(), interface=film_file, **PAIR_OPTIONS)
 
 
-def test_pair_samples_mu0_and_tau0_of_interface_jointly(film_file, result) -> None:
+def test_pair_samples_mu0_and_tau0_of_an_interface_jointly(film_file, result) -> None:
     _, adhesion, _ = result.summary().points[0].parts
     fit = interface(film_file).fits[0]
     area = adhesion / np.median(fit.tau0)
@@ -79,14 +79,14 @@ def test_pair_samples_mu0_and_tau0_of_interface_jointly(film_file, result) -> No
     assert "interface film (measured)" in result.sentence
 
 
-def test_interface_is_ignored_at_another_mu0(result) -> None:
+def test_interface_is_ignored_if_mu0_of_the_study_is_changed(result) -> None:
     study = result.study
     stored_study = Study.from_toml(result.path / "study.toml")
     assert find_interface(stored_study) is find_interface(study) is not None
     assert find_interface(stored_study.with_changes({"friction.mu0": [0.3]})) is None
 
 
-def test_missing_interface_file_leaves_independent_ranges(film_file, tmp_path) -> None:
+def test_missing_interface_file_is_replaced_by_independent_ranges(film_file, tmp_path) -> None:
     copy = shutil.copy(film_file, tmp_path)
     result = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
     joint_interval, path = result.interval, result.path
@@ -99,7 +99,7 @@ def test_missing_interface_file_leaves_independent_ranges(film_file, tmp_path) -
 
 
 @pytest.mark.parametrize("name", sorted(interfaces()))
-def test_named_interface_has_kind_and_source_and_is_accepted(name) -> None:
+def test_named_interface_has_kind_and_source_and_is_accepted_by_pair(name) -> None:
     entry = interfaces()[name]
     assert set(entry) == {"kind", "tau0", "mu0", "pressure", "conditions", "motion", "source"}
     assert entry["kind"] in INTERFACE_KINDS
@@ -124,7 +124,7 @@ def test_pair_rejects_interface_with_mu0(options, pattern) -> None:
         pair(*rough_surfaces(), **PAIR_OPTIONS, **options)
 
 
-def test_interfaces_command_lists_interfaces_that_pair_accepts(tmp_path) -> None:
+def test_interfaces_command_lists_interfaces_that_the_pair_command_accepts(tmp_path) -> None:
     output = call_stiction("interfaces", cwd=tmp_path).stdout
     record = json.loads(call_stiction("interfaces", "--json", cwd=tmp_path).stdout)
     assert [item["name"] for item in record["interfaces"]] == list(interfaces())
@@ -138,7 +138,7 @@ def test_interfaces_command_lists_interfaces_that_pair_accepts(tmp_path) -> None
     assert_rejected(call_stiction(*options, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be combined")
 
 
-def test_calibrated_interface_is_accepted_and_stored_alongside(film_file, result) -> None:
+def test_calibrated_interface_is_accepted_by_pair_and_stored_with_the_result(film_file, result) -> None:
     in_memory = pair(*rough_surfaces(), interface=interface(film_file), **PAIR_OPTIONS)
     assert in_memory.interval == pytest.approx(result.interval, rel=1e-6)
     assert (in_memory.path / "interface.csv").is_file()
@@ -155,7 +155,7 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize("kind", DAMAGES)
-def test_damaged_interface_file_is_rejected_with_its_name_and_not_listed(film_file, tmp_path, kind) -> None:
+def test_damaged_interface_file_is_rejected_by_name_and_not_listed(film_file, tmp_path, kind) -> None:
     (tmp_path / "bad").write_text(DAMAGES[kind](film_file.read_text()))
     with pytest.raises(ValueError, match=r"bad: is (not an|a damaged) interface"):
         read_interface(tmp_path / "bad")

@@ -31,7 +31,7 @@ DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # The other cases run only i
     ],
 )
 @pytest.mark.parametrize("quantity", ["half zeros", "bounded", "lognormal 0.5"])
-def test_neighbors_mean_covers_with_nearly_the_smallest_width(quantity, positions, correlation):
+def test_neighbors_mean_interval_covers_with_nearly_the_smallest_width(quantity, positions, correlation):
     random = np.random.default_rng([positions, int(10 * correlation)])
     truth, smallest_width = estimate_truth(quantity, positions, correlation, random)
     coverage, width_ratio, defined_fraction = measure_coverage(
@@ -43,7 +43,7 @@ def test_neighbors_mean_covers_with_nearly_the_smallest_width(quantity, position
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9])
-def test_neighbors_mean_of_normal_values_equals_dense_matrices(correlation):
+def test_neighbors_mean_interval_agrees_with_dense_covariance_matrices(correlation):
     """Compare with the mixture of t distributions over correlations, computed with dense covariance matrices."""
     count = 20
     values = simulate_traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]
@@ -71,7 +71,7 @@ def test_neighbors_mean_of_normal_values_equals_dense_matrices(correlation):
 
 
 @pytest.mark.parametrize("quantity", ["half zeros", "lognormal 0.5", "bounded"])
-def test_neighbors_mean_is_equivariant_under_scale_shift_and_reversal(quantity):
+def test_neighbors_mean_is_equivariant_under_scaling_shift_and_reversal(quantity):
     values = simulate_traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(neighbors_mean(values))
     np.testing.assert_allclose(neighbors_mean(1e9 * values), 1e9 * expected, rtol=1e-9)
@@ -81,7 +81,7 @@ def test_neighbors_mean_is_equivariant_under_scale_shift_and_reversal(quantity):
     np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
-def test_neighbors_mean_gives_student_t_interval_for_independent_values():
+def test_neighbors_mean_interval_of_independent_values_is_student_t():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
     _, lower, upper = neighbors_mean(values)
@@ -115,14 +115,14 @@ def test_sample_mean_interval_has_nominal_coverage():
     assert mean.mean() == pytest.approx(5, abs=0.05)
 
 
-def test_sample_mean_of_both_signs_has_symmetric_interval():
+def test_sample_mean_of_values_of_both_signs_has_symmetric_interval():
     mean, lower, upper = sample_mean(np.array([-1.0, 2.0, 3.0]))
     assert upper - mean == pytest.approx(mean - lower)
     assert lower < 0
 
 
 @pytest.mark.parametrize("count", [4, 8, 16])
-def test_sample_mean_of_exponential_values_covers_and_stays_above_zero(count):
+def test_sample_mean_interval_of_exponential_values_covers_and_is_positive(count):
     mean, lower, upper = sample_mean(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
     symmetric_upper = mean + (mean - lower)  # the interval is skewed towards large values
@@ -141,7 +141,7 @@ def test_sample_mean_ignores_missing_values():
 
 
 @pytest.mark.parametrize("lines", [1, 16])
-def test_positions_mean_of_a_column_is_independent_of_other_columns(lines):
+def test_mean_over_positions_of_a_column_is_independent_of_other_columns(lines):
     values = np.exp(np.random.default_rng(0).normal(size=(64, 50)).cumsum(axis=0) * 0.3)
     lines_of_positions = np.arange(64) * lines // 64
     all_columns = np.stack(positions_mean(values, lines_of_positions))

@@ -40,7 +40,7 @@ def result_without_growth():
     return pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth=0)
 
 
-def test_fully_plastic_contacts_have_coefficient_of_tabor():
+def test_fully_plastic_contacts_have_the_coefficient_of_tabor():
     result = pair(
         *rough_surfaces(0.01), **PLASTIC_OPTIONS | SHEAR_STRENGTH | {"effective_modulus": 1e4}, junction_growth=27
     )
@@ -50,7 +50,7 @@ def test_fully_plastic_contacts_have_coefficient_of_tabor():
 
 @pytest.mark.parametrize("rule", ["all", "opposing"])
 @pytest.mark.parametrize("hardness", [0.5, 3.0])
-def test_coefficient_equals_pair_solved_at_hardness_under_shear(rule, hardness):
+def test_coefficient_with_growth_equals_solution_at_hardness_under_shear(rule, hardness):
     tau0 = 0.1 * hardness
     inputs = PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0, "hardness": hardness}
     pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
@@ -61,7 +61,7 @@ def test_coefficient_equals_pair_solved_at_hardness_under_shear(rule, hardness):
     assert float(area) == pytest.approx(float(direct.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02)
 
 
-def test_zero_junction_growth_equals_default_result(result_without_growth):
+def test_result_at_zero_junction_growth_equals_default_result(result_without_growth):
     default_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH)
     assert result_without_growth.study.contact.junction_growth == 0
     assert default_result.study.contact.junction_growth is None
@@ -69,13 +69,13 @@ def test_zero_junction_growth_equals_default_result(result_without_growth):
     assert result_without_growth.interval == default_result.interval
 
 
-def test_friction_without_adhesive_strength_is_unchanged(growth_result, result_without_growth):
+def test_friction_without_adhesive_strength_is_independent_of_junction_growth(growth_result, result_without_growth):
     assert coefficient(growth_result, tau0=[0.0]) == coefficient(result_without_growth, tau0=[0.0])
     at = growth_result.at(tau0=[0.0])
     assert (at["contact_area_at_onset"].sel(statistic="mean") > 1.1 * at["contact_area"].sel(statistic="mean")).all()
 
 
-def test_interval_without_adhesive_strength_ignores_an_area_that_seizes(growth_result, result_without_growth):
+def test_interval_without_adhesive_strength_is_unaffected_by_seizure(growth_result, result_without_growth):
     high_friction = {"mu0": [5.0], "tau0": [0.0]}  # the hardness under shear is below the nominal pressure
     interval, expected = (
         result.at(**high_friction)["friction_combined"].values for result in (growth_result, result_without_growth)
@@ -84,17 +84,17 @@ def test_interval_without_adhesive_strength_ignores_an_area_that_seizes(growth_r
     assert interval == pytest.approx(expected, rel=1e-12)
 
 
-def test_result_at_other_mu0_and_tau0_equals_direct_solution(growth_result):
+def test_junction_growth_at_other_mu0_and_tau0_equals_direct_solution(growth_result):
     direct_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.1, "tau0": 0.03}, junction_growth=27)
     assert coefficient(growth_result, mu0=[0.1], tau0=[0.03]) == pytest.approx(coefficient(direct_result), rel=5e-3)
 
 
-def test_area_and_stiffness_are_independent_of_growth(growth_result, result_without_growth):
+def test_area_and_stiffness_without_shear_are_independent_of_junction_growth(growth_result, result_without_growth):
     for name in ("contact_area", "contact_count", "mean_pressure", "normal_stiffness"):
         assert growth_result.at()[name].equals(result_without_growth.at()[name])
 
 
-def test_interval_covers_the_range_of_growth():
+def test_friction_interval_covers_the_range_of_junction_growth():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth="0..27")
     results_at_ends = [
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth=value) for value in (0.675, 26.325)
@@ -106,7 +106,7 @@ def test_interval_covers_the_range_of_growth():
     assert result.budget["input"].iloc[0] == "the junction growth α"
 
 
-def test_interface_stronger_than_the_bulk_has_status_seizure():
+def test_interface_stronger_than_the_bulk_gives_status_seizure():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": 0.11}, junction_growth=27)
     assert (result.at()["status"] == "seizure").all()
     assert np.isnan(result.value)
@@ -121,7 +121,7 @@ def test_interval_has_no_upper_end_if_many_samples_seize(tau0, has_end):
     assert (result.at()["status"] == "ok").all()
 
 
-def test_budget_counts_growth_that_seizes_at_one_of_its_values():
+def test_budget_includes_junction_growth_if_few_samples_seize():
     result = pair(
         *rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH | {"hardness": "0.23..1.7 GPa"}, junction_growth="0..27"
     )
@@ -131,7 +131,7 @@ def test_budget_counts_growth_that_seizes_at_one_of_its_values():
     assert 0.01 < budget.loc["the junction growth α", "share"] < budget.loc["the hardness", "share"] < 1
 
 
-def test_growth_after_dwell_uses_reduced_hardness():
+def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():
     inputs = PLASTIC_OPTIONS | SHEAR_STRENGTH | {"wait": "100 s", "creep": 0.05}
     aged_coefficient = pair(*rough_surfaces(), **inputs, junction_growth=27).summary().points[0].waited[-1].value
     softer_result = pair(
@@ -143,7 +143,7 @@ def test_growth_after_dwell_uses_reduced_hardness():
 @pytest.mark.parametrize(("upper", "lower", "text"), [
     ("steel", "brass", "0..27"), ("PMMA", "steel", None), ("silicon", "silicon", None),
 ])  # fmt: skip
-def test_metals_have_junction_growth_by_default(upper, lower, text):
+def test_junction_growth_is_included_for_metals_by_default(upper, lower, text):
     result = pair(
         *rough_surfaces(), upper=upper, lower=lower, load="10 MPa", mu0=0.2, tau0=0.001, shifts=2, cutoff="none"
     )
@@ -162,7 +162,7 @@ def test_pair_rejects_bad_junction_growth(arguments, term):
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH | arguments)
 
 
-def test_areas_between_solved_loads_follow_a_power_of_the_load():
+def test_contact_area_between_solved_loads_is_a_power_of_the_load():
     loads, areas = np.array([1.0, 4.0, 100.0]), np.array([3.0, 6.0, np.nan])
     solved = xarray.Dataset({"contact_area": ("load", areas)}, {"load": loads})
     interpolated = _interpolate_loads(solved, np.array([0.1, 1.0, 2.0, 4.0]))["contact_area"].values
@@ -176,7 +176,7 @@ def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
     assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
 
 
-def test_sampled_areas_equal_exact_areas_for_many_hardnesses_and_beyond_the_nodes():
+def test_sampled_areas_agree_with_exact_areas_inside_and_beyond_the_nodes():
     nodes, at_nodes = np.array([0.15, 0.5, 1.3]), np.array([[6.5, 2.1, 0.95], [7.0, 2.3, 1.1]])
     elastic = np.array([0.4, 0.5])
     areas = SampledAreas(nodes, at_nodes, elastic)

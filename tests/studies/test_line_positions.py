@@ -67,7 +67,7 @@ def result(profile_pair):
 
 @pytest.mark.parametrize("shear", ["+x", "-x"])
 @pytest.mark.parametrize("offset", [0.0, 4.0, 10.0])
-def test_pair_at_positions_equals_press_at_each_position(profile_pair, result, shear, offset):
+def test_pair_of_profiles_equals_press_at_each_position(profile_pair, result, shear, offset):
     upper, lower = profile_pair
     counterface = cropped(lower, offset, offset + 20)
     model = {"detection": "gap-minimum", "shear": shear}
@@ -103,7 +103,7 @@ def test_pair_at_positions_equals_press_at_each_position(profile_pair, result, s
 @pytest.mark.parametrize(
     ("load", "tolerance", "quantile_level"), [("elastic", 1e-6, 1.0), ("normal", INTERPOLATION_TOLERANCE, 0.75)]
 )
-def test_friction_is_interpolated_linearly_across_load_jumps(rough_pair, load, tolerance, quantile_level):
+def test_friction_is_interpolated_linearly_across_jumps_of_the_load(rough_pair, load, tolerance, quantile_level):
     upper, lower = rough_pair(1.5, repetition=1)
     loads = np.geomspace(1e-4, 3e-3, 12)
     steps = [f"{step} mN" for step in np.unique(np.outer(loads, LOAD_RATIOS))]
@@ -124,7 +124,7 @@ def test_friction_is_interpolated_linearly_across_load_jumps(rough_pair, load, t
     assert np.quantile(errors, quantile_level) < tolerance
 
 
-def test_positions_are_rounded_to_the_nearest_point(profile_pair):
+def test_positions_are_rounded_to_the_nearest_grid_point(profile_pair):
     upper, lower = profile_pair
     assert 0.29 / 0.01 < 29  # 0.29/0.01 must be rounded, not truncated
     member = read_members(run_pair(upper, lower, [0.01], positions=[0.29], **INTERFACE)).sel(direction=0.0)
@@ -134,7 +134,7 @@ def test_positions_are_rounded_to_the_nearest_point(profile_pair):
     assert float(member["x"].squeeze()) == pytest.approx(0.29)
 
 
-def test_slider_is_shortened_to_reach_the_last_position(profile_pair):
+def test_slider_is_shortened_so_that_it_fits_at_the_last_position(profile_pair):
     _, lower = profile_pair
     result = run_pair(flipped(lower), lower, [0.01], positions=[1.0, 12.0], **INTERFACE)
     assert result.dataset.attrs["shape"].tolist() == [1800]
@@ -150,7 +150,7 @@ def test_stiffness_of_two_arcs_equals_hertz(circular_arc):
     np.testing.assert_allclose(member["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
-def test_values_of_members_have_units_names_and_history(result):
+def test_member_values_have_units_names_and_history(result):
     members = result.at(per_member=True)
     assert members["contact_area"].attrs["units"] == "um^2"
     assert members["normal_stiffness"].attrs["units"] == "mN/um"
@@ -210,7 +210,7 @@ def test_nondimensional_requires_modulus_and_known_units(result):
 # ---- Statuses and means ----------------------------------------------------------------------------------------------
 
 
-def test_positions_without_result_have_status_and_are_left_out_of_mean():
+def test_positions_without_result_have_a_status_and_are_omitted_from_the_mean():
     x = np.arange(2001) * 0.01 - 10.0
     flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
     reached = run_pair(flat, ball, [1e-3, 1e9], mu0=0.3)
@@ -234,7 +234,7 @@ def test_positions_without_result_have_status_and_are_left_out_of_mean():
     assert values[1:].isnull().all()  # The mean of a single position has no interval.
 
 
-def test_result_at_several_mu0_and_tau0_equals_results_at_each(profile_pair):
+def test_result_at_several_mu0_and_tau0_equals_results_at_single_values(profile_pair):
     result = run_pair(*profile_pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], positions=np.arange(9.0))
     values, mean = result.at(per_member=True), result.at()
     for mu0 in (0.3, 0.5):
@@ -245,7 +245,7 @@ def test_result_at_several_mu0_and_tau0_equals_results_at_each(profile_pair):
             np.testing.assert_array_equal(selected, result.at(mu0=mu0, tau0=tau0)["friction_coefficient"][..., 0, 0, :])
 
 
-def test_mean_accounts_for_correlated_positions(profile_pair):
+def test_mean_over_positions_accounts_for_their_correlation(profile_pair):
     result = run_pair(*profile_pair, [0.01], positions=np.arange(10.0), **INTERFACE)
     values = read_members(result)["friction_coefficient"].isel(load=0).sel(direction=0.0).values
     mean = (
@@ -259,7 +259,7 @@ def test_mean_accounts_for_correlated_positions(profile_pair):
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------
 
 
-def test_paired_lines_returns_half_the_slider_and_the_whole_track():
+def test_paired_lines_returns_half_of_the_slider_and_the_whole_track():
     upper, lower = rough_profile("upper"), rough_profile("lower")
     (slider,), (track,) = paired_lines(upper, lower)
     whole = levelled(upper, "line")
@@ -288,7 +288,7 @@ def small_map():
     return Surface(lines, spacing=(0.02, 0.01))
 
 
-def test_paired_lines_takes_rows_a_third_of_the_width_apart():
+def test_paired_lines_pairs_rows_that_are_a_third_of_the_map_apart():
     surface = small_map()
     uppers, lowers = paired_lines(surface, surface, level=None)
     assert len(uppers) == len(lowers) == 9
@@ -362,7 +362,7 @@ def test_pair_rejects_bad_positions_of_profiles(profile_pair, arguments, pattern
         stiction.pair(Profile(upper.heights, spacing=0.01), lower, **options)
 
 
-def test_study_rejects_members_beyond_its_positions(profile_pair):
+def test_study_of_profiles_rejects_more_members_than_positions(profile_pair):
     study = create_study(*profile_pair, [0.01], mu0=0.3, positions=[0.0, 1.0])
     with pytest.raises(ValueError, match="positions has 2 positions, but member 2 needs position 3"):
         run(study.with_changes({"ensemble.repetitions": 3}))
@@ -387,7 +387,7 @@ def two_rough_profiles():
     )
 
 
-def test_opposing_load_fraction_equals_sum_over_contacts():
+def test_opposing_load_fraction_equals_the_sum_over_contacts():
     upper, lower = two_rough_profiles()
     slider = cropped(upper, 0, 15)
     result = read_members(run_pair(slider, lower, [0.3], mu0=0.3, positions=[1.0])).isel(x=0, load=0)

@@ -56,7 +56,7 @@ def cut_pieces(upper, lower):
     return MapPairs(flipped(levelled(flipped(upper), "plane")), levelled(lower, "plane"))
 
 
-def test_map_pairs_returns_the_overlap_of_shifted_maps():
+def test_map_pairs_are_overlaps_of_shifted_maps():
     """Compare with the middle 48 by 48 points of the overlap, cut by hand."""
     upper, lower = surface_pair()
     pairs = MapPairs(upper, lower)
@@ -77,7 +77,7 @@ class TestListedPositions:
     def create_maps(self):
         return rough_maps(hurst_exponent=0.8, rms=0.03, shape=(64, 80), spacing=(0.05, 0.04), shortest_wavelength=0.4)
 
-    def test_members_equal_press_of_overlaps(self):
+    def test_members_of_map_positions_equal_press_of_the_overlaps(self):
         upper, lower = self.create_maps()
         positions = [(0.8, -0.5), (-0.4, 1.0)]
         result = run_pair(upper, lower, [0.02, 0.1], positions=positions, **ASPERITY_OPTIONS)
@@ -113,12 +113,12 @@ class TestListedPositions:
                     curve.lateral_load(mu0=0.3), member_values["lateral_load"], rtol=1e-9, atol=1e-12
                 )
 
-    def test_single_position_uses_the_whole_overlap(self):
+    def test_single_position_of_maps_uses_the_whole_overlap(self):
         result = run_pair(*self.create_maps(), [0.1], positions=[(0.0, 0.0)], **ASPERITY_OPTIONS)
         assert result.dataset.attrs["shape"].tolist() == [64, 80]
         assert result.dataset.sizes["repetition"] == 1
 
-    def test_positions_accept_lists_texts_and_arrays(self):
+    def test_positions_can_be_given_as_lists_texts_or_arrays(self):
         upper, lower = self.create_maps()
         studies = [
             pair_study(upper, lower, load=[0.1], mu0=0.3, effective_modulus=10.0, positions=positions)
@@ -138,12 +138,12 @@ class TestListedPositions:
             ({"direction": "north"}, "direction"),
         ],
     )
-    def test_pair_rejects_bad_positions_of_maps(self, changes, pattern):
+    def test_pair_rejects_bad_positions_for_maps(self, changes, pattern):
         options = {"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0}
         with pytest.raises(ValueError, match=pattern):
             stiction.pair(*self.create_maps(), **options | changes)
 
-    def test_pair_of_map_and_profile_uses_lines_at_positions(self):
+    def test_pair_of_map_and_profile_presses_lines_of_the_map_at_positions(self):
         upper, lower = self.create_maps()
         options = {"lines": 2, "positions": [0.0, 0.8]}
         study = pair_study(upper, lower.row(0), load=[0.01], mu0=0.3, effective_modulus=10.0, **options)
@@ -153,7 +153,7 @@ class TestListedPositions:
         assert result.attrs["shape"].tolist() == [60]
 
 
-def test_member_slopes_equal_slopes_of_the_gap():
+def test_slopes_of_a_member_equal_slopes_of_its_gap():
     upper, lower = surface_pair()
     result = run_pair(upper, lower, direction=[0, 45, 90], shifts=2, mechanics="asperities")
     gap = np.subtract(*(body.heights for body in cut_pieces(upper, lower).pair(1)))
@@ -173,7 +173,7 @@ def test_member_slopes_equal_slopes_of_the_gap():
     assert float(mean) == pytest.approx(float(expected))
 
 
-def test_mean_over_positions_has_students_interval_of_the_logarithm():
+def test_mean_over_positions_has_student_t_interval_of_the_logarithm():
     upper, lower = surface_pair()
     result = run_pair(upper, lower, direction=[0, 90], shifts=5, mechanics="asperities")
     incomplete = result.dataset.copy(deep=True)
@@ -231,7 +231,7 @@ def test_load_fraction_on_steepest_slopes_equals_definition():
 
 
 class TestSurrogates:
-    def test_surrogates_leave_shifts_unchanged(self):
+    def test_adding_surrogates_leaves_shifted_positions_unchanged(self):
         upper, lower = surface_pair()
         options = {"direction": [0, 30, 90, 180], "mechanics": "asperities"}
         result_of_shifts = run_pair(upper, lower, LOADS, shifts=3, **options)
@@ -257,7 +257,7 @@ class TestSurrogates:
         with pytest.raises(ValueError, match="the result has no such members"):
             at_load(result_of_shifts, LOADS, of="surrogates")
 
-    def test_surrogates_of_profiles_are_isotropic_surfaces(self):
+    def test_surrogates_of_profiles_are_pressed_as_isotropic_surfaces(self):
         bodies = [rough_surface(side, shape=(64, 512)).row(5) for side in ("upper", "lower")]
         options = {"direction": [0], "mechanics": "asperities", "lay": "isotropic"}
         result = run_pair(*bodies, [1.0], surrogates=3, seed=5, **options)
@@ -296,12 +296,12 @@ def cut_middle(body):
         ({"mechanics": "asperities", "hardness": 1.0}, "hardness is for mechanics half-space"),
     ],
 )
-def test_pair_rejects_bad_input_of_maps(changes, pattern):
+def test_pair_rejects_bad_input_for_maps(changes, pattern):
     with pytest.raises(ValueError, match=pattern):
         stiction.pair(*surface_pair(), **{"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0} | changes)
 
 
-def test_pair_rejects_small_maps():
+def test_pair_rejects_too_small_maps():
     small = Surface(np.zeros((MIN_PIECE_POINTS, 30)), spacing=1.0)
     with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
         pair_study(small, small, load=[0.1], mu0=0.3, effective_modulus=10.0)

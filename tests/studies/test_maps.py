@@ -32,20 +32,20 @@ def compute_map(result, loads, **kwargs):
     return friction_map(result, loads, **kwargs).isel(fractal_dimension=0, amplitude=0, mu0=0, tau0=0)
 
 
-def test_friction_map_interpolates_linearly_in_approach():
+def test_friction_map_interpolates_loads_linearly_in_the_approach():
     result = create_result([1.0, 2.0, 4.0], [0.5, 1.5, 1.7])
     values = compute_map(result, [1.0, 1.5, 2.0, 3.0, 4.0])["friction_coefficient"].values
     assert np.allclose(values, [0.5, 1.0 / 1.5, 0.75, 1.6 / 3, 1.7 / 4], rtol=ROUND_OFF)
 
 
-def test_friction_map_is_ratio_of_means_with_zeros_without_contact():
+def test_friction_map_is_ratio_of_means_that_include_members_without_contact():
     result = create_result([[1.0, 3.0], [0.0, 1.0], [0.0, 0.0]], [[0.9, 0.9], [0.0, 0.6], [0.0, 0.0]])
     # The mean normal loads are 1/3 and 4/3, and the mean tangential loads are 0.3 and 0.5.
     values = compute_map(result, [4 / 3])["friction_coefficient"].values
     assert np.allclose(values, [0.5 / (4 / 3)], rtol=ROUND_OFF)
 
 
-def test_friction_map_uses_first_upward_crossing():
+def test_friction_map_uses_the_first_upward_crossing_of_the_load():
     result = create_result([1.0, 3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(compute_map(result, [2.5])["friction_coefficient"], [0.25 / 2.5], rtol=ROUND_OFF)
     # The first upward crossing may follow a range of negative load.
@@ -54,7 +54,7 @@ def test_friction_map_uses_first_upward_crossing():
     assert np.allclose(compute_map(result, [0.75])["friction_coefficient"], [(0.3 + 0.75 * 0.5) / 0.75], rtol=ROUND_OFF)
 
 
-def test_friction_map_gives_status_instead_of_extrapolation():
+def test_friction_map_returns_a_status_instead_of_extrapolating():
     result = create_result([1.0, 2.0], [0.5, 1.0])
     table = compute_map(result, [0.9, 1.0, 2.0, 2.1])
     assert table["status"].values.tolist() == ["below-range", "ok", "ok", "not-reached"]
@@ -89,13 +89,13 @@ def test_friction_map_gives_status_instead_of_extrapolation():
         ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # no friction
     ],
 )
-def test_friction_map_of_few_or_equal_repetitions_has_zero_or_undefined_width(normal, tangential, load, value, width):
+def test_friction_map_interval_of_few_or_equal_members_is_undefined_or_zero(normal, tangential, load, value, width):
     table = compute_map(create_result(normal, tangential), [load])
     value_and_ends = [float(table[name][0]) for name in ("friction_coefficient", "lower", "upper")]
     assert value_and_ends == pytest.approx([value, value + width, value + width], rel=ROUND_OFF, nan_ok=True)
 
 
-def test_load_reached_by_some_repetitions_has_an_interval():
+def test_friction_map_has_an_interval_if_some_members_reach_the_load():
     normal = np.array([[1.0, 2.0], [1.2, 3.0], [0.8, 4.0]])
     table = compute_map(create_result(normal, 0.5 * normal * [[1.0], [1.1], [0.9]]), [2.99])
     assert table["status"].values.tolist() == ["ok"]
@@ -113,7 +113,7 @@ def test_friction_map_intervals_are_not_negative():
         assert 0 <= table["lower"].values[0] <= table["friction_coefficient"].values[0] <= table["upper"].values[0]
 
 
-def test_validity_measures_are_interpolated_at_the_load():
+def test_validity_measures_are_interpolated_at_the_requested_load():
     result = create_result([1.0, 2.0, 4.0], [0.5, 1.5, 1.7])
     result["load_below_grid"].values[0, 0] = [0.5, 0.5, 3.5]
     result["overlap_load"].values[0, 0] = [0.1, 0.4, 0.8]
@@ -124,7 +124,7 @@ def test_validity_measures_are_interpolated_at_the_load():
     assert table["share_crossed"].values == pytest.approx([0.5, 2 / 3, np.nan], nan_ok=True)
 
 
-def test_friction_map_defaults_to_parameters_of_the_study():
+def test_friction_map_uses_mu0_and_tau0_of_the_study_by_default():
     result = empty_dataset(Study().with_changes({"surfaces.fractal_dimension": [1.0], "ensemble.repetitions": 2}))
     table = friction_map(result, [1.0])
     assert table["mu0"].values.tolist() == [0.1, 0.4, 1.0]
@@ -133,7 +133,7 @@ def test_friction_map_defaults_to_parameters_of_the_study():
     assert {table[name].attrs["units"] for name in ("load", "tau0")} == {"mN", "GPa"}
 
 
-def test_friction_map_of_dataset_without_study_requires_mu0_and_tau0():
+def test_friction_map_of_a_dataset_without_study_requires_mu0_and_tau0():
     result = create_result([1.0, 2.0], [0.5, 1.0]).drop_attrs()
     assert compute_map(result, [1.5], mu0=0.0, tau0=0.0)["status"].values.tolist() == ["ok"]
     with pytest.raises(ValueError, match="mu0 and tau0 must be given"):
@@ -146,7 +146,7 @@ def test_friction_map_rejects_bad_loads(loads):
         friction_map(create_result([1.0], [1.0]), loads)
 
 
-def test_area_map_interpolates_linearly_in_approach():
+def test_area_map_interpolates_linearly_in_the_approach():
     table = area_map(create_result([1.0, 2.0, 4.0], [0.5, 1.5, 1.7], area=[10.0, 20.0, 60.0]), [1.5, 3.0])
     assert np.allclose(table["contact_area"].values.ravel(), [15, 40], rtol=ROUND_OFF)
     assert table["contact_area"].attrs["units"] == "um^2"
@@ -205,7 +205,7 @@ def test_friction_map_intervals_have_nominal_coverage(repetitions, spread, scatt
     assert MIN_COVERAGE[spread, scatter][repetitions] <= coverage <= MAX_COVERAGE, coverage
 
 
-def test_friction_map_intervals_cover_if_half_of_the_repetitions_have_no_contact():
+def test_friction_map_intervals_cover_if_half_of_the_members_have_no_contact():
     load = APPROACHES[5] ** 1.5
     truth = 0.3 * APPROACHES[5] ** 1.35 / load
     result = simulate_ensembles(24, NUM_ENSEMBLES, spread=0.5, scatter=0.3, seed=5, touching=0.5)
@@ -215,7 +215,7 @@ def test_friction_map_intervals_cover_if_half_of_the_repetitions_have_no_contact
     assert 0.9 <= coverage <= MAX_COVERAGE
 
 
-def test_stiffness_map_is_derivative_of_mean_load():
+def test_stiffness_map_equals_the_derivative_of_the_mean_load():
     # F = k δ² is a parabola, for which central differences give the exact derivative.
     approach = np.arange(1, 8) * 1e-3
     stiffness = np.array([[1000.0], [3000.0]])
@@ -228,13 +228,13 @@ def test_stiffness_map_is_derivative_of_mean_load():
     assert (computed["upper"] > computed["normal_stiffness"]).all()
 
 
-def test_stiffness_map_includes_friction_and_adhesion():
+def test_stiffness_map_includes_frictional_and_adhesive_loads():
     approach = np.arange(1, 6) * 1e-3
     result = create_result(1000 * approach, np.zeros(5), frictional=-500 * approach)
     computed = stiffness_map(result, [2.0], mu0=[0.0, 0.4], tau0=[0.0])["normal_stiffness"]
     assert np.allclose(computed.values.ravel(), [1000.0, 800.0], rtol=ROUND_OFF)
 
 
-def test_stiffness_map_requires_three_approaches():
+def test_stiffness_map_requires_at_least_three_approaches():
     with pytest.raises(ValueError, match="3 approaches"):
         stiffness_map(create_result([1.0, 2.0], [0.1, 0.2]), [1.5])

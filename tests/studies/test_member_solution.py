@@ -33,7 +33,7 @@ def test_areal_member_equals_direct_computation(tmp_path, mechanics):
     assert (values["status"] == STATUSES.index("ok")).all()
 
 
-def test_unloading_stiffness_is_computed_for_the_first_members_if_hardness_is_given(tmp_path):
+def test_unloading_stiffness_is_computed_for_first_members_if_hardness_is_given(tmp_path):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
     study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
     is_finite = [
@@ -77,7 +77,7 @@ def test_profile_member_equals_direct_computation(tmp_path, mechanics):
     assert np.isnan(values["approach"]).all() == (mechanics == "half-space")
 
 
-def test_build_dataset_has_the_variables_of_the_study(tmp_path):
+def test_built_dataset_has_the_variables_of_the_study(tmp_path):
     study = study_of_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
     parts = [member_sums(study, index) for index in range(3)]
     dataset = build_dataset(study, range(3), stack_members(study, parts), body_attributes(study))
@@ -91,7 +91,7 @@ def test_build_dataset_has_the_variables_of_the_study(tmp_path):
     assert "turned over" in dataset.attrs["upper"]
 
 
-def test_member_with_an_unsolved_load_has_values_at_other_loads(tmp_path, monkeypatch):
+def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, monkeypatch):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path), members=1)
     loads = study.contact.steps()
 
@@ -109,13 +109,13 @@ def test_member_with_an_unsolved_load_has_values_at_other_loads(tmp_path, monkey
     assert values["contact_count"][0, 1] == 0
 
 
-def test_cost_of_member_is_independent_of_member_count(tmp_path):
+def test_estimated_time_of_a_member_is_independent_of_the_member_count(tmp_path):
     spacing = write_maps(tmp_path)
     few, many = (study_of_files(tmp_path, spacing=spacing, members=count) for count in (2, 200))
     assert estimate_member_time(few) == estimate_member_time(many) > 0
 
 
-def test_cost_of_member_with_adhesion_increases_with_compliance(tmp_path):
+def test_estimated_time_of_an_adhesive_member_increases_with_compliance(tmp_path):
     spacing = write_maps(tmp_path)
     costs = [
         estimate_member_time(
@@ -130,7 +130,7 @@ def test_cost_of_member_with_adhesion_increases_with_compliance(tmp_path):
     assert costs[0] > 50 * costs[2]
 
 
-def test_changed_scan_file_is_rejected(tmp_path):
+def test_changed_scan_file_is_rejected_when_bodies_are_loaded(tmp_path):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
     load_bodies(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)

@@ -23,7 +23,7 @@ STUDY = Study().with_changes(
 
 
 @pytest.mark.parametrize("batch_size", [1, 2, 5])
-def test_generate_pairs_of_several_dimensions_equals_pair_of(monkeypatch, batch_size):
+def test_pairs_generated_for_several_dimensions_equal_single_pairs(monkeypatch, batch_size):
     monkeypatch.setattr(members_module, "MAX_BATCH_BYTES", batch_size * 8 * STUDY.surfaces.points)
     dimensions = np.array([1.0, 1.2, 1.45])
     pairs = list(members_module.generate_pairs(STUDY, 1, dimensions, 0.1))
@@ -34,7 +34,7 @@ def test_generate_pairs_of_several_dimensions_equals_pair_of(monkeypatch, batch_
             assert body.spacing == expected.spacing
 
 
-def test_pair_of_generates_two_profiles_of_the_study():
+def test_pair_of_function_generates_the_two_profiles_of_a_member():
     upper, lower = pair_of(STUDY, 7, fractal_dimension=1.25, amplitude=0.1)
     for body, side in ((upper, "upper"), (lower, "lower")):
         phases = random_phases(2016, repetition=7, side=side, directions=30, frequencies=20)
@@ -58,6 +58,6 @@ def test_pair_of_generates_two_profiles_of_the_study():
         (0, 1.2, 0.0, "amplitude must be"),
     ],
 )
-def test_pair_of_rejects_bad_arguments(repetition, dimension, amplitude, pattern):
+def test_pair_of_function_rejects_bad_arguments(repetition, dimension, amplitude, pattern):
     with pytest.raises(ValueError, match=pattern):
         pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)

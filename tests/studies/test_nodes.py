@@ -34,14 +34,14 @@ def smooth_friction(mu0, tau0):
 
 
 @pytest.mark.parametrize("power", [0, 1, 2, 3])
-def test_interpolation_reproduces_cubic_polynomials_exactly(power):
+def test_report_interpolation_reproduces_cubic_polynomials_exactly(power):
     mu0, tau0 = create_grid()
     table = (mu0 + 0.3) ** power * (tau0 - 0.1) ** power
     for point in ((0.07, 0.015), (0.3, 0.07), (0.99, 0.199), (0.25, 0.13)):
         assert interpolated(AXES, table, *point) == pytest.approx((point[0] + 0.3) ** power * (point[1] - 0.1) ** power)
 
 
-def test_interpolation_is_bilinear_next_to_undefined_nodes():
+def test_report_interpolation_is_bilinear_next_to_undefined_nodes():
     mu0, tau0 = create_grid()
     table = mu0 + 2 * tau0
     table[-1, -1] = np.nan
@@ -50,7 +50,7 @@ def test_interpolation_is_bilinear_next_to_undefined_nodes():
     assert interpolated(AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # This point is a node.
 
 
-def test_ranged_node_has_weight_only_at_its_value():
+def test_node_of_an_uncertain_input_has_weight_only_at_its_value():
     axis = Axis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]), np.array([0.2]))
     assert axis.weights(0.2).tolist() == [0, 0, 0, 0, 0, 1]
     assert axis.weights(0.2001)[-1] == 1
@@ -58,7 +58,7 @@ def test_ranged_node_has_weight_only_at_its_value():
     assert axis.weights(0.21).sum() == pytest.approx(1)
 
 
-def test_axes_of_contains_mu0_and_tau0_of_the_study():
+def test_report_axes_contain_mu0_and_tau0_of_the_study():
     mu0, tau0 = axes_of(SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]}))
     assert 0.37 in mu0.rising
     assert {0.003, 0.021} <= set(tau0.rising)
@@ -66,7 +66,7 @@ def test_axes_of_contains_mu0_and_tau0_of_the_study():
     assert tau0.rising[-1] == 0.021  # a study of generated surfaces limits the range of tau0
 
 
-def test_axes_of_makes_ranged_inputs_ranged_nodes(tmp_path):
+def test_report_axes_have_separate_nodes_for_uncertain_inputs(tmp_path):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.ranged.size for axis in axes_of(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
@@ -76,7 +76,7 @@ def test_axes_of_makes_ranged_inputs_ranged_nodes(tmp_path):
     assert tau0.ranged.size == 0
 
 
-def test_refined_axes_reach_the_tolerances():
+def test_refined_report_axes_reach_the_tolerances():
     coarse_axes = tuple(Axis(axis.rising[[0, 2, 4]]) for axis in AXES)
     axes, _ = refined(coarse_axes, smooth_friction)
     assert sum(axis.rising.size for axis in axes) > 6
@@ -94,7 +94,7 @@ def test_refined_axes_reach_the_tolerances():
     assert 0 < ends_error < 10 * ENDS_TOLERANCE
 
 
-def test_panels_with_errors_above_the_printed_tolerance_are_not_resolved():
+def test_panels_with_errors_above_the_printed_tolerance_count_as_unresolved():
     def cusp(mu0, tau0):
         """Return points at one load whose upper end has a cusp along mu0, at large tau0."""
         table = smooth_friction(mu0, tau0)
@@ -113,7 +113,7 @@ def test_panels_with_errors_above_the_printed_tolerance_are_not_resolved():
     assert length < 0.5 * (0.6 - 0.25)
 
 
-def test_panels_with_a_jump_or_undefined_node_are_not_interpolated():
+def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
     mu0, tau0 = create_grid()
     smooth = 0.1 + mu0 + tau0
     assert is_interpolated(AXES, smooth).all()

@@ -40,7 +40,7 @@ def onset(study):
     return compute_study_onset(study, members=3)
 
 
-def test_onset_of_result_is_mean_over_members(study, onset):
+def test_onset_of_a_result_is_the_mean_over_its_members(study, onset):
     curves, exact_displacements = [], []
     for index in range(3):
         curve = half_space(
@@ -74,7 +74,7 @@ def test_onset_curve_increases_to_full_slip_at_sliding_load(onset):
     assert onset.attrs["lugre_sigma0_mN_per_um"] > 0
 
 
-def test_onset_displacement_exists_for_asperities_but_not_half_planes(tmp_path):
+def test_onset_displacement_is_finite_for_asperities_but_not_for_half_planes(tmp_path):
     spacing = write_profiles(tmp_path)
     for mechanics, load in (("asperities", "20 uN"), ("half-space", "2 mN")):
         lines = study_of_files(tmp_path, "lines", mechanics, spacing=spacing, members=8, load=load)
@@ -87,7 +87,7 @@ def test_onset_displacement_exists_for_asperities_but_not_half_planes(tmp_path):
         assert "slips" in onset_text(result)
 
 
-def test_onset_of_several_cutoffs_uses_the_quoted_cutoff():
+def test_onset_of_a_result_with_several_cutoffs_uses_the_quoted_cutoff():
     roughness = {"hurst_exponent": 0.7, "rms": 0.01, "longest_wavelength": 5.0, "shortest_wavelength": 0.05}
     noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 3000))
     profiles = [
@@ -107,12 +107,12 @@ def test_onset_of_several_cutoffs_uses_the_quoted_cutoff():
     assert float(abs(result["displacement"] - onset_by_cutoff[other_cutoff]["displacement"]).max()) > 0
 
 
-def test_onset_is_none_without_friction_or_for_generated_surfaces(study):
+def test_onset_is_none_without_friction_and_for_generated_surfaces(study):
     assert compute_study_onset(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
     assert compute_study_onset(Study.named("quick")) is None
 
 
-def test_slip_map_gives_smallest_slip_load_of_each_cell(study, onset, monkeypatch):
+def test_slip_map_contains_the_smallest_slip_load_of_each_cell(study, onset, monkeypatch):
     upper, lower = load_bodies(study).member(0, 0.0).pair
     curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
     member_onset = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
@@ -137,7 +137,7 @@ def test_slip_map_gives_smallest_slip_load_of_each_cell(study, onset, monkeypatc
         )
 
 
-def test_onset_of_asperities_lists_each_contact(tmp_path):
+def test_onset_of_asperities_lists_every_contact(tmp_path):
     study = study_of_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
     result = compute_study_onset(study, members=1)
     pair = load_bodies(study).member(0, 0.0).pair
@@ -167,7 +167,7 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     assert "Order of slip" not in report_page(open_stored(tmp_path))
 
 
-def test_load_onset_ignores_onset_of_another_mu0(study, onset, tmp_path):
+def test_load_onset_ignores_an_onset_stored_for_another_mu0(study, onset, tmp_path):
     compute_missing(study, tmp_path)
     stored = open_stored(tmp_path)
     assert load_onset(stored) is None
@@ -184,7 +184,7 @@ def test_onset_table_starts_with_zeros(onset):
     np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
 
 
-def test_onset_text_rows_and_record_agree(onset):
+def test_onset_text_table_and_json_record_have_equal_values(onset):
     record = onset_record(onset)
     assert "Pre-sliding displacement " in onset_text(onset)
     assert record["iwan"]["chi"] == onset.attrs["iwan_chi"]

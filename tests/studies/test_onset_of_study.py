@@ -34,7 +34,7 @@ def result(study):
     return run(study).dataset
 
 
-def test_stored_onset_of_member_equals_onset_of_load_curve(study, result):
+def test_stored_onset_of_a_member_equals_onset_of_its_load_curve(study, result):
     for index, dimension in ((0, 1.1), (3, 1.4)):
         upper, lower = pair_of(study, index, fractal_dimension=dimension, amplitude=0.1)
         steps = study.contact.steps()
@@ -52,7 +52,7 @@ def test_stored_onset_of_member_equals_onset_of_load_curve(study, result):
     assert not any(result[name].values[has_no_contact].any() for name in ONSET)
 
 
-def test_study_sums_are_equal_with_and_without_onset(study, result):
+def test_load_sums_of_a_study_are_equal_with_and_without_onset(study, result):
     """With an onset, each pair is computed alone; without, pairs of several dimensions are computed together."""
     dataset_without_onset = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]})).dataset
     assert not set(ONSET) & set(dataset_without_onset.data_vars)
@@ -60,7 +60,7 @@ def test_study_sums_are_equal_with_and_without_onset(study, result):
         np.testing.assert_allclose(result[name], dataset_without_onset[name], rtol=1e-11, err_msg=name)
 
 
-def test_onset_of_maps_uses_first_direction():
+def test_onset_of_generated_maps_uses_the_first_direction():
     study = Study.named("presliding").with_changes(SURFACE_CHANGES | {"contact.onset": {"mu0": 0.4}})
     computed = run(study).dataset
     assert computed["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
@@ -71,7 +71,7 @@ def test_onset_of_maps_uses_first_direction():
         assert (float(computed["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == is_equal
 
 
-def test_onset_at_load_weighs_members_by_load(result):
+def test_onset_at_a_load_is_a_mean_over_members_weighted_by_load(result):
     """Compare with means at a solved approach, weighted by the normal load of each member."""
     step = result.isel(approach=3)
     normal = step["normal_elastic"] + 0.3 * step["normal_frictional"] + 0.02 * step["normal_adhesive"]
@@ -89,7 +89,7 @@ def test_onset_at_load_weighs_members_by_load(result):
         assert float(point["tangential_stiffness"].sel(statistic="mean")) == pytest.approx(stiffness, rel=1e-9)
 
 
-def test_displacement_at_sliding_is_proportional_to_deepest_overlap():
+def test_displacement_at_sliding_is_mu0_times_the_deepest_overlap():
     study = Study.named("presliding").with_changes(
         PROFILE_CHANGES | {"contact.onset": {"mu0": 0.4, "poisson_ratio": 0.0}}
     )
@@ -106,7 +106,7 @@ def test_displacement_at_sliding_is_proportional_to_deepest_overlap():
     assert displacement == pytest.approx(0.4 * deepest, rel=1e-9)
 
 
-def test_table_figure_and_report_show_onset(study, tmp_path):
+def test_table_text_figure_and_report_show_onset(study, tmp_path):
     run(study, store=tmp_path / "result")
     result = open_result(tmp_path / "result")
     column = "pre-sliding displacement at mu0 = 0.3, tau0 = 20 MPa (um)"
@@ -141,6 +141,6 @@ def test_study_rejects_bad_onset(changes, pattern):
     assert not re.search(r"Traceback|\n.*\n.*\n", str(caught.value))
 
 
-def test_onset_figure_requires_onset():
+def test_onset_figure_requires_a_study_with_onset():
     with pytest.raises(StudyError, match=r"needs contact\.onset"):
         Study().with_changes({"figures.draw": ["onset"]})

@@ -30,14 +30,14 @@ def pair_command():
     return group.get_command(group.context_class(group), "pair")
 
 
-def test_generated_signatures_match_the_options():
+def test_generated_signatures_of_pair_match_its_options():
     """Check that packaging/pair_options.py was run after the last change of an option."""
     script = ROOT / "packaging/pair_options.py"
     completed = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False)
     assert completed.returncode == 0, completed.stderr
 
 
-def test_pair_function_documents_a_parameter_for_each_option():
+def test_pair_function_documents_a_parameter_for_every_option():
     parameters = inspect.signature(stiction.pair).parameters
     for name, option in PAIR_OPTIONS.items():
         if not option.is_in_python:
@@ -47,20 +47,20 @@ def test_pair_function_documents_a_parameter_for_each_option():
         assert f"\n    {format_python_name(name)} : " in stiction.pair.__doc__
 
 
-def test_pair_command_accepts_each_declared_option():
+def test_pair_command_accepts_every_declared_option():
     parameters = {param.name: param for param in pair_command().params}
     for name in PAIR_OPTIONS:
         names = (*parameters[name].opts, parameters[name].metavar)
         assert format_command_line_name(name) in names
 
 
-def test_option_groups_are_disjoint():
+def test_groups_of_pair_options_are_disjoint_and_complete():
     names = [name for group in OPTION_GROUPS for name in group.model_fields]
     assert len(names) == len(set(names)) == len(PairOptions.model_fields)
 
 
 @pytest.mark.parametrize("name", [name for name, option in PAIR_OPTIONS.items() if option.key])
-def test_key_of_pair_option_exists_in_studies(name):
+def test_study_key_of_a_pair_option_exists(name):
     tables = [Study]
     for key_part in PAIR_OPTIONS[name].key.split("."):
         fields = [table.model_fields[key_part] for table in tables if key_part in table.model_fields]
@@ -75,7 +75,7 @@ def test_placeholders_in_option_texts_are_option_names():
 
 
 @pytest.mark.parametrize("name", INPUT_KINDS)
-def test_uncertain_input_is_a_pair_option(name):
+def test_uncertain_input_is_also_a_pair_option(name):
     assert name in PAIR_OPTIONS
 
 
@@ -96,7 +96,7 @@ def test_uncertain_input_is_a_pair_option(name):
         ({"hardnes": 1}, "--hardnes is no option of a pair; is it hardness?"),
     ],
 )
-def test_read_options_reports_wrong_value_with_command_line_name(values, message):
+def test_read_options_names_the_command_line_option_of_a_wrong_value(values, message):
     with pytest.raises(ArgumentError) as caught:
         read_options({"load": "1 mN", **values})
     assert caught.value.with_names(format_command_line_name).startswith(message)
@@ -107,7 +107,7 @@ def test_read_options_treats_none_and_false_as_not_given():
     assert all(options.given(name) is None for name in PAIR_OPTIONS if name != "load")
 
 
-def test_short_help_of_pair_lists_thirteen_options(monkeypatch):
+def test_short_help_of_pair_lists_twelve_options_and_no_cutoff(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     pair = pair_command()
     help_text = pair.get_help(pair.context_class(pair, info_name="stiction pair"))
@@ -118,14 +118,14 @@ def test_short_help_of_pair_lists_thirteen_options(monkeypatch):
     assert "--cutoff" not in help_text
 
 
-def test_long_help_of_pair_lists_all_options(capsys):
+def test_long_help_of_pair_command_lists_all_options(capsys):
     with pytest.raises(typer.Exit):
         pair_command().make_context("stiction pair", ["--help-all"])
     text = capsys.readouterr().out
     assert all(format_command_line_name(name) in text for name in PAIR_OPTIONS)
 
 
-def test_jedi_completes_the_options_of_pair():
+def test_jedi_completes_options_of_the_pair_function():
     jedi = pytest.importorskip("jedi")
     source = "st.pair(miss"
     names = [completion.name for completion in jedi.Interpreter(source, [{"st": stiction}]).complete(1, len(source))]

@@ -15,7 +15,7 @@ from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bi
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
 
-def test_parts_complete_one_result(tmp_path, uninterrupted_dataset, computed_repetitions):
+def test_parts_of_a_run_complete_one_result(tmp_path, uninterrupted_dataset, computed_repetitions):
     """Run two of three parts twice each; then a run without a part computes the remaining repetitions."""
     repetitions_of_parts = {(2, 3): [*range(4, 8), *range(16, 20)], (1, 3): [*range(4), *range(12, 16)]}
     for part, expected in repetitions_of_parts.items():
@@ -33,7 +33,7 @@ def test_parts_complete_one_result(tmp_path, uninterrupted_dataset, computed_rep
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_parts_of_different_divisions_complete_one_result(tmp_path, uninterrupted_dataset):
+def test_parts_of_runs_divided_differently_complete_one_result(tmp_path, uninterrupted_dataset):
     compute_missing(with_repetitions(10), tmp_path, part=(1, 2))
     compute_missing(TINY_STUDY, tmp_path, part=(3, 5))
     compute_missing(TINY_STUDY, tmp_path, part=(1, 1))
@@ -62,7 +62,7 @@ class RemoteExecutor(Executor):
         return InlineExecutor().submit(function, *args)
 
 
-def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, uninterrupted_dataset, monkeypatch):
+def test_workers_write_blocks_to_a_shared_directory_or_return_them(tmp_path, uninterrupted_dataset, monkeypatch):
     written_blocks, task_results = [], []
     monkeypatch.setattr(
         runner,
@@ -89,7 +89,7 @@ def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, uninterrup
         assert not list((tmp_path / folder_name).rglob("*.partial"))
 
 
-def test_failed_member_leaves_other_blocks_stored(tmp_path, monkeypatch):
+def test_blocks_without_the_failed_member_are_stored(tmp_path, monkeypatch):
     sums = runner.member_sums
 
     def compute_or_fail(study, number):

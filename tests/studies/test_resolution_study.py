@@ -43,7 +43,7 @@ def test_resolution_study_has_fewer_members_and_loads(study):
     assert cutoff_study.surfaces.upper == study.surfaces.upper
 
 
-def test_resolution_study_continues_at_doubled_cutoffs(study):
+def test_resolution_study_of_a_filtered_study_starts_at_its_cutoff(study):
     cutoff_study = build_cutoff_study(study.with_changes({"surfaces.cut_off": ["0.2 um"]}))
     assert cutoff_study.surfaces.cells()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
 
@@ -59,7 +59,7 @@ def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
     assert build_cutoff_study(small_study) is None
 
 
-def test_resolution_at_ignores_resolution_of_another_hardness(study, tmp_path):
+def test_stored_resolution_of_another_hardness_is_ignored(study, tmp_path):
     small_study = study.with_changes({"contact.load": ["2 mN"], "ensemble.repetitions": 2})
     compute_missing(small_study, tmp_path)
     assert evaluate_cutoffs(open_stored(tmp_path)) is None
@@ -84,7 +84,7 @@ def test_resolution_at_ignores_resolution_of_another_hardness(study, tmp_path):
     assert evaluate_cutoffs(open_stored(softer_folder)) is None
 
 
-def test_seen_wavelengths_equal_wavelengths_of_the_gap(study):
+def test_resolved_wavelengths_equal_wavelengths_of_the_gap(study):
     wavelengths = find_resolved_roughness(study)
     upper, lower = load_bodies(study).member(0, 0.0).pair
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
@@ -98,7 +98,7 @@ def test_seen_wavelengths_equal_wavelengths_of_the_gap(study):
     assert find_resolved_roughness(Study.named("quick")) is None
 
 
-def test_seen_wavelengths_begin_at_the_cutoff(study):
+def test_resolved_wavelengths_begin_at_the_cutoff(study):
     assert find_resolved_roughness(study.with_changes({"surfaces.cut_off": ["0.5 um"]})).shortest == pytest.approx(0.5)
 
 
@@ -110,7 +110,7 @@ def test_plastic_wavelength_decreases_with_pressure(study):
     assert lower < value < upper
 
 
-def test_yield_estimates_list_plastic_wavelengths_by_hardness(tmp_path):
+def test_yield_estimates_list_the_plastic_wavelength_for_each_hardness(tmp_path):
     for side in ("upper", "lower"):
         surface = self_affine_surface(3, hurst_exponent=0.7, rms=0.03, shape=(192, 192), spacing=0.1, side=side)
         np.save(tmp_path / f"{side}.npy", surface.heights)
@@ -131,7 +131,7 @@ def test_yield_estimates_list_plastic_wavelengths_by_hardness(tmp_path):
     assert np.all(np.diff(limits["finer_area_fraction"][:, 0]) < 0)
 
 
-def test_seen_wavelengths_are_none_if_a_scan_file_is_missing(tmp_path):
+def test_resolved_wavelengths_are_none_if_a_scan_file_is_missing(tmp_path):
     spacing = write_profiles(tmp_path)
     line_study = study_of_files(tmp_path, "lines", spacing=spacing, members=3)
     assert find_resolved_roughness(line_study).shortest == pytest.approx(0.04)

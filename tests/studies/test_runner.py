@@ -41,7 +41,7 @@ def result():
     return run(RUNNER_STUDY).dataset
 
 
-def test_run_sums_equal_sums_of_each_pair(result):
+def test_load_sums_of_a_run_equal_sums_of_single_pairs(result):
     assert result["normal_elastic"].shape == (4, 2, 5, 6)
     assert result["contact_count"].values.sum() > 1000
     for d, a, r in ((0, 0, 0), (2, 1, 3), (3, 0, 4)):
@@ -57,7 +57,7 @@ def test_run_sums_equal_sums_of_each_pair(result):
             assert np.array_equal(result[name].values[d, a, r], getattr(curve, name)), name
 
 
-def test_run_depends_on_each_study_key(result):
+def test_result_of_a_run_depends_on_every_study_key(result):
     """Check that a change of each key changes the result."""
     changes = {
         "surfaces.amplitude_measure": "Rq", "surfaces.length_scale": "0.9 um", "surfaces.extent": "2.1 um",
@@ -74,7 +74,7 @@ def test_run_depends_on_each_study_key(result):
         assert changed_sums, key
 
 
-def test_run_gives_equal_bits_for_all_executors_and_block_sizes(result, monkeypatch):
+def test_run_gives_bit_identical_results_for_all_executors_and_block_sizes(result, monkeypatch):
     for workers in (1, 2):
         with ThreadPoolExecutor(workers) as pool:
             assert_same_bits(run(RUNNER_STUDY, executor=pool).dataset, result)
@@ -86,7 +86,7 @@ def test_run_gives_equal_bits_for_all_executors_and_block_sizes(result, monkeypa
         assert_same_bits(run(RUNNER_STUDY, executor=InlineExecutor()).dataset, result)
 
 
-def test_run_gives_equal_bits_for_all_batch_sizes(result, monkeypatch):
+def test_run_gives_bit_identical_results_for_all_batch_sizes(result, monkeypatch):
     for rows in (1, 3):
         for module in (members, member_solution):
             monkeypatch.setattr(module, "MAX_BATCH_BYTES", rows * 8 * RUNNER_STUDY.surfaces.points)
@@ -94,7 +94,7 @@ def test_run_gives_equal_bits_for_all_batch_sizes(result, monkeypatch):
 
 
 @pytest.mark.parametrize("points", [500, 1000, 4000, 20_000])
-def test_memory_of_a_task_is_within_documented_limit(monkeypatch, points):
+def test_memory_of_a_task_is_within_the_documented_limit(monkeypatch, points):
     """Check the memory limit of a task that the page on clusters (cluster.md) documents."""
     batch_bytes = 8 * 2500
     monkeypatch.setattr(member_solution, "MAX_BATCH_BYTES", batch_bytes)
@@ -108,7 +108,7 @@ def test_memory_of_a_task_is_within_documented_limit(monkeypatch, points):
     assert memory.nbytes <= max(2 * batch_bytes + 2 * 8 * points, 32 * points)
 
 
-def test_result_has_study_version_and_units(result):
+def test_result_of_a_run_has_study_version_and_units(result):
     assert result.attrs["stiction_version"] == stiction.__version__
     assert study_of(result) == RUNNER_STUDY
     assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
@@ -116,7 +116,7 @@ def test_result_has_study_version_and_units(result):
 
 
 @pytest.mark.parametrize("name", ["quick", "figure6", "figure7", "figure6-areal", "figure6-half-plane"])
-def test_block_size_limits_time_and_memory_of_a_block(name):
+def test_block_size_limits_the_time_and_memory_of_a_block(name):
     study = Study.named(name)
     for total in (1, 10, 100, 1_000_000):
         size = runner.choose_block_size(with_repetitions(total, study))
@@ -128,12 +128,12 @@ def test_block_size_limits_time_and_memory_of_a_block(name):
         assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS)
 
 
-def test_run_of_study_with_impossible_gamma_raises_value_error():
+def test_run_of_a_study_with_impossible_gamma_raises_value_error():
     with pytest.raises(ValueError, match="gamma"):
         run(RUNNER_STUDY.with_changes({"surfaces.gamma": 100.0}))
 
 
-def test_run_rejects_result_larger_than_memory(tmp_path, monkeypatch):
+def test_run_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
     study_of_many_members = RUNNER_STUDY.with_changes({"ensemble.repetitions": 10_000_000})
     with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16: give a store"):
@@ -149,7 +149,7 @@ def test_run_rejects_result_larger_than_memory(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_interrupt_cancels_submitted_tasks(monkeypatch):
+def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
     computed_repetitions, sums, interrupted = [], runner.member_sums(with_repetitions(1), 0), threading.Event()
 
     def record(study, number):
@@ -178,7 +178,7 @@ def test_interrupt_cancels_submitted_tasks(monkeypatch):
 # ---- Workers that end ------------------------------------------------------------------------------------------------
 
 
-def test_ended_worker_process_is_reported(tmp_path):
+def test_unexpected_end_of_a_worker_process_is_reported(tmp_path):
     for folder, kind in ((None, StudyError), (tmp_path, StoreError)):
         with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
             os.kill(pool.submit(os.getpid).result(), signal.SIGKILL)
@@ -196,7 +196,7 @@ def test_progress_is_printed_on_request(capfd, monkeypatch):
     assert "2/2" in out + err
 
 
-def test_progress_is_silent_without_terminal(capfd):
+def test_progress_is_not_printed_without_a_terminal(capfd):
     with executors.progress_bar("repetitions", 3, 0, True) as advance:
         for _ in range(3):
             advance()
@@ -216,7 +216,7 @@ def test_progress_is_printed_as_text_in_a_notebook(capfd, monkeypatch):
     assert "2/2" in capfd.readouterr().err
 
 
-def test_compute_missing_announces_the_estimate_once(tmp_path):
+def test_compute_missing_announces_the_estimated_time_once(tmp_path):
     announcements = []
     for _ in range(2):
         runner.compute_missing(RUNNER_STUDY, tmp_path, announce=announcements.append)
@@ -225,7 +225,7 @@ def test_compute_missing_announces_the_estimate_once(tmp_path):
     assert line.endswith(" of one core, 23 kB in 5 files")
 
 
-def test_new_estimate_uses_the_time_of_the_first_block():
+def test_new_time_estimate_uses_the_time_of_the_first_block():
     missing = SimpleNamespace(count=16)
     text = runner._new_estimate(missing, 1, 480.0, 2, 8.5)
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"

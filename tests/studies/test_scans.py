@@ -34,7 +34,7 @@ def scans_of_members(upper: int, lower: int, times: int = 1):
 # ---- scans_mean ------------------------------------------------------------------------------------------------------
 
 
-def test_scans_mean_has_variance_components_of_mean_squares() -> None:
+def test_mean_over_scans_has_variance_components_from_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
     result = scans_mean(table.ravel(), *scans_of_members(4, 5))
@@ -50,7 +50,7 @@ def test_scans_mean_has_variance_components_of_mean_squares() -> None:
     assert result.half_width == pytest.approx(float(student_quantile(freedom)) * np.sqrt(total / 20), rel=1e-9)
 
 
-def test_scans_mean_of_one_scanned_part_has_students_interval() -> None:
+def test_mean_over_scans_of_one_part_has_student_t_interval() -> None:
     values = np.array([1.0, 1.2, 0.9, 1.3])
     result = scans_mean(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
     half_width = float(student_quantile(3)) * values.std(ddof=1) / 2
@@ -59,7 +59,7 @@ def test_scans_mean_of_one_scanned_part_has_students_interval() -> None:
     assert scans_mean(np.ones(3), np.zeros(3, int), np.zeros(3, int)) is None
 
 
-def test_scans_mean_omits_missing_values() -> None:
+def test_mean_over_scans_omits_missing_values() -> None:
     rng = np.random.default_rng(1)
     upper, lower = scans_of_members(3, 3, times=2)
     values = rng.standard_normal(18)
@@ -74,7 +74,7 @@ def simulate_coefficient(upper, lower):
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.05, 0.2])
-def test_scans_mean_covers_the_mean_of_parts_and_the_next_test(spread) -> None:
+def test_intervals_over_scans_cover_the_mean_of_parts_and_the_next_test(spread) -> None:
     rng = np.random.default_rng(2016)
 
     def gradients(*shape):
@@ -103,7 +103,7 @@ def test_scans_mean_covers_the_mean_of_parts_and_the_next_test(spread) -> None:
 # ---- Pairs of scans --------------------------------------------------------------------------------------------------
 
 
-def test_pair_gives_each_combination_of_scans_equally_many_members() -> None:
+def test_pair_has_equally_many_members_for_each_combination_of_scans() -> None:
     result = pair(
         [rough_scan(i, "upper") for i in range(2)],
         [rough_scan(i, "lower") for i in range(4)],
@@ -122,7 +122,7 @@ def test_pair_gives_each_combination_of_scans_equally_many_members() -> None:
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.3])
-def test_variability_between_scans_is_in_interval_and_budget(spread) -> None:
+def test_variability_between_scans_contributes_to_interval_and_budget(spread) -> None:
     rng = np.random.default_rng(5)
     scans = [
         [rough_scan(20 + i, side, np.exp(spread * rng.standard_normal())) for i in range(4)]
@@ -143,7 +143,7 @@ def test_variability_between_scans_is_in_interval_and_budget(spread) -> None:
     assert low <= result.interval[0] < result.interval[1] <= high
 
 
-def test_pair_accepts_scans_as_list_directory_or_names(tmp_path) -> None:
+def test_pair_accepts_scans_as_a_list_a_directory_or_file_names(tmp_path) -> None:
     (tmp_path / "part").mkdir()
     names = []
     for index in range(2):
@@ -161,7 +161,7 @@ def test_pair_accepts_scans_as_list_directory_or_names(tmp_path) -> None:
     assert "others" in study_text
 
 
-def test_pair_rejects_scans_of_different_grids_and_repeated_scans(tmp_path) -> None:
+def test_pair_rejects_scans_with_different_grids_and_identical_scans(tmp_path) -> None:
     arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
     with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same points"):
         pair([rough_scan(1, "upper"), rough_scan(2, "upper", points=40)], rough_scan(1, "lower"), **arguments)
@@ -179,7 +179,7 @@ def test_pair_rejects_scans_of_different_grids_and_repeated_scans(tmp_path) -> N
 
 @pytest.mark.soak
 @pytest.mark.parametrize("spread", [0.0, 0.2])
-def test_interval_of_solved_scans_covers_the_mean_of_many_scans(spread) -> None:
+def test_interval_over_few_scans_covers_the_mean_over_many_scans(spread) -> None:
     rng = np.random.default_rng(7)
     arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
 
@@ -200,7 +200,7 @@ def test_interval_of_solved_scans_covers_the_mean_of_many_scans(spread) -> None:
     assert covered >= 17
 
 
-def test_caveat_about_repeated_extreme_ends_when_accepted(tmp_path, monkeypatch):
+def test_caveat_about_a_repeated_extreme_value_disappears_when_accepted(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     heights = np.cumsum(np.random.default_rng(1).normal(size=400)) * 0.01
     heights[[5, 77]] = -9999

@@ -69,7 +69,7 @@ def assert_no_partial_files(path):
 # ---- Write and read -------------------------------------------------------------------------------------------------
 
 
-def test_store_returns_the_written_dataset(tmp_path, uninterrupted_dataset):
+def test_stored_result_equals_the_computed_dataset(tmp_path, uninterrupted_dataset):
     path = tmp_path / "deep" / "r"
     assert_same_bits(run(TINY_STUDY, store=path).dataset, uninterrupted_dataset)
     assert_same_bits(store.read(path), uninterrupted_dataset)
@@ -87,7 +87,7 @@ def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):
     assert block_states(folder_copy).keys() == block_states(tmp_path / "again").keys()
 
 
-def test_xarray_opens_blocks(folder_copy, uninterrupted_dataset):
+def test_xarray_can_open_blocks(folder_copy, uninterrupted_dataset):
     pytest.importorskip("dask")
     find_block(folder_copy, 8).unlink()
     with xarray.open_mfdataset(str(folder_copy / BLOCKS_FOLDER / "*.nc")) as opened:
@@ -98,11 +98,11 @@ def test_xarray_opens_blocks(folder_copy, uninterrupted_dataset):
     assert opened_dataset.attrs == uninterrupted_dataset.attrs
 
 
-def test_single_block_is_read_as_a_result(folder_copy, uninterrupted_dataset):
+def test_single_block_can_be_read_as_a_result(folder_copy, uninterrupted_dataset):
     assert_same_bits(store.read(find_block(folder_copy, 4)), uninterrupted_dataset.isel(repetition=slice(4, 8)))
 
 
-def test_store_preserves_every_bit(tmp_path, monkeypatch):
+def test_store_preserves_every_bit_of_values(tmp_path, monkeypatch):
     """Store values with signed zeros, NaN, and the smallest and large numbers."""
     values = itertools.cycle([-0.0, np.nan, 0.0, 5e-324, 1e99])
     shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
@@ -116,7 +116,7 @@ def test_store_preserves_every_bit(tmp_path, monkeypatch):
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
-def test_pieces_of_a_result_are_equal_from_its_folder_and_its_dataset(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_pieces_of_a_stored_result_equal_pieces_of_its_dataset(folder_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
     find_block(folder_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
@@ -130,7 +130,7 @@ def test_pieces_of_a_result_are_equal_from_its_folder_and_its_dataset(folder_cop
     assert list(piece.data_vars) == ["contact_area"]
 
 
-def test_result_of_one_piece_is_read_once(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_result_that_fits_in_one_piece_is_read_only_once(folder_copy, uninterrupted_dataset, monkeypatch):
     """Check also that a caller who changes the dataset does not change the cached result."""
     stored, decoded_contents = store.open_stored(folder_copy), []
     decode_members = store.decode_members
@@ -156,7 +156,7 @@ def test_result_larger_than_memory_is_reported(folder_copy, monkeypatch):
 # ---- Continue and extend -------------------------------------------------------------------------------------------
 
 
-def test_complete_result_is_read_without_computing(folder_copy, uninterrupted_dataset, computed_repetitions):
+def test_complete_result_is_read_without_any_computation(folder_copy, uninterrupted_dataset, computed_repetitions):
     states_before = block_states(folder_copy)
     assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
     assert block_states(folder_copy) == states_before
@@ -203,7 +203,7 @@ def test_overlapping_blocks_are_accepted(folder_copy, uninterrupted_dataset, mon
     assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
 
 
-def test_concurrent_writers_give_the_same_result(tmp_path, uninterrupted_dataset):
+def test_concurrent_writers_store_the_same_result(tmp_path, uninterrupted_dataset):
     with ThreadPoolExecutor(4) as pool:
         results = list(
             pool.map(lambda _: run(TINY_STUDY, store=tmp_path / "r", executor=InlineExecutor()).dataset, range(4))
@@ -217,14 +217,14 @@ def test_concurrent_writers_give_the_same_result(tmp_path, uninterrupted_dataset
 @pytest.mark.parametrize(
     "change", [{"ensemble.seed": 1}, {"surfaces.gamma": 1.6}, {"contact.effective_modulus": "11 GPa"}], ids=str
 )
-def test_run_rejects_store_of_another_study_and_names_the_key(folder_copy, change):
+def test_run_rejects_the_store_of_another_study_and_names_the_changed_key(folder_copy, change):
     states_before = block_states(folder_copy)
     with pytest.raises(StoreError, match=next(iter(change))):
         run(TINY_STUDY.with_changes(change), store=folder_copy)
     assert block_states(folder_copy) == states_before
 
 
-def test_edited_study_file_does_not_change_blocks(folder_copy):
+def test_edited_study_file_that_contradicts_its_blocks_is_rejected(folder_copy):
     text = (folder_copy / STUDY_FILE).read_text()
     (folder_copy / STUDY_FILE).write_text(text.replace("seed = 2_016", "seed = 2_017"))
     with pytest.raises(StoreError, match=r"another study than study\.toml: ensemble\.seed"):
@@ -238,21 +238,21 @@ def test_edited_study_file_does_not_change_blocks(folder_copy):
     assert store.info(folder_copy).study == TINY_STUDY
 
 
-def test_result_of_another_version_is_read_but_not_continued(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_result_of_another_version_can_be_read_but_not_continued(folder_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(store, "__version__", "9.9")
     assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
     with pytest.raises(StoreError, match=r"was created by stiction .*this version, 9\.9"):
         run(with_repetitions(23), store=folder_copy)
 
 
-def test_result_with_different_steps_is_not_continued(folder_copy, monkeypatch):
+def test_result_with_different_load_steps_is_not_continued(folder_copy, monkeypatch):
     steps = type(TINY_STUDY.contact).steps
     monkeypatch.setattr(type(TINY_STUDY.contact), "steps", lambda self: steps(self) * (1 + 2e-16))
     with pytest.raises(StoreError, match="whose steps differ"):
         run(with_repetitions(23), store=folder_copy)
 
 
-def test_foreign_study_file_without_blocks_is_preserved(tmp_path, uninterrupted_dataset):
+def test_foreign_study_file_without_blocks_is_not_overwritten(tmp_path, uninterrupted_dataset):
     (tmp_path / STUDY_FILE).write_text("# by hand\n" + TINY_STUDY.to_toml())
     with pytest.raises(StoreError, match="contains another study"):
         run(TINY_STUDY.with_changes({"ensemble.seed": 1}), store=tmp_path)
@@ -266,7 +266,9 @@ def test_foreign_study_file_without_blocks_is_preserved(tmp_path, uninterrupted_
 # ---- Damage ---------------------------------------------------------------------------------------------------------
 
 
-def test_flipped_bit_is_detected_and_block_named(folder_copy, uninterrupted_dataset, computed_repetitions):
+def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
+    folder_copy, uninterrupted_dataset, computed_repetitions
+):
     file = find_block(folder_copy, 4)
     content = file.read_bytes()
     places = random.Random(4).sample(range(8 * len(content)), 60)
@@ -281,7 +283,7 @@ def test_flipped_bit_is_detected_and_block_named(folder_copy, uninterrupted_data
     assert computed_repetitions == [4, 5, 6, 7]
 
 
-def test_swapped_blocks_are_detected(folder_copy, tmp_path):
+def test_swapped_or_foreign_blocks_are_detected(folder_copy, tmp_path):
     content = find_block(folder_copy, 8).read_bytes()
     replace_block(find_block(folder_copy, 4), content)
     with pytest.raises(StoreError, match="contains other repetitions than its name states"):
@@ -405,7 +407,7 @@ def test_block_that_contradicts_its_study_is_reported_in_one_sentence(folder_cop
         store.read(folder_copy)
 
 
-def test_read_takes_units_from_the_package(folder_copy, uninterrupted_dataset):
+def test_units_in_the_files_of_blocks_are_ignored_when_reading(folder_copy, uninterrupted_dataset):
     file = find_block(folder_copy, 4)
     with h5py.File(file, "r+") as opened:
         opened["approach"].attrs["units"] = "seconds since 1970-01-01"
@@ -443,7 +445,7 @@ def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_data
     assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
 
 
-def test_run_does_not_create_a_removed_folder_again(tmp_path, monkeypatch):
+def test_run_does_not_recreate_a_result_folder_removed_meanwhile(tmp_path, monkeypatch):
     path, write_block = tmp_path / "r", store.write_block
 
     def write_and_move_folder(folder, first, written, count):
@@ -458,7 +460,7 @@ def test_run_does_not_create_a_removed_folder_again(tmp_path, monkeypatch):
     assert store.info(tmp_path / "moved").finished == 8
 
 
-def test_complete_result_on_read_only_disk_is_read(folder_copy, computed_repetitions, monkeypatch):
+def test_complete_result_on_a_read_only_disk_can_be_read(folder_copy, computed_repetitions, monkeypatch):
     def fail_read_only(*_):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
@@ -474,7 +476,7 @@ def test_complete_result_on_read_only_disk_is_read(folder_copy, computed_repetit
 # ---- Interrupts -----------------------------------------------------------------------------------------------------
 
 
-def test_partial_files_of_dead_processes_are_removed(folder_copy):
+def test_partial_files_of_ended_processes_are_removed(folder_copy):
     ended_process = subprocess.Popen([sys.executable, "-c", ""])
     ended_process.wait()
     machine, _, process_token = _files.PARTIAL_NAME.fullmatch(_files.new_partial_name()).groups()
@@ -498,7 +500,7 @@ def test_partial_files_of_dead_processes_are_removed(folder_copy):
         assert {name for name in os.listdir(folder) if name.endswith(".partial")} == {n for n in is_kept if is_kept[n]}
 
 
-def test_removed_partial_file_is_written_again(tmp_path, uninterrupted_dataset, monkeypatch):
+def test_partial_file_removed_by_another_process_is_written_again(tmp_path, uninterrupted_dataset, monkeypatch):
     replace, removed_files = Path.replace, []
 
     def remove_and_replace(self, target):
@@ -514,7 +516,7 @@ def test_removed_partial_file_is_written_again(tmp_path, uninterrupted_dataset, 
     assert removed_files
 
 
-def test_interrupt_during_write_leaves_no_file(tmp_path, monkeypatch):
+def test_interrupt_during_a_write_leaves_no_partial_file(tmp_path, monkeypatch):
     def close_and_interrupt(file):
         close(file)
         raise KeyboardInterrupt
@@ -590,7 +592,7 @@ def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, uninterrupted_da
 
 
 @pytest.mark.parametrize("kind", ["dataset", "folder"])
-def test_export_equals_computed_dataset(folder_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind):
+def test_exported_dataset_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
     file = tmp_path / "r.nc"
     export(uninterrupted_dataset if kind == "dataset" else store.open_stored(folder_copy).dataset(), file)
@@ -600,7 +602,7 @@ def test_export_equals_computed_dataset(folder_copy, uninterrupted_dataset, tmp_
         export(uninterrupted_dataset, file)
 
 
-def test_read_rejects_foreign_netcdf_file(tmp_path, uninterrupted_dataset):
+def test_reading_a_foreign_netcdf_file_raises_store_error(tmp_path, uninterrupted_dataset):
     means = uninterrupted_dataset.mean("repetition")
     export(means, tmp_path / "means.nc")
     xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "means.nc", engine="h5netcdf"), means)
@@ -610,7 +612,7 @@ def test_read_rejects_foreign_netcdf_file(tmp_path, uninterrupted_dataset):
             store.read(tmp_path / "x.nc")
 
 
-def test_files_written_at_different_times_have_equal_bytes(uninterrupted_dataset):
+def test_files_written_at_different_times_are_byte_identical(uninterrupted_dataset):
     """File names contain a checksum of the bytes; old versions of h5py store the time of writing in the file."""
     first, second = io.BytesIO(), io.BytesIO()
     store.write_dataset(uninterrupted_dataset, first)
@@ -672,7 +674,7 @@ except KeyboardInterrupt:
 """
 
 
-def test_interrupt_ends_run_and_preserves_finished_blocks(tmp_path):
+def test_interrupt_stops_the_run_and_preserves_finished_blocks(tmp_path):
     study = with_repetitions(1000)
     (tmp_path / "s.toml").write_text(study.to_toml())
     with (
@@ -696,7 +698,7 @@ def test_interrupt_ends_run_and_preserves_finished_blocks(tmp_path):
     assert_same_bits(stored.dataset().assign_attrs(expected.attrs), expected.isel(repetition=stored.finished))
 
 
-def test_result_without_finished_members_is_a_store_error(tmp_path):
+def test_reading_a_result_without_finished_members_raises_store_error(tmp_path):
     store.create_or_open(tmp_path, TINY_STUDY)
     with pytest.raises(StoreError, match="none of the 22 repetitions is finished"):
         Result(store.open_stored(tmp_path)).at_study_loads  # noqa: B018

@@ -43,14 +43,14 @@ def complete_result(result_and_datasets):
 
 
 @pytest.mark.parametrize("name", LOADERS)
-def test_file_stored_alongside_is_read_or_none(result_and_datasets, complete_result, name):
+def test_data_stored_alongside_a_result_are_loaded_or_none(result_and_datasets, complete_result, name):
     xarray.testing.assert_identical(LOADERS[name](complete_result), result_and_datasets[1][name])
     (complete_result.path / name).unlink()
     assert LOADERS[name](complete_result) is None
 
 
 @pytest.mark.parametrize("name", ["picture.nc", "onset.nc", "result.nc"])
-def test_flipped_bit_is_detected_before_the_file_is_opened(complete_result, name, monkeypatch):
+def test_flipped_bit_in_stored_data_is_detected_before_the_file_is_opened(complete_result, name, monkeypatch):
     path = complete_result.path / name
     if name == "result.nc":
         export(complete_result.dataset(), path)
@@ -76,7 +76,7 @@ def test_file_without_a_variable_is_rejected_in_one_sentence(complete_result, na
     assert len(str(caught.value).splitlines()) == 1
 
 
-def test_onset_with_other_steps_is_ignored(complete_result):
+def test_stored_onset_with_other_load_steps_is_ignored(complete_result):
     with h5py.File(complete_result.path / "onset.nc", "r+") as file:
         file["fraction"][0] = 0.07
     assert load_onset(complete_result) is None

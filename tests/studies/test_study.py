@@ -29,7 +29,7 @@ class TestQuantityConversion:
             (".5 uN", "force", 5e-4),
         ],
     )
-    def test_quantity_converts_to_core_units_exactly(self, text, kind, value):
+    def test_quantity_texts_are_converted_to_core_units_exactly(self, text, kind, value):
         assert quantity(text, kind) == value
 
     @pytest.mark.parametrize(
@@ -42,23 +42,23 @@ class TestQuantityConversion:
             ("10**10**10 nm", "length"),
         ],
     )
-    def test_quantity_rejects_bad_text_in_a_short_message(self, text, kind):
+    def test_bad_quantity_text_is_rejected_in_a_short_message(self, text, kind):
         with pytest.raises(ValueError, match=kind) as caught:
             quantity(text, kind)
         assert len(str(caught.value)) < 200
 
     @pytest.mark.parametrize("text", ["nan nm", "inf nm", "1e999 nm", "1e300 um", "1" * 10_000 + " nm"])
-    def test_quantity_rejects_numbers_out_of_range_in_a_short_message(self, text):
+    def test_out_of_range_quantity_is_rejected_in_a_short_message(self, text):
         with pytest.raises(ValueError, match=r"must be from 1e-06 to 1e\+06 um, got '") as caught:
             quantity(text, "length")
         assert len(str(caught.value)) < 200
 
     @given(st.floats(1e-12, 1e12))
-    def test_exact_text_of_a_number_preserves_every_bit(self, value):
+    def test_exact_text_preserves_every_bit_of_a_number(self, value):
         assert quantity(exact_text(value, "mN"), "force") == value
 
     @given(st.text(max_size=30))
-    def test_quantity_reads_or_rejects_any_text(self, text):
+    def test_random_text_is_either_a_finite_quantity_or_rejected(self, text):
         with contextlib.suppress(ValueError):
             assert np.isfinite(quantity(text, "length"))
 
@@ -66,7 +66,7 @@ class TestQuantityConversion:
 class TestBuiltInStudies:
     """Test the built-in studies."""
 
-    def test_built_in_studies_include_figures_of_the_paper(self):
+    def test_built_in_studies_include_the_figures_of_the_paper(self):
         paper_names = ["figure2", "figure3", "figure5", "figure6", "figure7", "figure8", "quick"]
         other_names = ["figure6-areal", "figure6-half-plane"]
         assert study_names() == sorted([*paper_names, *other_names, "presliding"])
@@ -81,20 +81,20 @@ class TestBuiltInStudies:
         friction = Study.named("figure5").friction
         assert (friction.mu0, [float(tau0) for tau0 in friction.tau0]) == ((0.4,), [0.01])
 
-    def test_study_rejects_unknown_figure(self):
+    def test_study_rejects_unknown_and_repeated_figures(self):
         with pytest.raises(StudyError, match=r"figures.draw"):
             Study().with_changes({"figures.draw": ["heights"]})
         with pytest.raises(StudyError, match=r"figures.draw: must contain each figure once"):
             Study().with_changes({"figures.draw": ["area", "area"]})
 
-    def test_default_study_is_figure6(self):
+    def test_default_study_is_that_of_figure_6_of_the_paper(self):
         assert Study.named("figure6") == Study()
         surfaces, contact = Study().surfaces, Study().contact
         assert (surfaces.fractal_dimensions().size, surfaces.points, Study().ensemble.repetitions) == (50, 150_000, 100)
         assert contact.steps()[[0, -1]].tolist() == pytest.approx([1e-4, 0.04])
 
     @pytest.mark.parametrize("name", study_names())
-    def test_study_survives_toml_round_trip(self, name, tmp_path):
+    def test_study_is_unchanged_by_a_toml_round_trip(self, name, tmp_path):
         study = Study.named(name)
         file = tmp_path / "study.toml"
         file.write_text(study.to_toml(), encoding="utf-8")
@@ -102,7 +102,7 @@ class TestBuiltInStudies:
         assert pickle.loads(pickle.dumps(study)).to_toml() == study.to_toml()
         assert set(tomllib.loads(study.to_toml())) == {"surfaces", "contact", "friction", "ensemble", "figures"}
 
-    def test_unknown_study_name_lists_names(self):
+    def test_error_about_unknown_study_name_lists_the_built_in_names(self):
         with pytest.raises(StudyError, match=r"no built-in study 'figure66'; the studies are figure2, figure3"):
             Study.named("figure66")
 
@@ -110,7 +110,7 @@ class TestBuiltInStudies:
 class TestStudyChanges:
     """Test `Study.with_changes`."""
 
-    def test_with_changes_replaces_values_by_dotted_key(self):
+    def test_with_changes_replaces_values_of_dotted_keys(self):
         study = Study().with_changes(
             {
                 "ensemble.repetitions": 3, "surfaces.fractal_dimension": [1.2, 1.5], "contact.approach.count": 7,
@@ -123,13 +123,13 @@ class TestStudyChanges:
         assert study.contact.effective_modulus == 70
         assert Study().ensemble.repetitions == 100
 
-    def test_contact_law_with_parameters_is_a_table(self):
+    def test_contact_law_of_a_study_accepts_a_table_of_parameters(self):
         assert PLASTIC_STUDY.contact.model().law == JacksonGreen(yield_strength=0.2, poisson_ratio=0.3)
         cylinder = Study().with_changes({"contact.law": {"name": "hertz-cylinder", "width": "2 um"}})
         assert cylinder.contact.model().law == HertzCylinder(width=2.0)
         assert Study().with_changes({"contact.law": "hertz-cylinder"}).contact.model().law == "hertz-cylinder"
 
-    def test_studies_with_equal_quantities_in_other_units_are_equal(self):
+    def test_studies_with_equal_quantities_in_different_units_are_equal(self):
         changed = Study().with_changes({"surfaces.amplitude": ["100 nm"]})
         assert changed == Study()
 
@@ -158,7 +158,7 @@ class TestStudyChanges:
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],
     )
-    def test_with_changes_names_key_of_error(self, key, value, message):
+    def test_with_changes_error_names_the_bad_key(self, key, value, message):
         with pytest.raises(StudyError, match=message):
             Study().with_changes({key: value})
 
@@ -176,7 +176,7 @@ class TestStudyFiles:
             (b"# " + b"x" * 2_000_000, "longer than"),
         ],
     )
-    def test_study_file_without_study_is_rejected(self, tmp_path, content, message):
+    def test_file_without_a_valid_study_is_rejected_in_a_short_message(self, tmp_path, content, message):
         file = tmp_path / "bad.toml"
         file.write_bytes(content)
         with pytest.raises(StudyError, match=message) as caught:
@@ -189,7 +189,7 @@ class TestStudyFiles:
             with pytest.raises(StudyError, match="cannot be read"):
                 Study.from_toml(path)
 
-    def test_many_errors_are_reported_in_a_few_lines(self, tmp_path):
+    def test_many_errors_in_a_study_file_are_reported_in_a_few_lines(self, tmp_path):
         file = tmp_path / "bad.toml"
         file.write_text("\n".join(f"key{i} = 1" for i in range(100)))
         with pytest.raises(StudyError) as caught:
@@ -223,12 +223,12 @@ class TestStudyKinds:
     @pytest.mark.parametrize(
         "study", [SURFACE_STUDY, SELF_AFFINE_STUDY, HALF_SPACE_STUDY, PLASTIC_STUDY, AREA_STUDY, LINE_STUDY]
     )
-    def test_study_survives_text_and_pickle(self, study):
+    def test_study_is_unchanged_by_text_and_pickle_round_trips(self, study):
         assert parse_study(study.to_toml(), "text") == study
         assert pickle.loads(pickle.dumps(study)) == study
         assert study.with_changes({}) == study
 
-    def test_change_of_kind_preserves_shared_keys(self):
+    def test_changing_the_kind_of_a_study_preserves_shared_keys(self):
         study = Study().with_changes({"surfaces.gamma": 1.6, "contact.effective_modulus": "70 GPa"})
         study = study.with_changes({"surfaces.kind": "surface", "contact.mechanics": "half-space"})
         assert study.surfaces.gamma == 1.6
@@ -237,7 +237,7 @@ class TestStudyKinds:
         restored_study = study.with_changes({"surfaces.kind": "profile", "contact.mechanics": "asperities"})
         assert (restored_study.contact.detection, restored_study.surfaces.gamma) == ("cell", 1.6)
 
-    def test_differences_name_keys_of_both_kinds(self):
+    def test_differences_between_two_kinds_of_studies_list_keys_of_both(self):
         changed = {
             key: (first_value, second_value)
             for key, first_value, second_value in find_differences(Study(), SELF_AFFINE_STUDY)
@@ -256,7 +256,7 @@ class TestStudyKinds:
             (LINE_STUDY, (*SUMS, "approach"), "load", ["cut_off"]),
         ],
     )
-    def test_study_declares_sums_step_and_cells(self, study, sums, step, cells):
+    def test_kind_of_study_determines_its_sums_step_and_cells(self, study, sums, step, cells):
         assert (study.sums(), study.step, list(study.surfaces.cells())) == (sums, step, cells)
 
     @pytest.mark.parametrize(
@@ -288,13 +288,13 @@ class TestStudyKinds:
             (AREA_STUDY, "figures.draw", ["area"]),
         ],
     )
-    def test_change_of_kind_names_key_of_error(self, study, key, value):
+    def test_error_after_changing_the_kind_of_a_study_names_the_bad_key(self, study, key, value):
         with pytest.raises(StudyError) as caught:
             study.with_changes({key: value})
         assert f"changes: {key}" in str(caught.value)
         assert len(str(caught.value)) < 400
 
-    def test_key_of_another_kind_is_reported_with_its_kind(self):
+    def test_key_of_another_kind_of_surfaces_is_reported_with_that_kind(self):
         with pytest.raises(StudyError, match=r"belongs to fractal profiles, not to Weierstrass-Mandelbrot surfaces"):
             SURFACE_STUDY.with_changes({"surfaces.points": 100})
         with pytest.raises(StudyError, match=r"belongs to areas of measured maps, not to lines of measured files"):
@@ -312,7 +312,7 @@ class TestStudyKinds:
 class TestMeasuredStudies:
     """Test studies of measured surfaces."""
 
-    def test_measured_study_has_both_rules_and_all_directions(self):
+    def test_measured_study_has_both_sliding_rules_and_all_directions(self):
         assert AREA_STUDY.motions() == {
             "sliding": ["all", "opposing"],
             "direction": [30.0 * step for step in range(12)],
@@ -320,7 +320,7 @@ class TestMeasuredStudies:
         assert LINE_STUDY.motions() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
         assert AREA_STUDY.with_changes({"contact.direction": -330}).motions()["direction"] == [30.0]
 
-    def test_load_steps_surround_requested_loads(self):
+    def test_solved_loads_extend_below_and_above_requested_loads(self):
         assert AREA_STUDY.contact.steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
         for study in (LINE_STUDY, LINE_STUDY.with_changes({"contact.mechanics": "half-space"})):
             steps = study.contact.steps()
@@ -366,7 +366,7 @@ RANDOM_VALUES = [
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_mutated_study_file_is_read_or_rejected(seed):
+def test_randomly_mutated_study_file_is_either_read_or_rejected(seed):
     random = np.random.default_rng(seed)
     texts = [
         study.to_toml().splitlines()
@@ -392,12 +392,12 @@ def test_mutated_study_file_is_read_or_rejected(seed):
     assert num_accepted
 
 
-def test_figures_7_and_8_have_amplitudes_of_the_paper():
+def test_studies_of_figures_7_and_8_have_the_amplitudes_of_the_paper():
     for name in ("figure7", "figure8"):
         assert Study.named(name).surfaces.amplitudes().tolist() == [0.05, 0.1, 0.2]
 
 
-def test_figure5_has_friction_of_the_paper():
+def test_study_of_figure_5_has_mu0_and_tau0_of_the_paper():
     friction = Study.named("figure5").friction
     assert friction.mu0 == (0.4,)
     assert [float(tau0) for tau0 in friction.tau0] == [0.01]
@@ -410,7 +410,7 @@ class TestRequestedLoads:
         {"contact.mechanics": "half-space", "contact.load": ["0.04 mN", "4 mN"]}
     )
 
-    def test_solved_loads_surround_listed_loads(self):
+    def test_solved_loads_extend_below_and_above_listed_loads(self):
         assert [float(load) for load in self.LISTED_LOADS.friction.load] == [0.04, 4.0]
         assert self.LISTED_LOADS.contact.steps() == pytest.approx([0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5)
         options = {"contact.mechanics": "half-space", "friction.load": ["0.1 mN", "0.2 mN"]}
@@ -425,7 +425,7 @@ class TestRequestedLoads:
         with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times area"):
             self.LISTED_LOADS.with_changes({"contact.hardness": "10 MPa"})
 
-    def test_change_of_load_or_mechanics_replaces_requested_loads(self):
+    def test_changing_load_or_mechanics_replaces_requested_loads(self):
         assert [float(load) for load in self.LISTED_LOADS.with_changes({"contact.load": ["1 mN"]}).friction.load] == [
             1.0
         ]
@@ -437,7 +437,7 @@ class TestRequestedLoads:
             parse_study(self.LISTED_LOADS.to_toml(), "text") == self.LISTED_LOADS == self.LISTED_LOADS.with_changes({})
         )
 
-    def test_requested_loads_have_results(self):
+    def test_friction_map_has_results_at_all_requested_loads(self):
         ensemble_changes = {
             "surfaces.shape": [32, 32],
             "ensemble.repetitions": 4,
@@ -455,7 +455,7 @@ class TestRequestedLoads:
 class TestStudyKeys:
     """Test keys of study files: their documentation, alternative names and messages about unknown keys."""
 
-    def test_documented_types_of_keys_match_the_readers(self):
+    def test_documented_types_of_study_keys_match_their_parsers(self):
         documented_values = {}
         for title, _, rows in key_tables():
             for key, _, values, _ in rows:
@@ -467,7 +467,7 @@ class TestStudyKeys:
         assert "range" in documented_values["`[known]`", "hardness"]
         assert "hurst_exponent" in study_keys_text()
 
-    def test_self_affine_study_accepts_parameter_names_of_the_function(self):
+    def test_self_affine_study_accepts_parameter_names_of_the_python_function(self):
         changes = {"surfaces.hurst_exponent": [0.5, 0.8], "surfaces.rms": ["20 nm"], "surfaces.spacing": "0.1 um"}
         surfaces = SELF_AFFINE_STUDY.with_changes(changes | {"surfaces.shape": [64, 32]}).surfaces
         assert surfaces.fractal_dimensions() == pytest.approx([1.2, 1.5])
@@ -487,6 +487,6 @@ class TestStudyKeys:
             (SELF_AFFINE_STUDY, "surfaces.hurst_exponent", "surfaces.hurst_exponent: must be"),
         ],
     )
-    def test_unknown_key_suggests_the_nearest_key(self, study, key, message):
+    def test_error_about_an_unknown_key_suggests_the_nearest_key(self, study, key, message):
         with pytest.raises(StudyError, match=re.escape(message)):
             study.with_changes({key: "much"})

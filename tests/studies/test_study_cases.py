@@ -17,7 +17,7 @@ STORED_STUDIES = {
 
 
 @pytest.mark.parametrize("case_name", STORED_STUDIES)
-def test_stored_study_is_read_and_written_unchanged(case_name):
+def test_stored_study_of_each_case_is_read_and_written_unchanged(case_name):
     study = parse_study(STORED_STUDIES[case_name], "stored")
     assert study.contact.place.removeprefix("the ").replace(" ", "_") == case_name
     assert study.to_toml().strip() == STORED_STUDIES[case_name].strip()
@@ -33,7 +33,7 @@ def test_stored_study_with_key_of_another_contact_model_is_rejected():
     )  # fmt: skip
 
 
-def test_contact_tables_have_a_class_for_each_contact_model():
+def test_contact_models_have_separate_classes_of_contact_tables():
     cases = [case for cases in CONTACT_CASES.values() for case in cases.values()]
     assert len(set(cases)) == len({case.place for case in cases}) == 8
     for bodies, by_model in CONTACT_CASES.items():

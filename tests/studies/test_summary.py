@@ -60,11 +60,11 @@ def call_counts(surface_folder):
     return counts
 
 
-def test_pair_computes_summary_values_and_input_caveats_once(call_counts):
+def test_pair_computes_summary_uncertainty_and_input_caveats_only_once(call_counts):
     assert call_counts == {"summarize": 1, "add_uncertainty": 1, "find_study_caveats": 1}
 
 
-def test_result_caches_its_summary_with_data_stored_alongside(surface_folder, call_counts):
+def test_result_caches_its_summary_including_onset_and_resolution(surface_folder, call_counts):
     result = open_result(surface_folder / "pair")
     first, second = result.summary(), result.summary()
     assert first.points is second.points
@@ -98,7 +98,7 @@ def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surfac
     assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
 
 
-def test_at_per_member_has_means_of_the_result(surface_folder, call_counts):
+def test_means_over_values_per_member_equal_means_of_the_result(surface_folder, call_counts):
     result = open_result(surface_folder / "pair")
     members = result.at("20 MPa", per_member=True)
     means = result.at("20 MPa")
@@ -110,7 +110,7 @@ def test_at_per_member_has_means_of_the_result(surface_folder, call_counts):
         result.at("20 MPa", per_member=True, budget=True)
 
 
-def test_info_and_at_commands_have_equal_assessment_and_caveats(surface_folder, call_counts, monkeypatch, capsys):
+def test_info_and_at_commands_report_equal_assessment_and_caveats(surface_folder, call_counts, monkeypatch, capsys):
     records = []
     for arguments in (["info", surface_folder / "pair", "--json"], ["at", surface_folder / "pair", "--json"]):
         capsys.readouterr()
