@@ -15,7 +15,7 @@ from support.rough_surfaces import self_affine_map
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("pruning", [0.0, 0.05, 0.2])
-def test_significant_peaks_equal_a_literal_merge_of_hills(seed, pruning):
+def test_significant_peaks_equal_literal_wolf_pruning(seed, pruning):
     heights = self_affine_map(seed, 0.6, (22, 27)).heights
     for sign in (1, -1):
         threshold = pruning * float(np.ptp(heights))
@@ -33,7 +33,7 @@ def test_feature_parameters_equal_their_definitions(seed):
         assert getattr(result, name) == pytest.approx(value, rel=1e-9), name
 
 
-def test_feature_parameters_of_an_egg_box_have_closed_forms():
+def test_feature_parameters_of_an_egg_box_equal_closed_forms():
     # The heights are z = A (cos kx + cos ky)/2. They have one peak of height A and curvature A k²/2 in each square of a
     # wavelength.
     points, amplitude, spacing = 40, 0.3, 0.05
@@ -63,7 +63,7 @@ def test_five_point_heights_are_nan_with_fewer_than_five_peaks():
     assert result.density == pytest.approx(1 / 600)
 
 
-def test_dominant_wavelength_belongs_to_the_largest_coefficient():
+def test_dominant_wavelength_equals_that_of_the_largest_fourier_coefficient():
     surface = self_affine_map(3, 0.6, (18, 24), spacing=(0.5, 0.25))
     z = surface.heights - surface.heights.mean()
     assert surface_parameters(surface).Ssw == pytest.approx(slow.dominant_wavelength(z, surface.spacing), rel=1e-9)

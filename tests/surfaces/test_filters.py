@@ -27,7 +27,7 @@ class TestGaussian:
         result = filtered(profile, cutoff=cutoff).heights
         assert np.abs(result - expected).max() < SAMPLING_TOLERANCE * total_height(profile)
 
-    def test_l_filter_is_the_deviation_from_the_s_filter(self):
+    def test_l_filtered_heights_are_deviations_from_s_filtered_heights(self):
         for body in (rough_profile(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
             cutoff = 40 * min(body.spacings)
             parts = [filtered(body, cutoff=cutoff, kind=kind) for kind in ("S", "L")]
@@ -35,7 +35,7 @@ class TestGaussian:
             assert [part.history[-1][:8] for part in parts] == ["S-filter", "L-filter"]
 
     @pytest.mark.parametrize("ratio", [0.25, 0.5, 1.0, 2.0, 4.0])
-    def test_filtered_sinusoid_has_the_transmission_of_the_standard(self, ratio):
+    def test_filtered_sinusoid_has_the_transmission_stated_in_the_standard(self, ratio):
         # The transmission is exp(-π (α λc/λ)²), α = sqrt(ln 2/π), for the mean line, and the remainder for the
         # roughness profile.
         wavelength, cutoff = 0.4, 0.4 * ratio
@@ -46,19 +46,19 @@ class TestGaussian:
             result = filtered(wave, cutoff=cutoff, kind=kind).heights[middle]
             assert np.abs(result - factor * wave.heights[middle]).max() < 1e-9
 
-    def test_l_filter_of_lines_and_planes_is_zero_up_to_the_ends(self):
+    def test_l_filter_removes_lines_and_planes_up_to_the_ends(self):
         x = 0.1 * np.arange(60)
         for body in (Profile(3 + 2 * x, spacing=0.1), Surface(3 + 2 * x + x[:, np.newaxis], spacing=0.1)):
             assert np.abs(filtered(body, cutoff=5.0, kind="L").heights).max() < ROUND_OFF * 100
 
-    def test_cut_off_equals_the_s_filter(self):
+    def test_cut_off_function_equals_the_s_filter(self):
         for body in (rough_profile(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
             cutoff = 9 * min(body.spacings)
             assert np.array_equal(cut_off(body, cutoff).heights, filtered(body, cutoff=cutoff).heights)
 
 
 class TestMissingPoints:
-    def test_profile_filter_gives_missing_points_no_weight(self):
+    def test_profile_filter_assigns_no_weight_to_missing_points(self):
         profile, missing = rough_profile(points=200), np.zeros(200, bool)
         missing[[0, 1, 50, 51, 52, 53, 120]] = True
         expected = mean_line(profile.heights, profile.spacing, 0.3, weights=(~missing).astype(float))
@@ -69,7 +69,7 @@ class TestMissingPoints:
         for result in results:
             assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(profile)
 
-    def test_surface_filter_gives_missing_points_no_weight(self):
+    def test_surface_filter_assigns_no_weight_to_missing_points(self):
         surface, missing = self_affine_map(1, 0.7, (24, 30), spacing=(0.5, 0.25)), np.zeros((24, 30), bool)
         missing[3:9, 10:14], missing[20:, :4] = True, True
         expected = mean_surface(
@@ -78,7 +78,7 @@ class TestMissingPoints:
         result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
         assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(surface)
 
-    def test_filtered_keeps_heights_without_measured_points_in_reach(self):
+    def test_filter_preserves_heights_without_measured_points_in_reach(self):
         missing = np.zeros(400, bool)
         missing[100:300] = True
         profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)
@@ -89,7 +89,7 @@ class TestMissingPoints:
 
 
 class TestRobust:
-    def test_profile_filter_equals_iterated_least_squares(self):
+    def test_robust_profile_filter_equals_iterated_least_squares(self):
         profile = rough_profile(points=120)
         heights = profile.heights.copy()
         heights[[30, 31, 80]] -= 3 * total_height(profile)
@@ -98,7 +98,7 @@ class TestRobust:
         result = filtered(scratched, cutoff=0.3, robust=True).heights
         assert np.abs(result - expected).max() < 1e-3 * total_height(profile)
 
-    def test_surface_filter_follows_a_paraboloid_under_scratches(self):
+    def test_robust_surface_filter_fits_a_paraboloid_with_scratches(self):
         y, x = 0.1 * np.arange(40)[:, np.newaxis], 0.1 * np.arange(50)
         form = 0.3 * x**2 - 0.2 * y**2 + 0.1 * x * y
         scratched = form + 1e-3 * np.random.default_rng(1).normal(size=form.shape)
@@ -108,7 +108,7 @@ class TestRobust:
         assert np.abs(result - form).max() < 3e-3  # limit of three deviations of the noise, which occur at corners
         assert np.abs(linear - form).max() > 0.05
 
-    def test_surface_filter_of_normal_heights_is_near_weighted_least_squares_of_second_degree(self):
+    def test_robust_surface_filter_of_normal_heights_agrees_with_quadratic_fit(self):
         surface = self_affine_map(1, 0.7, (16, 20), spacing=(0.5, 0.25))
         terms = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)]
         result = filtered(surface, cutoff=4.0, robust=True).heights
@@ -129,12 +129,12 @@ class TestRobust:
         ({"cutoff": 1.0, "robust": True, "periodic": True}, "periodic must be False for a robust filter"),
     ],
 )
-def test_filtered_rejects_bad_arguments(options, message):
+def test_filtered_function_rejects_bad_arguments(options, message):
     with pytest.raises(ValueError, match=message):
         filtered(rough_profile(points=300), **options)
 
 
-def test_filtered_accepts_the_complete_length_as_cutoff():
+def test_filter_accepts_the_complete_length_as_cutoff():
     assert filtered(rough_profile(points=300), cutoff=3.0, kind="L").heights.size == 300
 
 

@@ -21,7 +21,7 @@ def radius_from_history(body):
 
 
 @pytest.mark.parametrize(("trend", "degree"), [("cubic", 3), ("quartic", 4), ("quintic", 5), ("sextic", 6)])
-def test_levelled_removes_polynomials_up_to_its_degree_only(trend, degree):
+def test_levelling_removes_polynomials_only_up_to_its_degree(trend, degree):
     t = np.linspace(-1, 2, 200)
     for power in range(8):
         rest = levelled(Profile(3 * t**power + t, spacing=0.1), trend).heights
@@ -33,7 +33,7 @@ def test_levelled_removes_polynomials_up_to_its_degree_only(trend, degree):
 
 
 @pytest.mark.parametrize("trend", ["cubic", "sextic"])
-def test_levelled_equals_direct_least_squares(trend):
+def test_levelling_equals_direct_least_squares(trend):
     degree = {"cubic": 3, "sextic": 6}[trend]
     heights = np.random.default_rng(2).normal(size=(20, 25))
     y, x = np.meshgrid(np.linspace(-1, 1, 20), np.linspace(-1, 1, 25), indexing="ij")
@@ -44,7 +44,7 @@ def test_levelled_equals_direct_least_squares(trend):
 
 
 @pytest.mark.parametrize(("sign", "word"), [(1, "convex"), (-1, "concave")])
-def test_levelled_removes_a_sphere_up_to_the_noise(sign, word):
+def test_levelling_removes_a_sphere_and_leaves_the_noise(sign, word):
     y, x = grid()
     cap = sign * np.sqrt(300.0**2 - (x - 5) ** 2 - (y - 25) ** 2)
     own = noise_heights(cap.shape)
@@ -55,7 +55,7 @@ def test_levelled_removes_a_sphere_up_to_the_noise(sign, word):
     assert result.heights.mean() == pytest.approx(0, abs=1e-12)
 
 
-def test_levelled_removes_a_tilted_cylinder_up_to_the_noise():
+def test_levelling_removes_a_tilted_cylinder_and_leaves_the_noise():
     y, x = grid()
     across, along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
     own = noise_heights((60, 80))
@@ -65,7 +65,7 @@ def test_levelled_removes_a_tilted_cylinder_up_to_the_noise():
     assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)
 
 
-def test_levelled_removes_a_circle_up_to_the_noise():
+def test_levelling_removes_a_circle_and_leaves_the_noise():
     x = np.arange(1000.0)
     own = noise_heights(1000)
     result = levelled(Profile(np.sqrt(2000.0**2 - (x - 700) ** 2) + own, spacing=1.0), "circle")
@@ -73,7 +73,7 @@ def test_levelled_removes_a_circle_up_to_the_noise():
     assert result.heights.std() == pytest.approx(own.std(), rel=3e-3)
 
 
-def test_levelled_form_ignores_missing_points():
+def test_removal_of_form_ignores_missing_points():
     x = np.arange(400.0)
     heights, missing = np.sqrt(2000.0**2 - (x - 150) ** 2), np.zeros(400, bool)
     missing[50:80] = True
@@ -83,14 +83,14 @@ def test_levelled_form_ignores_missing_points():
         assert np.abs(rest[~missing]).max() < 1e-5
 
 
-def test_levelled_form_changes_pure_noise_little():
+def test_removal_of_form_changes_pure_noise_little():
     own = noise_heights((60, 80))
     for trend in ("sphere", "cylinder"):
         result = levelled(Surface(own, spacing=0.5), trend).heights
         assert result.std() == pytest.approx(own.std(), rel=5e-3)
 
 
-def test_levelled_rejects_a_form_of_the_other_kind_of_body():
+def test_levelling_rejects_a_form_of_the_other_kind_of_body():
     with pytest.raises(ValueError, match="trend must be one of"):
         levelled(Profile(np.arange(9.0), spacing=1.0), "sphere")
     with pytest.raises(ValueError, match="trend must be one of"):

@@ -21,7 +21,7 @@ def hurst_of_dimension(dimension, convention):
 
 
 class TestPhases:
-    def test_random_phases_match_reference_values(self):
+    def test_random_phases_equal_recorded_values(self):
         # The values are recorded. NumPy guarantees raw PCG64 words across versions.
         phases = random_phases(2016, repetition=7, side="upper", directions=2, frequencies=2)
         assert phases.tolist() == RECORDED_PHASES
@@ -41,7 +41,7 @@ class TestPhases:
         "bad",
         [{"seed": -1}, {"seed": 1.5}, {"repetition": -1}, {"side": "top"}, {"directions": 0}, {"frequencies": True}],
     )
-    def test_invalid_arguments_raise_value_error(self, bad):
+    def test_random_phases_reject_invalid_arguments(self, bad):
         name = next(iter(bad))
         with pytest.raises(ValueError, match=name):
             random_phases(**({"seed": 1} | bad))
@@ -54,7 +54,7 @@ class TestProfile:
     @pytest.mark.parametrize("band_limit", [None, "nyquist"])
     @pytest.mark.parametrize("convention", ["paper", "classical"])
     @pytest.mark.parametrize("dimension", [1.0, 1.35, 1.7])
-    def test_profile_equals_direct_sum_at_full_size(self, dimension, convention, band_limit):
+    def test_fractal_profile_equals_direct_sum_at_full_size(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
         # The points are both ends, the last points before a recurrence starts anew, the first points after it, and some
@@ -74,7 +74,7 @@ class TestProfile:
         error = np.abs(profile.heights[at] - expected).max() / np.ptp(profile.heights)
         assert error < DIRECT_SUM_TOLERANCE
 
-    def test_profile_equals_direct_sum_for_any_parameters(self):
+    def test_fractal_profile_equals_direct_sum_for_any_parameters(self):
         for directions, gamma, length_scale in ((1, 1.5, 1.0), (2, 2.0, 0.3), (7, 1.1, 5.0), (40, 1.7, 2.0)):
             phases = random_phases(9, directions=directions, frequencies=12)
             settings = {"length_scale": length_scale, "gamma": gamma, **SMALL_GRID}
@@ -82,17 +82,17 @@ class TestProfile:
             expected = direct_sum.weierstrass_mandelbrot(phases, 1.2, **settings)
             assert np.abs(profile.heights - expected).max() < DIRECT_SUM_TOLERANCE * np.ptp(profile.heights)
 
-    def test_profile_starts_at_zero(self):
+    def test_fractal_profile_starts_at_height_zero(self):
         assert weierstrass_mandelbrot(random_phases(1), 1.5, **SMALL_GRID).heights[0] == pytest.approx(0, abs=1e-13)
 
-    def test_classical_dimension_equals_paper_dimension_1_plus_half(self):
+    def test_classical_dimension_d_equals_dimension_1_plus_d_over_2_of_the_paper(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
             classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL_GRID)
             paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL_GRID)
             assert np.allclose(classical.heights, paper.heights, rtol=0, atol=1e-12)
 
-    def test_family_equals_single_profiles_bit_for_bit(self):
+    def test_family_of_profiles_equals_single_profiles_bit_for_bit(self):
         phases = random_phases(6)
         dimensions = [1.0, 1.2, 1.65]
         family = weierstrass_mandelbrot_family(phases, dimensions, **SMALL_GRID)
@@ -120,12 +120,12 @@ class TestProfile:
             {"gamma": 1e6},
         ],
     )
-    def test_invalid_arguments_raise_value_error(self, bad):
+    def test_fractal_profile_rejects_invalid_arguments(self, bad):
         arguments = {"phases": random_phases(1), "fractal_dimension": 1.5, "points": 100} | bad
         with pytest.raises(ValueError, match=next(iter(bad))):
             weierstrass_mandelbrot(arguments.pop("phases"), arguments.pop("fractal_dimension"), **arguments)
 
-    def test_surface_rejects_phases_without_directions(self):
+    def test_fractal_surface_rejects_phases_without_directions(self):
         with pytest.raises(ValueError, match="at least one direction"):
             weierstrass_mandelbrot(np.zeros((0, 5)), 1.5, points=100)
 
@@ -135,7 +135,7 @@ class TestSurface:
 
     @pytest.mark.parametrize("band_limit", [None, "nyquist"])
     @pytest.mark.parametrize(("dimension", "convention"), [(1.0, "paper"), (1.6, "paper"), (1.7, "classical")])
-    def test_surface_equals_direct_sum(self, dimension, convention, band_limit):
+    def test_fractal_surface_equals_direct_sum(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         surface = weierstrass_mandelbrot_surface(
             phases, dimension, shape=self.SHAPE, extent=self.EXTENT, convention=convention, band_limit=band_limit
@@ -155,7 +155,7 @@ class TestSurface:
         ours = surface.heights[tuple(np.transpose(at))]
         assert np.abs(ours - expected).max() < DIRECT_SUM_TOLERANCE * np.ptp(surface.heights)
 
-    def test_first_row_of_surface_equals_profile(self):
+    def test_first_row_of_a_fractal_surface_equals_a_profile(self):
         phases = random_phases(8)
         surface = weierstrass_mandelbrot_surface(phases, 1.5, shape=(5, 3000), extent=(1.0, 2.0), length_scale=0.7)
         profile = weierstrass_mandelbrot(phases, 1.5, length_scale=0.7, **SMALL_GRID)
@@ -163,13 +163,13 @@ class TestSurface:
         assert row.spacing == profile.spacing
         assert np.abs(row.heights - profile.heights).max() < DIRECT_SUM_TOLERANCE * np.ptp(profile.heights)
 
-    def test_band_limit_accepts_unresolvable_frequencies(self):
+    def test_band_limit_omits_frequencies_that_the_grid_cannot_resolve(self):
         phases = random_phases(8, frequencies=100)
         limited = weierstrass_mandelbrot_surface(phases, 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist")
         fewer = weierstrass_mandelbrot_surface(phases[:, :20], 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist")
         assert np.allclose(limited.heights, fewer.heights, rtol=0, atol=1e-12)
 
-    def test_surface_on_a_long_strip_equals_direct_sum(self):
+    def test_fractal_surface_on_a_long_strip_equals_a_profile(self):
         phases = random_phases(8)
         strip = weierstrass_mandelbrot_surface(phases, 1.5, shape=(2, 50_000), extent=(0.1, 4.0))
         profile = weierstrass_mandelbrot(phases, 1.5, points=50_000, extent=4.0)
@@ -190,13 +190,13 @@ class TestSurface:
             ({"phases": np.empty((0, 3))}, "phases"),
         ],
     )
-    def test_invalid_arguments_raise_value_error(self, bad, match):
+    def test_fractal_surface_rejects_invalid_arguments(self, bad, match):
         arguments = {"phases": random_phases(1), "fractal_dimension": 1.3, "shape": (10, 10)} | bad
         with pytest.raises(ValueError, match=match):
             weierstrass_mandelbrot_surface(**arguments)
 
 
-def test_height_variance_equals_half_the_sum_of_squared_amplitudes():
+def test_height_variance_equals_half_of_the_sum_of_squared_amplitudes():
     # The variance is half the sum of squared amplitudes: directions m and M - m have independent phases, and m = M/2
     # has no harmonic.
     dimension, gamma = 1.2, 1.5

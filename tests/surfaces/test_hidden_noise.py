@@ -31,7 +31,7 @@ class TestFloorFit:
         return BinnedSpectrum(self.log_q, density, np.full(self.log_q.size, weight), floor)
 
     @pytest.mark.parametrize("level", [0.1, 1.0, 30.0])
-    def test_fit_returns_parameters_of_exact_spectra(self, level):
+    def test_fit_of_noise_floor_recovers_parameters_of_exact_spectra(self, level):
         fit = fit_floor([self.spectrum(2.2, level), self.spectrum(3.1, level, floor=0.5)], exponents=(1.0, 5.0))
         assert fit.level == pytest.approx(level, rel=0.01)
         assert fit.exponents == pytest.approx((2.2, 3.1), rel=0.01)
@@ -39,13 +39,13 @@ class TestFloorFit:
         assert fit.ratios == pytest.approx((level / end_density[0], 0.5 * level / end_density[1]), rel=0.02)
         assert fit.is_significant
 
-    def test_power_law_alone_has_no_floor(self):
+    def test_power_law_without_floor_has_no_significant_floor(self):
         fit = fit_floor([self.spectrum(2.2, 0.0)], exponents=(1.0, 5.0))
         assert not fit.is_significant
         assert fit.gain == pytest.approx(0.0, abs=1e-3)
         assert fit.exponents == pytest.approx((2.2,), rel=1e-3)
 
-    def test_gain_is_difference_of_log_likelihoods(self):
+    def test_gain_of_noise_floor_is_the_difference_of_log_likelihoods(self):
         spectrum = self.spectrum(2.2, 1.0, weight=3.0)
         fit = fit_floor([spectrum], exponents=(1.0, 5.0))
 
@@ -60,7 +60,7 @@ class TestFloorFit:
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
-def test_surface_without_noise_hides_none(hurst):
+def test_surface_without_noise_has_no_hidden_noise(hurst):
     surfaces = [Surface(rough_heights(seed, hurst)[0], spacing=SPACING) for seed in range(NUM_SURFACES)]
     assert [find_hidden_noise(surface) for surface in surfaces] == [None] * NUM_SURFACES
     profiles = [Profile(rough_heights(seed, hurst, (2048,))[0], spacing=SPACING) for seed in range(4 * NUM_SURFACES)]
@@ -68,7 +68,7 @@ def test_surface_without_noise_hides_none(hurst):
 
 
 @pytest.mark.parametrize(("hurst", "level"), [(0.6, 0.15), (0.7, 0.1), (0.8, 0.08)])
-def test_white_noise_without_flat_end_is_estimated(hurst, level):
+def test_hidden_white_noise_without_flat_spectrum_end_is_estimated(hurst, level):
     for seed in range(NUM_SURFACES):
         heights, rng = rough_heights(seed, hurst)
         clean, noisy = (
@@ -82,7 +82,7 @@ def test_white_noise_without_flat_end_is_estimated(hurst, level):
         assert math.sqrt(slopes[2] / slopes[0]) == pytest.approx(1.0, abs=0.13)
 
 
-def test_noise_of_anisotropic_spacing_has_common_variance():
+def test_hidden_noise_has_the_same_variance_along_both_axes():
     heights, rng = rough_heights(1, 0.5, (128, 256))
     noisy = heights + 0.1 * rng.normal(size=heights.shape)
     square, stretched = (find_hidden_noise(Surface(noisy, spacing=spacing)) for spacing in (0.1, (0.1, 0.1001)))
@@ -92,22 +92,22 @@ def test_noise_of_anisotropic_spacing_has_common_variance():
     assert find_hidden_noise(Surface(noisy, spacing=(0.2, 0.1))).slope_fraction == pytest.approx(fraction, abs=0.08)
 
 
-def test_aliased_surface_may_hide_noise():
+def test_aliased_surface_is_reported_as_possibly_noisy():
     fine = filtered_noise(np.random.default_rng(1), (512, 512), 0.5, longest=240)
     assert find_hidden_noise(Surface(fine[::4, ::4], spacing=SPACING)).slope_fraction > 0.2
 
 
-def test_surface_with_feed_marks_is_not_fitted():
+def test_hidden_noise_is_not_estimated_for_feed_marks():
     heights = turned_surface(np.random.default_rng(1), 1, feed=(25, 25))
     noisy = heights + 0.003 * heights.std() * np.random.default_rng(2).normal(size=heights.size)
     assert find_hidden_noise(Profile(noisy, spacing=SPACING)) is None
 
 
 @pytest.mark.parametrize("shape", [(2, 2), (3, 5), (9, 12)])
-def test_small_surface_is_not_fitted(shape):
+def test_hidden_noise_is_not_estimated_for_small_surfaces(shape):
     assert find_hidden_noise(Surface(np.random.default_rng(1).normal(size=shape), spacing=SPACING)) is None
 
 
-def test_straight_grooves_are_fitted_across_only():
+def test_straight_grooves_without_noise_have_no_hidden_noise():
     line = filtered_noise(np.random.default_rng(3), (256,), 0.8, longest=60)
     assert find_hidden_noise(Surface(np.tile(line, (64, 1)), spacing=SPACING)) is None

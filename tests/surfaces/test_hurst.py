@@ -35,7 +35,7 @@ class TestProfileExponent:
             for case in product((True, False), ({}, BAND), (True, False))
         ],
     )
-    def test_interval_covers_true_exponent(self, periodic, band, arguments):
+    def test_hurst_interval_of_profiles_covers_the_true_exponent(self, periodic, band, arguments):
         misses, errors = 0, []
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.NUM_CASES)):
             profile = rough_profile(11, repetition=case, hurst_exponent=hurst, points=4096, periodic=periodic, **band)
@@ -48,7 +48,7 @@ class TestProfileExponent:
         # The mean of 60 standardised errors scatters by 0.13. An estimated band may include part of a roll-off.
         assert abs(np.mean(errors)) < (0.5 if arguments else 0.8)
 
-    def test_estimate_of_an_exact_power_law_is_exact(self):
+    def test_hurst_estimate_of_an_exact_power_law_is_exact(self):
         profile = rough_profile(hurst_exponent=0.6, periodic=True, amplitudes="fixed")
         result = estimate_hurst_exponent(profile, periodic=True)
         assert result.value == pytest.approx(0.6, abs=1e-9)
@@ -58,7 +58,7 @@ class TestProfileExponent:
         spectrum = power_spectrum(profile, periodic=True)
         assert np.allclose(result.density(spectrum.wave_number[:-1]), spectrum.density[:-1], rtol=1e-8, atol=0)
 
-    def test_band_ends_at_roll_off_and_cut_off(self):
+    def test_fitted_band_ends_at_roll_off_and_cut_off(self):
         profile = rough_profile(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
         result = estimate_hurst_exponent(profile)
         # One bin, which is a fifth of the wavelength, is omitted at the edge where the pieces meet.
@@ -66,14 +66,14 @@ class TestProfileExponent:
         assert 10.0 / 2 < result.longest_wavelength < 10.0 * 1.5
         assert result.lower < 0.8 < result.upper
 
-    def test_band_excludes_instrument_noise(self):
+    def test_fitted_band_excludes_instrument_noise(self):
         profile = rough_profile(points=8192)
         noise = rough_profile(9, points=8192, hurst_exponent=1e-9, longest_wavelength=0.021, rms=0.01)  # flat
         result = estimate_hurst_exponent(Profile(profile.heights + noise.heights, spacing=0.01))
         assert result.shortest_wavelength > 0.04
         assert result.lower < 0.8 < result.upper
 
-    def test_band_excludes_gradual_noise(self):
+    def test_fitted_band_excludes_gradually_increasing_noise(self):
         # With all wavelengths, the mean H is 0.20, and only one of forty intervals covers the true value.
         result, stored = [], 0
         for repetition in range(30):
@@ -87,7 +87,7 @@ class TestProfileExponent:
         assert np.mean([estimate.value for estimate in result]) == pytest.approx(0.3, abs=0.05)
         assert stored >= 24  # In a trial, 35 of 40 intervals contained the exponent.
 
-    def test_estimate_is_invariant_under_tilt_scale_and_reversal(self):
+    def test_hurst_estimate_is_invariant_under_tilt_scaling_and_reversal(self):
         profile = rough_profile(points=4096)
         one = estimate_hurst_exponent(profile)
         for heights, spacing in (
@@ -102,11 +102,11 @@ class TestProfileExponent:
         reversed_one = estimate_hurst_exponent(Profile(profile.heights[::-1], spacing=0.01))
         assert reversed_one.value == pytest.approx(one.value, abs=0.2 * (one.upper - one.lower))
 
-    def test_estimate_uses_the_given_band(self):
+    def test_hurst_estimate_uses_the_given_band(self):
         result = estimate_hurst_exponent(rough_profile(), band=(0.05, 2.0))
         assert 0.05 <= result.shortest_wavelength < result.longest_wavelength <= 2.0 * (1 + 1e-9)
 
-    def test_estimate_of_eq_1_matches_in_given_band(self):
+    def test_hurst_estimate_in_a_given_band_covers_the_dimension_of_equation_1(self):
         for dimension in (1.2, 1.6):
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
             result = estimate_hurst_exponent(profile, band=(0.005, 0.9))
@@ -114,7 +114,7 @@ class TestProfileExponent:
             # The spectrum consists of separate lines, so it scatters more than a continuous spectrum.
             assert result.dispersion > 1
 
-    def test_band_of_eq_1_contains_dense_harmonics_only(self):
+    def test_fitted_band_of_equation_1_contains_only_its_dense_harmonics(self):
         # Only the longest wavelengths are used. Below about 0.04 µm the harmonics of the 40 directions are separate
         # lines.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
@@ -131,11 +131,11 @@ class TestProfileExponent:
             ({"band": (0.5, 0.51)}, "at least 8 harmonics"),
         ],
     )
-    def test_estimate_rejects_bad_arguments(self, bad, match):
+    def test_hurst_estimate_rejects_bad_arguments(self, bad, match):
         with pytest.raises(ValueError, match=match):
             estimate_hurst_exponent(rough_profile(), **bad)
 
-    def test_estimate_raises_without_self_affine_band(self):
+    def test_hurst_estimate_raises_without_a_self_affine_band(self):
         white = rough_profile(hurst_exponent=1e-9, longest_wavelength=0.021)
         for profile in (white, sinusoid(16), Profile([0.0, 1.0, 0.0, 0.0], spacing=1.0)):
             with pytest.raises(ValueError, match="no self-affine band"):
@@ -150,13 +150,13 @@ class TestProfileExponent:
             with pytest.raises(ValueError, match=match):
                 estimate_hurst_exponent(Profile(heights, spacing=1.0))
 
-    def test_estimate_rejects_zigzag(self):
+    def test_hurst_estimate_rejects_a_zigzag_profile(self):
         # All power is at the Nyquist wavenumber, which is not part of the fit.
         with pytest.raises(ValueError, match="no self-affine band"):
             estimate_hurst_exponent(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
 
 
-def test_caution_reports_wide_interval_and_exponents_outside_0_to_1():
+def test_hurst_caution_reports_wide_interval_and_exponents_outside_0_to_1():
     estimate = estimate_hurst_exponent(rough_profile(points=4096))
     assert estimate.caution is None
     assert estimate.interval_classical == (2 - estimate.upper, 2 - estimate.lower)
@@ -191,7 +191,7 @@ class TestSurfaceExponent:
             ),
         ],
     )
-    def test_interval_covers_true_exponent(self, longest, arguments):
+    def test_hurst_interval_of_surfaces_covers_the_true_exponent(self, longest, arguments):
         misses = 0
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.NUM_CASES)):
             surface = self_affine_map(case, hurst, longest=longest, whole=2)
@@ -199,7 +199,7 @@ class TestSurfaceExponent:
             misses += not result.lower <= hurst <= result.upper
         assert misses <= self.MAX_MISSES
 
-    def test_surface_estimate_uses_given_band_and_is_invariant_under_scale_and_tilt(self):
+    def test_hurst_estimate_of_a_surface_is_invariant_under_scaling_and_tilt(self):
         surface = self_affine_map(5, 0.7, whole=2)
         one = estimate_hurst_exponent(surface, band=(1.5, 15.0))
         assert one.dimensions == 2
@@ -213,7 +213,7 @@ class TestSurfaceExponent:
         ratio = radial.density[inside] / one.density(radial.wave_number[inside])
         assert np.average(ratio, weights=radial.count[inside]) == pytest.approx(1, abs=0.05)
 
-    def test_estimate_rejects_surface_without_spectrum(self):
+    def test_hurst_estimate_rejects_a_surface_without_spectrum(self):
         for surface, message in (
             (Surface(np.ones((9, 9)), spacing=1.0), "flat surface"),
             (Surface(np.arange(90.0).reshape(9, 10), spacing=1.0), "a plane has no roughness"),

@@ -39,7 +39,7 @@ def true_spectrum(complete_surface, wave_number, per_decade):
     ])  # fmt: skip
 
 
-def test_joined_spectrum_matches_spectrum_and_slope_of_surface(complete_surface):
+def test_joined_spectrum_agrees_with_spectrum_and_slope_of_the_surface(complete_surface):
     joined = joined_spectrum(scans_of_instruments(complete_surface), per_decade=5)
     sure = joined.count > 300
     assert sure.sum() > 5
@@ -55,7 +55,7 @@ def test_joined_spectrum_matches_spectrum_and_slope_of_surface(complete_surface)
     assert np.all(np.abs(np.log(joined.disagreement)) < 0.4)
 
 
-def test_disagreement_detects_wrong_calibration(complete_surface):
+def test_disagreement_of_joined_scans_detects_wrong_calibration(complete_surface):
     scans = scans_of_instruments(complete_surface)
     wrong = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
     # The spectrum is proportional to the square of the heights, so its ratio is about 4.
@@ -70,7 +70,7 @@ def test_disagreement_detects_wrong_calibration(complete_surface):
     assert (alone.ratio == pytest.approx(1.0)) or np.isnan(alone.ratio).any()
 
 
-def test_joined_spectrum_excludes_tip_and_noise(complete_surface):
+def test_joined_spectrum_excludes_wavelengths_limited_by_tip_or_noise(complete_surface):
     coarse, fine = scans_of_instruments(complete_surface, noise=0.02)[:2]
     blunt = joined_spectrum([coarse, fine], tip_radii=[None, 0.05])
     assert blunt.reasons[1] == "tip"
@@ -82,7 +82,7 @@ def test_joined_spectrum_excludes_tip_and_noise(complete_surface):
     assert arguments.reasons == ("given",)
 
 
-def test_gap_between_scans_follows_power_law(complete_surface):
+def test_joined_spectrum_is_positive_in_gaps_between_scans(complete_surface):
     coarse, fine = scans_of_instruments(complete_surface)[:2]
     joined = joined_spectrum([coarse, fine], shortest_wavelengths=[1.5, None], per_decade=20)
     piece = joined_spectrum([coarse, fine], shortest_wavelengths=[2.5, None], per_decade=10)
@@ -92,14 +92,14 @@ def test_gap_between_scans_follows_power_law(complete_surface):
     assert (np.diff(joined.wave_number) > 0).all()
 
 
-def test_profile_is_converted_to_isotropic_surface(complete_surface):
+def test_profile_joins_a_spectrum_as_a_section_of_an_isotropic_surface(complete_surface):
     lines = [Profile(complete_surface.heights[row], spacing=SPACING) for row in (0, 300, 600, 900)]
     joined = joined_spectrum(lines, per_decade=5)
     known = scale_dependent_roughness(complete_surface, periodic=True)
     assert float(joined.roughness().gradient_at(0.1)) == pytest.approx(float(known.gradient_at(0.1)), rel=0.3)
 
 
-def test_generated_surface_has_the_spectrum(complete_surface):
+def test_surface_generated_from_a_joined_spectrum_has_that_spectrum(complete_surface):
     joined = joined_spectrum(scans_of_instruments(complete_surface))
     body = joined.surface(3, shape=(512, 512), spacing=0.04)
     again = joined.surface(3, shape=(512, 512), spacing=0.04)

@@ -258,7 +258,7 @@ def read_or_none(path, **options):
 
 @pytest.mark.parametrize("name", EXPORTS)
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_instrument_maps_are_read_or_rejected_in_all_variants(tmp_path, name, encoding):
+def test_maps_of_instruments_are_read_correctly_or_rejected_in_all_variants(tmp_path, name, encoding):
     write, options, variants = EXPORTS[name]
     accepted = 0
     for variant in variants:
@@ -290,7 +290,7 @@ def test_instrument_maps_are_read_or_rejected_in_all_variants(tmp_path, name, en
         {"separator": " ", "comma": False, "head": "# x (µm)  z (µm)"}, {"head": "x;z\nµm;µm"},
     ],
 )  # fmt: skip
-def test_profiles_are_read_or_rejected_in_all_variants(tmp_path, variant, encoding):
+def test_profile_exports_are_read_correctly_or_rejected_in_all_variants(tmp_path, variant, encoding):
     try:
         data = profile(**variant).encode(encoding)
     except UnicodeEncodeError:
@@ -303,7 +303,7 @@ def test_profiles_are_read_or_rejected_in_all_variants(tmp_path, variant, encodi
         assert body.spacing == pytest.approx(0.5)
 
 
-def test_layouts_recognise_only_their_own_files():
+def test_layout_parsers_recognise_only_their_own_files():
     texts = {name: write(**variant) for name, (write, _, variants) in EXPORTS.items() for variant in variants[:1]}
     for name, text in texts.items():
         result = [layout.name for layout in LAYOUTS if layout.recognise(decode(text.encode()))]
@@ -325,7 +325,7 @@ def test_layouts_recognise_only_their_own_files():
         ("x (um),Phase\n" + "".join(f"{x},{x % 7}.5\n" for x in range(40)), {"unit": "um"}),
     ],
 )
-def test_units_other_than_length_contradict_the_option(tmp_path, text, options):
+def test_heights_in_units_other_than_length_are_rejected(tmp_path, text, options):
     (tmp_path / "a.txt").write_text(text, encoding="utf-8")
     assert read_or_none(tmp_path / "a.txt", **options) is None
 
@@ -335,7 +335,7 @@ def table_text(columns, head="", form=".4f"):
     return "\n".join([*[head] * bool(head), *lines]) + "\n"
 
 
-def test_positions_in_wide_tables_are_not_heights(tmp_path):
+def test_positions_in_wide_tables_are_not_read_as_heights(tmp_path):
     x, profiles = 0.5 * np.arange(60), random.normal(size=(12, 60)).cumsum(axis=1)
     measured = x + 1e-3 * random.normal(size=60)
     options = {"unit": "um", "spacing": "0.5 um"}
@@ -356,7 +356,7 @@ def test_positions_in_wide_tables_are_not_heights(tmp_path):
     assert read_or_none(path, **options).heights.shape == (60, 12)
 
 
-def test_counts_and_sizes_in_headers_are_not_heights(tmp_path):
+def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     column = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
     pairs = "".join(f"{0.5 * at:.4f}, {z:.4f}\n" for at, z in enumerate(LINE_HEIGHTS))
@@ -380,7 +380,7 @@ def test_counts_and_sizes_in_headers_are_not_heights(tmp_path):
         assert read_or_none(path, **options) is None
 
 
-def test_first_number_with_fewer_decimals_is_a_caveat(tmp_path):
+def test_first_number_with_fewer_decimals_causes_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS))
     with pytest.warns(FormatWarning, match="first-number"):
@@ -390,7 +390,7 @@ def test_first_number_with_fewer_decimals_is_a_caveat(tmp_path):
     assert not load_reading(path, **options).caveats
 
 
-def test_lines_with_as_many_cells_as_the_data_are_data(tmp_path):
+def test_words_in_a_line_of_data_are_rejected_with_the_line_number(tmp_path):
     path = tmp_path / "a.csv"
     lines = [f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)]
     for place in (0, 30, 59):
@@ -408,7 +408,7 @@ def test_lines_with_as_many_cells_as_the_data_are_data(tmp_path):
 @pytest.mark.parametrize("count", [2, 30])
 @pytest.mark.parametrize("first", [0, 20, 60])
 @pytest.mark.parametrize("cells", ["{z}", "{x},{z}"])
-def test_repeated_words_next_to_numbers_are_rejected(tmp_path, cells, first, count):
+def test_lines_of_repeated_words_next_to_numbers_are_rejected(tmp_path, cells, first, count):
     """Repeated words are neither a header nor a footer."""
     path = tmp_path / "a.csv"
     lines = [cells.format(x=0.5 * at, z=z) for at, z in enumerate(LINE_HEIGHTS)]
@@ -418,7 +418,7 @@ def test_repeated_words_next_to_numbers_are_rejected(tmp_path, cells, first, cou
         read_measurement(path, unit="um")
 
 
-def test_rows_of_dashes_between_numbers_are_missing_points(tmp_path):
+def test_rows_of_dashes_between_numbers_are_read_as_missing_points(tmp_path):
     path = tmp_path / "a.txt"
     lines = [f"{z}" for z in LINE_HEIGHTS]
     path.write_text("z (um)\n" + "\n".join([*lines[:20], "---", "---", "---", *lines[20:]]))
@@ -426,7 +426,7 @@ def test_rows_of_dashes_between_numbers_are_missing_points(tmp_path):
     assert np.flatnonzero(body.missing).tolist() == [20, 21, 22]
 
 
-def test_codes_for_missing_points_are_named_and_masked(tmp_path):
+def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
     path = tmp_path / "a.csv"
     for code in ("-9999", "-32768", "99999.0", "0.000"):
         body = [f"{0.5 * at},{code if at in (7, 8, 33) else z + 500}" for at, z in enumerate(LINE_HEIGHTS)]
@@ -443,7 +443,7 @@ def test_codes_for_missing_points_are_named_and_masked(tmp_path):
         assert load_reading(path, accept="repeated-extreme,tall").caveats == ()
 
 
-def test_flag_columns_mask_points(tmp_path):
+def test_columns_of_flags_mask_points(tmp_path):
     lines = [f"{0.5 * at};{-30 if at in (4, 5) else z};{int(at not in (4, 5))}" for at, z in enumerate(LINE_HEIGHTS)]
     for head in ("X;Y;valid\n[um];[um];[1/0]", "x (um);z (um);Valid"):
         (tmp_path / "a.hfm").write_text("\n".join([head, *lines]))
@@ -451,7 +451,7 @@ def test_flag_columns_mask_points(tmp_path):
         assert np.flatnonzero(body.missing).tolist() == [4, 5]
 
 
-def test_adjacent_profiles_are_selected_by_columns(tmp_path):
+def test_side_by_side_profiles_are_selected_by_the_columns_option(tmp_path):
     path = tmp_path / "a.csv"
     for end in (";", ""):
         lines = [f"{0.5 * at};{z};" + (f"{0.25 * at};{-z}" if at < 40 else end) for at, z in enumerate(LINE_HEIGHTS)]
@@ -463,7 +463,7 @@ def test_adjacent_profiles_are_selected_by_columns(tmp_path):
         assert read_or_none(path) is None
 
 
-def test_ambiguous_commas_are_resolved_by_names_or_rejected(tmp_path):
+def test_ambiguous_commas_are_resolved_by_column_names_or_rejected(tmp_path):
     lines = [f"{format_number(0.5 * at, True)},{format_number(z, True)}" for at, z in enumerate(LINE_HEIGHTS)]
     path = tmp_path / "a.csv"
     path.write_text("x (um),z (um)\n" + "\n".join(lines))
@@ -472,7 +472,7 @@ def test_ambiguous_commas_are_resolved_by_names_or_rejected(tmp_path):
     assert read_or_none(path, unit="um", spacing="0.5 um") is None
 
 
-def test_blocks_of_one_width_are_channels(tmp_path):
+def test_blocks_of_equal_width_are_read_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(["Height", *format_rows(HEIGHTS), "Phase", *format_rows(2 * HEIGHTS)]))
     with pytest.raises(FormatError, match=r"contains 0 \(Height\), 1 \(Phase\); choose one by channel"):
@@ -481,14 +481,14 @@ def test_blocks_of_one_width_are_channels(tmp_path):
     assert np.array_equal(body.heights, 2 * HEIGHTS)
 
 
-def test_blocks_of_one_line_are_all_read(tmp_path):
+def test_blocks_of_a_single_line_are_listed_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(format_rows(HEIGHTS))))
     with pytest.raises(FormatError, match=rf"contains 0 \(Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"):
         read_measurement(path, unit="um", spacing="0.5 um")
 
 
-def test_matrices_with_short_last_line_are_rejected(tmp_path):
+def test_matrix_with_a_short_last_line_is_rejected(tmp_path):
     path = tmp_path / "a.txt"
     cells = [format_number(value) for value in HEIGHTS.ravel()]
     path.write_text("\n".join(" ".join(cells[at : at + 10]) for at in range(0, len(cells), 10)))
@@ -496,14 +496,14 @@ def test_matrices_with_short_last_line_are_rejected(tmp_path):
         read_measurement(path, **MASK_AND_UNIT, spacing="1 um")
 
 
-def test_missing_units_and_spacings_are_listed_in_one_message(tmp_path):
+def test_missing_unit_and_spacing_are_reported_in_one_message(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(format_rows(HEIGHTS)))
     with pytest.raises(FormatError, match=r"unit.*spacing.*--unit um --spacing"):
         read_measurement(path)
 
 
-def test_declared_factors_and_sizes_are_applied(tmp_path):
+def test_height_factor_and_pixel_size_of_a_header_are_applied(tmp_path):
     path = tmp_path / "a.txt"
     head = f"h={ROWS} w={COLUMNS}\npixel size=5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2e-008\n"
     path.write_text(head + "\n".join(format_rows(HEIGHTS, " ")))
@@ -514,7 +514,7 @@ def test_declared_factors_and_sizes_are_applied(tmp_path):
         read_measurement(path, unit="nm")
 
 
-def test_reading_reports_layout_units_and_points(tmp_path):
+def test_report_of_reading_contains_layout_units_and_points(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
         "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS)) + "\nend\n"
@@ -532,7 +532,7 @@ def test_reading_reports_layout_units_and_points(tmp_path):
     )
 
 
-def test_map_is_equal_in_all_formats(tmp_path):
+def test_map_has_equal_heights_and_spacing_in_all_formats(tmp_path):
     surface = Surface(HEIGHTS, spacing=(2.0, 0.5))
     write_surface(surface, tmp_path / "a.csv")
     write_surface(surface, tmp_path / "a.npy")
@@ -570,7 +570,7 @@ def test_damaged_exports_are_read_or_rejected(tmp_path, name):
         assert body is None or np.isfinite(body.heights).all()
 
 
-def test_numbers_are_rounded_correctly(tmp_path):
+def test_decimal_numbers_are_converted_with_correct_rounding(tmp_path):
     values = np.concatenate([random.normal(size=500) * 10.0 ** random.integers(-12, 3, 500), [1 / 3, 2**-40, 0.1]])
     for form in (repr, "{:.6f}".format, "{:.3e}".format, "{:.18e}".format):
         texts = [form(float(value)) for value in values]
@@ -579,7 +579,7 @@ def test_numbers_are_rounded_correctly(tmp_path):
         assert body.heights.tolist() == [float(text) for text in texts]
 
 
-def test_printed_digits_are_computed_only_for_rounded_positions(tmp_path):
+def test_rounded_positions_are_uniform_within_their_printed_digits(tmp_path):
     path = tmp_path / "a.csv"
     for step, form in ((0.5, ".1f"), (0.156245, ".1f"), (0.156245, ".6f")):
         lines = [f"{step * at:{form}},{z}" for at, z in enumerate(np.tile(LINE_HEIGHTS, 20))]
@@ -611,7 +611,7 @@ def shaped_lines(shape, heights):
 
 @pytest.mark.parametrize("shape", ["column", "positions", "triplets", "labelled", "matrix"])
 @pytest.mark.parametrize("fact", ["factor", "code", "unit", "spacing", "scale", "count"])
-def test_header_declarations_apply_to_every_shape_of_table(tmp_path, shape, fact):
+def test_header_declarations_apply_to_tables_of_every_shape(tmp_path, shape, fact):
     heights = HEIGHTS.copy()
     heights[2, 3:5] = {"code": 77.25, "count": 0.0}.get(fact, 1.0)
     line = {
@@ -668,7 +668,7 @@ def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, fact
         ("Z conversion scale: 2 nm", 2e-3), ("Height multiplier: 2 nm", 2e-3), ("Z scale (nm/count): 2", 2e-3),
     ],
 )  # fmt: skip
-def test_scale_is_a_factor_only_with_evidence_of_a_conversion(tmp_path, line, factor):
+def test_scale_in_a_header_is_a_factor_only_if_it_describes_a_conversion(tmp_path, line, factor):
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *format_rows(HEIGHTS)]))
     if factor is None:
@@ -682,7 +682,7 @@ def test_scale_is_a_factor_only_with_evidence_of_a_conversion(tmp_path, line, fa
     assert np.allclose(body.heights, (factor or 1e-3) * HEIGHTS, rtol=1e-12)
 
 
-def test_positions_are_not_heights_with_declared_spacings(tmp_path):
+def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
     path = tmp_path / "a.txt"
     head = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
     for first in (0.5 * np.arange(ROWS), 3 + 0.5 * np.arange(ROWS)):
@@ -700,7 +700,7 @@ def test_positions_are_not_heights_with_declared_spacings(tmp_path):
         read_measurement(path, unit="um")
 
 
-def test_short_rows_above_a_matrix_are_rejected(tmp_path):
+def test_short_row_above_a_matrix_is_rejected_unless_it_is_its_size(tmp_path):
     path = tmp_path / "a.txt"
     for count in (1, 2):
         lines = format_rows(HEIGHTS)
@@ -714,7 +714,7 @@ def test_short_rows_above_a_matrix_are_rejected(tmp_path):
     assert f"line 1 ('{COLUMNS} {ROWS}') skipped as a count or a size" in body.history
 
 
-def test_counts_of_missing_points_are_not_codes(tmp_path):
+def test_counts_of_missing_points_are_not_read_as_missing_value_codes(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um", "missing": "mask"}
     whole = np.round(20 * HEIGHTS)
     number = int(whole[whole > 0][0])
@@ -731,7 +731,7 @@ def test_counts_of_missing_points_are_not_codes(tmp_path):
     assert np.array_equal(read_or_none(path, **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
 
 
-def test_flag_columns_without_a_meaning_are_rejected(tmp_path):
+def test_column_of_flags_without_a_meaning_is_rejected(tmp_path):
     path, flagged = tmp_path / "a.txt", (4, 5, 33)
     for name, flag, is_read in (
         ("flag", 1, False), ("status", 0, False), ("z ok [0/1]", 1, False), ("invalid", 1, True), ("valid", 0, True),
@@ -763,7 +763,7 @@ def word_table(separator=",", words=("OK", "NG"), place=2, names=True):
 @pytest.mark.parametrize("separator", [",", ";", "\t", " ", ", "])
 @pytest.mark.parametrize("words", [("OK", "NG"), ("pass", "fail"), ("", "spike"), ("A1", "B2")])
 @pytest.mark.parametrize("place", [0, 1, 2])
-def test_table_with_words_names_their_column(tmp_path, separator, words, place):
+def test_error_about_a_table_with_words_names_their_column(tmp_path, separator, words, place):
     if separator == " " and not words[0]:
         words = ("nan", words[1])
     path = tmp_path / "a.csv"
@@ -779,7 +779,7 @@ def test_table_with_words_names_their_column(tmp_path, separator, words, place):
 
 
 @pytest.mark.parametrize("words", [("OK", "OK"), ("OK", ""), ("OK", "NG")])
-def test_columns_ignores_words_of_a_table_without_names(tmp_path, words):
+def test_columns_option_skips_words_in_a_table_without_names(tmp_path, words):
     path = tmp_path / "a.txt"
     path.write_text(word_table(";", words, names=False))
     with pytest.raises(FormatError, match=r"words in column 2: 'OK'"):
@@ -787,20 +787,20 @@ def test_columns_ignores_words_of_a_table_without_names(tmp_path, words):
     assert read_measurement(path, unit="um", columns=[0, 1]).heights.tolist() == LINE_HEIGHTS.tolist()
 
 
-def test_column_of_unreadable_heights_is_not_a_column_of_flags(tmp_path):
+def test_column_of_heights_with_words_is_not_read_as_flags(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(word_table(",", ("Err", "Err")))
     assert read_measurement(path, columns=[0, 1], missing_value="Err").heights.tolist() == LINE_HEIGHTS.tolist()
 
 
-def test_words_of_a_single_line_are_not_a_column_of_words(tmp_path):
+def test_word_in_a_single_line_is_rejected_as_not_a_number(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("\n".join(["x (um),z (um)", *(f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)), "7.0,Err"]))
     with pytest.raises(FormatError, match="'Err' is not a number"):
         read_measurement(path)
 
 
-def test_columns_ignores_flags_of_an_unknown_meaning(tmp_path):
+def test_columns_option_skips_flags_without_a_known_meaning(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
         "\n".join(["x (um),z (um),flag", *(f"{0.5 * at},{z},{at % 2}" for at, z in enumerate(LINE_HEIGHTS))])
@@ -832,7 +832,7 @@ def test_counts_in_headers_must_be_whole_numbers(tmp_path, name, key, count):
         ("Pitch,0,25,um", None), ("Pitch,0.25,um,0.5", None), ("Pitch,0.25,Standard", None),
     ],
 )  # fmt: skip
-def test_spacing_is_read_if_its_unit_is_in_a_separate_cell(tmp_path, line, spacing):
+def test_spacing_whose_unit_is_in_a_separate_cell_is_read(tmp_path, line, spacing):
     path = tmp_path / "a.csv"
     path.write_text("\n".join([line, "Unit,um", *(f"{value:.4f}" for value in LINE_HEIGHTS)]), encoding="utf-8")
     if spacing is None:
@@ -844,7 +844,7 @@ def test_spacing_is_read_if_its_unit_is_in_a_separate_cell(tmp_path, line, spaci
         assert np.array_equal(profile.heights, LINE_HEIGHTS)
 
 
-def test_amplitudes_along_x_and_y_are_the_size_of_a_map(tmp_path):
+def test_wsxm_amplitudes_along_x_and_y_are_read_as_the_map_size(tmp_path):
     path = tmp_path / "a.txt"
     head = "WSxM file copyright UAM\nWSxM ASCII Matrix file\nX Amplitude: 4500 nm\nY Amplitude: 3.5 µm\n\n"
     path.write_text(head + "\n".join(format_rows(HEIGHTS)), encoding="utf-8")
@@ -854,7 +854,7 @@ def test_amplitudes_along_x_and_y_are_the_size_of_a_map(tmp_path):
 
 
 @pytest.mark.parametrize("line", ["Stylus,Radius: 2.5 µm", "Tip radius (µm): 2.5", "Stylus radius;2,5 µm"])
-def test_tip_radius_of_a_header_is_in_the_history(tmp_path, line):
+def test_tip_radius_in_a_header_is_added_to_the_history(tmp_path, line):
     path = tmp_path / "a.csv"
     path.write_text(
         "\n".join([line, "x (µm);z (µm)", *(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS))]), "utf-8"
@@ -863,7 +863,7 @@ def test_tip_radius_of_a_header_is_in_the_history(tmp_path, line):
 
 
 @pytest.mark.parametrize("step", [0.25, 0.333, 0.2, 1.26])
-def test_rounded_points_are_read_if_steps_are_two_digits_or_more(tmp_path, step):
+def test_rounded_grid_points_are_read_if_their_steps_have_two_digits(tmp_path, step):
     path = tmp_path / "a.xyz"
     order = np.random.default_rng(5).permutation(HEIGHTS.size)
     y, x = (step * item.ravel()[order] for item in np.mgrid[:ROWS, :COLUMNS])
@@ -880,7 +880,7 @@ def test_rounded_points_are_read_if_steps_are_two_digits_or_more(tmp_path, step)
                 read_measurement(path, unit="um")
 
 
-def test_points_off_a_grid_by_more_than_rounding_are_rejected(tmp_path):
+def test_points_that_deviate_from_a_grid_by_more_than_rounding_are_rejected(tmp_path):
     path = tmp_path / "a.xyz"
     places = np.array([0.0, 0.25, 0.5, 0.9, 1.0, 1.25, 1.5])
     y, x = np.meshgrid(places, places, indexing="ij")
@@ -889,7 +889,7 @@ def test_points_off_a_grid_by_more_than_rounding_are_rejected(tmp_path):
         read_measurement(path, unit="um")
 
 
-def test_status_column_of_an_olympus_map_is_not_a_height(tmp_path):
+def test_status_column_of_an_olympus_map_is_not_read_as_heights(tmp_path):
     path = tmp_path / "a.csv"
     lines = olympus_text().splitlines()
     first = next(at for at, line in enumerate(lines) if line.startswith("DataLine"))

@@ -28,7 +28,7 @@ def stacked_rows(hurst, lines=40, points=600, **changes):
     return Surface(np.array(rows) + tilt, spacing=(0.5, 0.02))
 
 
-def test_line_roughness_equals_mean_over_single_lines():
+def test_line_roughness_equals_the_mean_over_single_lines():
     surface = stacked_rows(0.6)
     result = line_roughness(surface, "x", band=(0.1, 2.0))
     x = np.arange(600)
@@ -64,7 +64,7 @@ def test_line_roughness_is_invariant_under_levelling():
         assert again.hurst_exponents == pytest.approx(result.hurst_exponents, abs=1e-6)
 
 
-def test_line_roughness_fits_all_lines_in_a_common_band():
+def test_line_roughness_fits_exponents_of_all_lines_in_a_common_band():
     hurst = 0.6
     result = line_roughness(stacked_rows(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
     assert result.fitted == MAX_FITTED_LINES == result.hurst_exponents.size
@@ -78,7 +78,7 @@ def test_line_roughness_fits_all_lines_in_a_common_band():
     assert spread < 0.1
 
 
-def test_flat_lines_contribute_to_height_without_exponent():
+def test_flat_lines_contribute_to_mean_height_but_have_no_exponent():
     heights = np.array(stacked_rows(0.6, lines=40).heights)
     heights[::2] = 3.0 + 0.01 * np.arange(600)  # These lines are flat, apart from a different height of each column.
     result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
@@ -126,7 +126,7 @@ def two_scale_surface(seed=1, points=160):
     return Surface(heights / heights.std(), spacing=1.0)
 
 
-def test_lines_along_both_axes_share_a_band(monkeypatch):
+def test_lines_along_both_axes_are_fitted_in_a_common_band(monkeypatch):
     monkeypatch.setattr(lines, "MAX_FITTED_LINES", 24)
     surface = two_scale_surface()
     along_x, along_y = lines_along_both(surface)
@@ -139,7 +139,7 @@ def test_lines_along_both_axes_share_a_band(monkeypatch):
     assert arguments[0].band == arguments[1].band == (4.0, 12.0)
 
 
-def test_lines_along_grooves_have_no_exponent():
+def test_lines_along_straight_grooves_have_no_exponent():
     grooves = self_affine(3, hurst_exponent=0.7, rms=0.1, points=300, spacing=1.0).heights + np.zeros((24, 1))
     along_x, along_y = lines_along_both(Surface(grooves, spacing=1.0))
     assert along_x.hurst_exponents.size == 24
@@ -147,7 +147,7 @@ def test_lines_along_grooves_have_no_exponent():
     assert np.isnan(along_y.misfit)
 
 
-def test_misfit_is_1_for_a_power_law_and_increases_with_a_bend():
+def test_misfit_is_near_1_for_a_power_law_and_larger_for_a_bent_spectrum():
     straight = Surface(
         [
             self_affine(2, hurst_exponent=0.7, rms=0.1, points=512, spacing=1.0, periodic=True, amplitudes="fixed",

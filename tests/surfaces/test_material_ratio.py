@@ -18,7 +18,7 @@ def heights():
     return surface.heights - surface.heights.mean()
 
 
-def test_heights_and_ratios_equal_their_definitions(heights):
+def test_material_ratios_and_heights_equal_their_definitions(heights):
     z = heights.ravel().tolist()
     for ratio in (0.0, 0.025, 0.1, 0.5, 0.8, 1.0):
         assert heights_at_ratios(heights, ratio) == pytest.approx(slow.height_at_material_ratio(z, ratio), rel=1e-12)
@@ -28,17 +28,17 @@ def test_heights_and_ratios_equal_their_definitions(heights):
     assert material_ratio(rough_profile(), [100.0]) == 0
 
 
-def test_core_parameters_equal_their_definition(heights):
+def test_core_roughness_parameters_equal_their_definition(heights):
     result, expected = core_parameters(heights), slow.stratified_parameters(heights.ravel().tolist())
     assert result == pytest.approx([expected[name] for name in ("k", "pk", "vk", "mrk1", "mrk2")], rel=1e-9)
 
 
-def test_volumes_equal_integrals_of_the_curve(heights):
+def test_material_and_void_volumes_equal_integrals_of_the_bearing_curve(heights):
     result, expected = material_volumes(heights), slow.material_and_void_volumes(heights.ravel().tolist())
     assert result == pytest.approx([expected[name] for name in ("Vmp", "Vmc", "Vvc", "Vvv")], rel=1e-3)
 
 
-def test_parameters_of_equally_distributed_heights_have_closed_forms():
+def test_parameters_of_uniformly_distributed_heights_equal_closed_forms():
     # Heights are uniform from -1 to 1, so c(p) = 1 - 2 p, and the volume above ratio p is p².
     even = Surface(np.random.default_rng(1).permutation(np.linspace(-1, 1, 40_000)).reshape(200, 200), spacing=1.0)
     result = surface_parameters(even)
@@ -50,7 +50,7 @@ def test_parameters_of_equally_distributed_heights_have_closed_forms():
         assert getattr(result, name) == pytest.approx(value, rel=1e-3), name
 
 
-def test_parameters_of_normally_distributed_heights_have_closed_forms():
+def test_parameters_of_normally_distributed_heights_equal_closed_forms():
     z = norm.isf((np.arange(250_000) + 0.5) / 250_000)
     result = surface_parameters(Surface(np.random.default_rng(2).permutation(z).reshape(500, 500), spacing=1.0))
 
@@ -65,14 +65,14 @@ def test_parameters_of_normally_distributed_heights_have_closed_forms():
     assert result.Vvc == pytest.approx(material_volume(0.9) - material_volume(0.2), rel=2e-3)
 
 
-def test_material_and_void_volumes_add_up(heights):
+def test_core_material_and_void_volumes_add_up_to_the_core_height(heights):
     # The material volume and the void volume add up to the slab between the two heights.
     result = material_volumes(heights)
     upper, lower = heights_at_ratios(heights, [0.1, 0.8])
     assert result.core_material + result.core_void == pytest.approx(upper - lower, rel=1e-12)
 
 
-def test_parameter_set_shows_units_and_missing_values():
+def test_repr_of_a_parameter_set_has_units_and_missing_values():
     result = surface_parameters(Surface(np.add.outer(np.zeros(30), np.sin(np.arange(60.0))), spacing=0.5))
     lines = dict(line.strip().split(None, 1) for line in repr(result).splitlines()[1:])
     assert lines["Str"] == "none"
@@ -84,7 +84,7 @@ def test_parameter_set_shows_units_and_missing_values():
     assert list(roughness_parameters(rough_profile()).values) == ["Pa", "Pq", "Pt", "Psk", "Pku", "Pdq"]
 
 
-def test_parameter_values_scale_with_the_units_of_the_table():
+def test_parameter_values_scale_with_size_as_their_units_require():
     surface = self_affine_map(2, 0.6, (30, 40))
     assert tuple(surface_parameters(surface).values) == tuple(parameter.name for parameter in SURFACE_PARAMETERS)
     result = section_parameters(rough_profile(points=4000), lc=8.0)

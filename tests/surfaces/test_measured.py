@@ -88,7 +88,7 @@ TEXT_FORMATS = {
 
 @pytest.mark.parametrize("text", TEXT_FORMATS.values(), ids=TEXT_FORMATS.keys())
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
-def test_profile_is_equal_in_many_text_formats(file, text, encoding):
+def test_profile_read_from_any_text_format_is_equal(file, text, encoding):
     if encoding == "latin-1":
         text = text.replace("μ", "µ")
     profile = read_profile(file(text, encoding=encoding))
@@ -97,7 +97,7 @@ def test_profile_is_equal_in_many_text_formats(file, text, encoding):
     assert profile.history[0] == "read from scan.csv"
 
 
-def test_reader_requires_units_and_spacings_that_the_file_lacks(file):
+def test_reader_requires_units_and_spacings_that_are_not_in_the_file(file):
     bare = file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
     assert 'does not contain the unit of its heights; give the unit, as in "um"' in error_message(bare)
     assert read_profile(bare, unit="um").heights.tolist() == HEIGHTS
@@ -117,7 +117,7 @@ def test_reader_requires_units_and_spacings_that_the_file_lacks(file):
         "Radius: 2.5 µm, ID 3\n", "a text of no use\n", "um\n-----\nx,z\n", "z (um)\n",
     ],
 )  # fmt: skip
-def test_units_in_other_places_do_not_apply_to_columns(file, above):
+def test_units_elsewhere_in_the_header_do_not_apply_to_columns(file, above):
     data = "0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n"
     assert "does not contain the unit of its heights" in error_message(file(above + data))
     if "z (um)" not in above:
@@ -176,19 +176,19 @@ def test_reader_rejects_options_that_contradict_the_file(file):
         ("x (m),z (um)\n0,1\n100,1\n200,5\n300,0.5\n", "has a spacing of 1e+08 µm"),
     ],
 )
-def test_texts_without_a_profile_are_rejected(file, text, message):
+def test_text_files_without_a_profile_are_rejected(file, text, message):
     assert message in error_message(file(text))
 
 
 @pytest.mark.parametrize("rows", [(0,), (1, 3)])
-def test_rows_without_heights_are_missing_points(tmp_path, rows):
+def test_rows_without_heights_are_read_as_missing_points(tmp_path, rows):
     lines = ["nan,NaN,nan,nan" if row in rows else "1,2,3.5,4" for row in range(4)]
     (tmp_path / "map.csv").write_text("\n".join(lines))
     missing = read_surface(tmp_path / "map.csv", unit="um", spacing="1 um", missing="mask").missing
     assert np.flatnonzero(missing.all(axis=1)).tolist() == list(rows)
 
 
-def test_positions_are_uniform_within_their_printed_digits(file):
+def test_positions_need_to_be_uniform_only_within_their_printed_digits(file):
     true = 0.156245 * np.arange(9600)
     for printed in (
         [f"{x:.1f}" for x in true],
@@ -206,7 +206,7 @@ def test_positions_are_uniform_within_their_printed_digits(file):
     )
 
 
-def test_declared_spacing_that_disagrees_is_reported(file):
+def test_declared_spacing_that_disagrees_with_positions_is_reported(file):
     data = "x (um),z (um)\n" + "".join(f"{0.1 * i:.1f},{i % 3}.5\n" for i in range(50))
     with pytest.warns(FormatWarning, match=r"declared spacing is 0.2 µm, but its positions are 0.1 µm apart"):
         profile = read_profile(file("Spacing,0.2 um\n" + data))
@@ -217,7 +217,7 @@ def test_declared_spacing_that_disagrees_is_reported(file):
     assert "says" not in read_profile(file("Resolution,20 nm\n" + data)).history[1]
 
 
-def test_missing_points_are_interpolated_inside_and_cropped_at_ends(file):
+def test_missing_points_are_interpolated_inside_and_removed_at_the_ends(file):
     path = file("x (um),z (nm)\n0,\n0.1,1000\n0.2,NaN\n0.3,***\n0.4,4000\n0.5,0\n0.6,--\n")
     profile = read_profile(path, missing="interpolate")
     assert profile.heights.tolist() == [1, 2, 3, 4, 0]
@@ -227,7 +227,7 @@ def test_missing_points_are_interpolated_inside_and_cropped_at_ends(file):
     )
 
 
-def test_text_matrix_is_a_surface(file):
+def test_matrix_in_a_text_file_is_read_as_a_surface(file):
     path = file("heights in nm\n" + "1\t2\t3\t0\n4\t5\t6\t0\n", "map.txt")
     surface = read_surface(path, spacing=("2 um", "0.5 um"))
     assert surface.heights.tolist() == [[0.001, 0.002, 0.003, 0], [0.004, 0.005, 0.006, 0]]
@@ -260,14 +260,14 @@ def test_read_measurement_returns_profile_or_surface(file):
 
 
 @pytest.mark.parametrize("shape", [(5, 1), (1, 5)])
-def test_matrix_of_one_row_or_column_is_a_profile(file, shape):
+def test_matrix_of_one_row_or_column_is_read_as_a_profile(file, shape):
     path = file(npy_bytes(np.reshape(HEIGHTS, shape)), "a.npy")
     for read in (read_profile, read_measurement):
         assert read(path, unit="um", spacing="1 um").heights.tolist() == HEIGHTS
     assert "contains a profile of 5 points" in error_message(path, read_surface, unit="um", spacing="1 um")
 
 
-def test_matrix_columns_are_not_taken_for_positions(file):
+def test_matrix_with_positions_in_a_row_or_column_is_rejected(file):
     heights = np.random.default_rng(2).normal(size=(20, 30))
     x, y = 0.5 * np.arange(30), 0.25 * np.arange(20)
     options = {"read": read_surface, "unit": "um", "spacing": "1 um"}
@@ -295,7 +295,7 @@ def test_matrix_columns_are_not_taken_for_positions(file):
         assert np.array_equal(read_surface(file(npy_bytes(matrix), "a.npy"), unit="um", spacing="1 um").heights, matrix)
 
 
-def test_declared_spacing_of_matrix_must_match_option(file):
+def test_spacing_option_must_agree_with_the_declared_spacing_of_a_matrix(file):
     path = file("Spacing: 0.5 um\nheights in nm\n1 2 3 0\n4 5 6 0\n", "map.txt")
     assert read_surface(path, spacing=("2 um", "500 nm")).spacing == (2.0, 0.5)
     assert "declares a spacing of 0.5 µm, but 2 µm and 1 µm are given" in error_message(
@@ -303,7 +303,7 @@ def test_declared_spacing_of_matrix_must_match_option(file):
     )
 
 
-def test_gwyddion_size_gives_spacing(file):
+def test_spacing_is_computed_from_the_size_in_a_gwyddion_header(file):
     header = "# Channel: Height\n# Width: 0.600 µm\n# Height: 480 nm\n# Value units: m\n"
     path = file(header + "1e-9\t2e-9\t3e-9\t0\n" * 3 + "0\t0\t0\t1e-9\n", "map.txt")
     surface = read_surface(path)
@@ -326,7 +326,7 @@ def columns_text(*columns, header=""):
     return header + "".join(",".join(f"{value}" for value in row) + "\n" for row in zip(*columns, strict=True))
 
 
-def test_columns_are_selected_by_name_or_number(file):
+def test_columns_can_be_selected_by_name_or_number(file):
     text = columns_text([0.5, 1, 1.5, 2, 2.5], X, [7] * 5, HEIGHTS, header="t (s),x (um),F (mN),z (um)\n")
     path = file(text)
     message = error_message(path, read_measurement)
@@ -352,7 +352,7 @@ def test_columns_are_selected_by_name_or_number(file):
     )
 
 
-def test_column_has_its_printed_digits(file):
+def test_positions_in_any_column_are_uniform_within_their_printed_digits(file):
     # Positions with one decimal follow a column with many decimals. They are uniform within their digits in any column.
     true = 0.156245 * np.arange(900)
     lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true))
@@ -379,7 +379,7 @@ def test_index_column_of_pandas_is_ignored(file, separator):
     assert "has 3 columns" in error_message(file(columns_text(X, X, HEIGHTS, header="index,x (um),z (um)\n")))
 
 
-def test_array_of_two_columns_has_positions_and_heights(file):
+def test_array_of_two_columns_is_read_as_positions_and_heights(file):
     path = file(npy_bytes(np.c_[X, HEIGHTS]), "a.npy")
     for read in (read_profile, read_measurement):
         profile = read(path, unit=("mm", "nm"))
@@ -410,7 +410,7 @@ SHEET_HEAD = [["points", 5], ["made by", "a gauge"], [], [None, "x (um)", "z (um
 SHEET_HEAD += [[None, x, z, None, "a note"] for x, z in zip(X, HEIGHTS, strict=True)]
 
 
-def test_workbooks_are_read(file):
+def test_profiles_and_surfaces_are_read_from_workbooks(file):
     profile = read_profile(file(workbook_bytes(("one", SHEET_HEAD), ("empty", [])), "a.xlsx"))
     assert profile.heights.tolist() == HEIGHTS
     assert profile.spacing == pytest.approx(0.1)
@@ -438,7 +438,7 @@ WORD_TABLES = {
 
 
 @pytest.mark.parametrize("table", WORD_TABLES)
-def test_words_in_workbooks_have_the_same_effect_as_in_text(file, table):
+def test_words_in_workbooks_have_the_same_effect_as_in_text_files(file, table):
     names, cells = WORD_TABLES[table]
     rows = [names, *([at / 4, *cells(z)] for at, z in enumerate(LONG_HEIGHTS))]
     text = "".join(",".join("" if cell is None else str(cell) for cell in row) + "\n" for row in rows)
@@ -451,7 +451,7 @@ def test_words_in_workbooks_have_the_same_effect_as_in_text(file, table):
     assert profiles[0].missing.tolist() == profiles[1].missing.tolist()
 
 
-def test_columns_of_workbooks_with_words_are_numbered_as_in_the_sheet(file):
+def test_workbook_columns_are_numbered_as_in_the_sheet(file):
     names, cells = WORD_TABLES["words"]
     rows = [[None, None, *row] for row in (names, *([at / 4, *cells(z)] for at, z in enumerate(LONG_HEIGHTS)))]
     path = file(workbook_bytes(("one", rows)), "a.xlsx")
@@ -461,7 +461,7 @@ def test_columns_of_workbooks_with_words_are_numbered_as_in_the_sheet(file):
     assert read_profile(path, columns=(2, 3)).heights.tolist() == LONG_HEIGHTS
 
 
-def test_damaged_workbooks_are_rejected(file, monkeypatch):
+def test_damaged_and_oversized_workbooks_are_rejected(file, monkeypatch):
     data = workbook_bytes(("one", SHEET_HEAD))
     assert "is a workbook without a column of numbers" in error_message(file(workbook_bytes(("one", [])), "a.xlsx"))
     assert "is a damaged workbook" in error_message(file(data[:-60], "a.xlsx"))
@@ -479,11 +479,11 @@ def test_damaged_workbooks_are_rejected(file, monkeypatch):
     assert "pip install openpyxl" in error_message(file(data, "a.xlsx"))
 
 
-def test_formats_without_channels_reject_the_option(file):
+def test_formats_without_channels_reject_the_channel_option(file):
     assert "has no channels to choose from, but channel is 1" in error_message(file(TEXT_FORMATS["comma"]), channel=1)
 
 
-def test_channel_of_instrument_file_is_selected(measured):
+def test_channel_of_an_instrument_file_can_be_selected(measured):
     pytest.importorskip("SurfaceTopography")
     path = measured("di-4.di")
     surface = read_surface(path)
@@ -495,7 +495,7 @@ def test_channel_of_instrument_file_is_selected(measured):
     assert "has no channel 3; they are numbered from 0 to 2" in error_message(path, read_surface, channel=3)
 
 
-def test_registered_reader_reads_its_format(file, monkeypatch):
+def test_registered_reader_reads_files_with_its_suffix(file, monkeypatch):
     monkeypatch.setitem(READERS, ".dec", lambda data: Raw(np.array(data.split(), dtype=float), unit="um"))
     assert read_measurement(file("0.5 -0.25 1 0.125 2", "a.DEC"), spacing="1 um").heights.tolist() == HEIGHTS
 
@@ -503,7 +503,7 @@ def test_registered_reader_reads_its_format(file, monkeypatch):
 # ---- NumPy arrays and writing ---------------------------------------------------------------------------------------
 
 
-def test_written_profile_is_read_without_loss(tmp_path):
+def test_profile_is_unchanged_by_writing_and_reading(tmp_path):
     profile = weierstrass_mandelbrot(random_phases(3), 1.4, points=5000, extent=7.0).with_amplitude(0.1)
     write_profile(profile, tmp_path / "a.csv")
     write_profile(profile, tmp_path / "a.npy")
@@ -519,7 +519,7 @@ def test_written_profile_is_read_without_loss(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["a.npy", "a.csv"])
-def test_written_surface_is_read_without_loss(tmp_path, name):
+def test_surface_is_unchanged_by_writing_and_reading(tmp_path, name):
     heights = np.random.default_rng(1).normal(size=(30, 40)) * 10.0 ** np.arange(-39, 1)
     surface = Surface(heights, spacing=(1 / 3, 1e-3), history=("ground", "levelled by a plane"))
     write_surface(surface, tmp_path / name)
@@ -537,7 +537,7 @@ def test_written_surface_is_read_without_loss(tmp_path, name):
     assert isinstance(read_measurement(tmp_path / name), Surface)
 
 
-def test_narrow_surface_is_rejected_by_formats_that_cannot_store_it(tmp_path):
+def test_narrow_surface_is_not_written_to_a_format_that_cannot_store_it(tmp_path):
     with pytest.raises(FormatError, match="needs at least 4 columns, and the surface has 3"):
         write_surface(Surface(np.eye(3), spacing=1.0), tmp_path / "a.csv")
     assert not list(tmp_path.iterdir())
@@ -545,7 +545,7 @@ def test_narrow_surface_is_rejected_by_formats_that_cannot_store_it(tmp_path):
     assert read_surface(tmp_path / "a.npy").heights.tolist() == np.eye(3).tolist()
 
 
-def test_trailing_data_of_array_is_read_only_if_written_by_stiction(file):
+def test_trailing_data_of_an_npy_file_are_read_only_if_written_by_stiction(file):
     spacing = np.array((0.5, 0.25), dtype=[("spacing_y_um", float), ("spacing_x_um", float)])
     ours = npy_bytes(np.eye(4)) + npy_bytes(spacing) + npy_bytes(np.array(["made up\x1b[31m"]))
     assert read_surface(file(ours, "a.npy")).history == ("read from a.npy", "made up\\x1b[31m")
@@ -564,7 +564,7 @@ def test_trailing_data_of_array_is_read_only_if_written_by_stiction(file):
         read_surface(file(npy_bytes(np.eye(4)) + negative + npy_bytes(np.array([""])), "c.npy"))
 
 
-def test_writing_neither_replaces_nor_leaves_partial_files(tmp_path, monkeypatch):
+def test_writing_does_not_overwrite_files_or_leave_partial_files(tmp_path, monkeypatch):
     profile = Profile(HEIGHTS, spacing=0.1)
     (tmp_path / "a.csv").write_text("mine", encoding="utf-8")
     for path, message in (
@@ -610,11 +610,11 @@ def npy_bytes(array):
         (b"no such format", "a.abc", "a known format"),
     ],
 )
-def test_files_with_wrong_content_are_rejected(file, content, name, message):
+def test_scan_files_with_wrong_content_are_rejected(file, content, name, message):
     assert message in error_message(file(content, name))
 
 
-def test_unreadable_files_are_rejected(tmp_path):
+def test_missing_files_directories_and_pipes_are_rejected_as_scans(tmp_path):
     assert "No such file" in error_message(tmp_path / "none.csv")
     assert "is a directory" in error_message(tmp_path)
     os.mkfifo(tmp_path / "pipe.csv")  # reading it would block
@@ -632,7 +632,7 @@ def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("separator", [",", ", ", ";", "|", "\t", " "])
-def test_text_with_too_many_cells_is_rejected_before_parsing(file, monkeypatch, separator):
+def test_text_file_with_too_many_lines_or_cells_is_rejected(file, monkeypatch, separator):
     monkeypatch.setattr(text_files, "MAX_LINES", 20)
     monkeypatch.setattr(split_files, "MAX_CELLS", 10)
     wide = separator.join(["1.5"] * 5) + "\n"
@@ -663,7 +663,7 @@ def test_readers_reject_bad_arguments(file, options, message):
         assert not isinstance(caught.value, FormatError)
 
 
-def test_missing_instrument_package_is_reported_with_install_command(file, monkeypatch):
+def test_missing_instrument_package_is_reported_with_its_install_command(file, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "SurfaceTopography", None)
     assert "pip install SurfaceTopography" in error_message(file(b"?File list", "a.di"), read_surface)
 
@@ -731,7 +731,7 @@ def test_x3p_surfaces_and_profiles_are_read(file, stored, off):
     assert with_positions.spacing == pytest.approx(0.5)
 
 
-def test_x3p_increments_multiply_whole_numbers(file):
+def test_x3p_integers_are_multiplied_by_their_increment(file):
     whole = x3p_bytes(HEIGHTS_IN_METRES, stored="I", increment=1e-9, change=[("<Increment>1e-09</Increment>", "")])
     assert "has integers for Z, but no Increment" in error_message(file(whole, "a.x3p"), read_surface)
     # Remove the namespace of all elements.
@@ -743,7 +743,7 @@ def test_x3p_increments_multiply_whole_numbers(file):
         assert np.abs(read_surface(path).heights - 1e6 * HEIGHTS_IN_METRES).max() < 1e-15
 
 
-def test_x3p_profiles_not_along_x_are_rejected(file):
+def test_x3p_profile_that_is_not_along_x_is_rejected(file):
     along_y = "<CY><AxisType>A</AxisType><DataType>D</DataType></CY>"
     old = "<CY><AxisType>I</AxisType><DataType>D</DataType><Increment>2e-06</Increment></CY>"
     points = "".join(
@@ -758,7 +758,7 @@ def test_x3p_profiles_not_along_x_are_rejected(file):
     assert "points also move along y" in error_message(file(stream.getvalue(), "a.x3p"))
 
 
-def test_x3p_agrees_with_another_reader(file):
+def test_x3p_heights_agree_with_another_reader(file):
     topography = pytest.importorskip("SurfaceTopography")
     path = file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p")
     with topography.open_topography(str(path)) as reader:
@@ -807,7 +807,7 @@ def test_x3p_missing_points_are_masked(file):
         (("<p:ISO", '<!DOCTYPE a [<!ENTITY b "c">]><p:ISO'), "document type in main"),
     ],
 )
-def test_x3p_with_contradictions_is_rejected(file, change, message):
+def test_x3p_file_with_contradictions_is_rejected(file, change, message):
     path = file(x3p_bytes(HEIGHTS_IN_METRES, change=[change]), "a.x3p")
     if message is None:
         read_surface(path)
@@ -818,7 +818,7 @@ def test_x3p_with_contradictions_is_rejected(file, change, message):
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------
 
 
-def test_stylus_profile_is_read(measured):
+def test_measured_stylus_profile_is_read_with_its_header(measured):
     path = measured("dektak-1.csv")
     profile = read_profile(path)
     assert len(profile) == 9600
@@ -830,7 +830,7 @@ def test_stylus_profile_is_read(measured):
     assert "0.1562454 µm, but spacing is 0.156 um" in error_message(path, spacing="0.156 um")
 
 
-def test_surface_of_atomic_force_microscope_is_read(measured):
+def test_measured_map_of_an_atomic_force_microscope_is_read(measured):
     pytest.importorskip("SurfaceTopography")
     surface = read_surface(measured("di-4.di"))
     assert surface.heights.shape == (512, 512)
@@ -842,7 +842,7 @@ def test_surface_of_atomic_force_microscope_is_read(measured):
 
 
 @pytest.mark.parametrize("count", [300, pytest.param(1500, marks=pytest.mark.soak)])
-def test_damaged_files_are_read_or_rejected_in_one_sentence(tmp_path, count):
+def test_randomly_damaged_files_are_either_read_or_rejected_in_one_sentence(tmp_path, count):
     pristine = {
         "a.csv": "".join([TEXT_FORMATS["text above"], *(f"{i / 10},{i % 7}.5,\n" for i in range(5, 40))]).encode(),
         "b.txt": TEXT_FORMATS["decimal comma and tab"].encode(),
@@ -893,12 +893,12 @@ def peak_memory(call):
 @pytest.mark.parametrize(
     "kind", ['<!DOCTYPE a [<!ENTITY b "SUR">]>', '<!DOCTYPE a SYSTEM "file:///etc/passwd">', "<!DOCTYPE a>"]
 )
-def test_x3p_with_document_type_is_rejected_in_any_encoding(file, code, kind):
+def test_x3p_file_with_a_document_type_is_rejected_in_any_encoding(file, code, kind):
     main = X3P_WITHOUT_CHECKSUM.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
     assert "document type in main" in error_message(file(x3p_archive(main.encode(code)), "a.x3p"), read_surface)
 
 
-def test_x3p_unpacks_at_most_the_declared_points(file):
+def test_x3p_archive_larger_than_its_declared_points_is_not_unpacked(file):
     # Two archives unpack to 50 MB instead of 432 bytes. One declares the true size, and the other declares a false
     # size.
     honest = x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
@@ -914,7 +914,7 @@ def test_x3p_unpacks_at_most_the_declared_points(file):
 
 
 @pytest.mark.parametrize("number", ["1_0e-6", "١e-6", "0x1p-3", "1e", "1,5", "infinity", "--1", "1e-6e"])
-def test_x3p_numbers_follow_xml_schema(file, number):
+def test_x3p_numbers_must_conform_to_xml_schema(file, number):
     main = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{number}<")
     assert main != X3P_WITHOUT_CHECKSUM
     assert "instead of a number" in error_message(file(x3p_archive(main), "a.x3p"), read_surface)
@@ -923,7 +923,7 @@ def test_x3p_numbers_follow_xml_schema(file, number):
         assert read_surface(file(x3p_archive(main), "a.x3p")).spacing[1] == pytest.approx(1.0)
 
 
-def test_very_long_lines_are_read(file):
+def test_text_file_with_very_long_lines_is_read_quickly(file):
     # Each line is scanned only once, whatever the number of possible separators.
     path = file("\n".join([",".join(["1.5", "2", "0"] * 10_000)] * 4), "a.csv")
     began = time.process_time()
@@ -931,7 +931,7 @@ def test_very_long_lines_are_read(file):
     assert time.process_time() - began < 4  # The test took 0.4 s in a trial.
 
 
-def test_x3p_metadata_size_is_limited(file):
+def test_size_of_x3p_metadata_is_limited(file):
     few, many, deep = (X3P_WITHOUT_CHECKSUM.replace("</p:ISO", f"{words}</p:ISO") for words in (
         "<x/>" * 1000, "<x/>" * 150_000, f"<x>{' ' * 5_000_000}</x>"
     ))  # fmt: skip

@@ -47,7 +47,7 @@ def scan_path(complete_surface, tmp_path):
     return tmp_path / "hole.npy"
 
 
-def test_masks_follow_points_through_preparation(complete_surface, scan_path, tmp_path):
+def test_masks_move_with_their_points_during_preparation(complete_surface, scan_path, tmp_path):
     scan = read_surface(scan_path, missing="mask", **READ_OPTIONS)
     missing = np.isnan(np.load(scan_path))
     assert np.array_equal(scan.missing, missing)
@@ -85,7 +85,7 @@ def test_masks_follow_points_through_preparation(complete_surface, scan_path, tm
             assert np.array_equal(again.heights[~again.missing], body.heights[~body.missing])
 
 
-def test_edge_gap_is_masked_in_maps_and_cropped_in_profiles(tmp_path):
+def test_gap_at_an_edge_is_masked_in_maps_and_cropped_in_profiles(tmp_path):
     corner = np.where(np.arange(36).reshape(6, 6) < 8, np.nan, 1.0)
     np.save(tmp_path / "corner.npy", corner)
     with pytest.raises(ValueError, match='missing="mask"'):
@@ -99,7 +99,7 @@ def test_edge_gap_is_masked_in_maps_and_cropped_in_profiles(tmp_path):
     assert line.missing.tolist() == [False, False, True, False, False]
 
 
-def test_crop_ignores_missing_points_outside(complete_surface, scan_path):
+def test_cropping_ignores_missing_points_outside_the_range(complete_surface, scan_path):
     with pytest.raises(ValueError, match="480 of 4096 points"):
         read_surface(scan_path, **READ_OPTIONS)
     piece = read_surface(scan_path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ_OPTIONS)
@@ -164,7 +164,7 @@ def test_find_outliers_has_few_false_positives(kind):
     assert result <= 10  # The five profiles have 10240 points together.
 
 
-def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(complete_surface, scan_path):
+def test_nominal_area_excludes_missing_points_and_interpolation_adds_a_caveat(complete_surface, scan_path):
     scan, full = (
         read_surface(scan_path, missing="mask", **READ_OPTIONS),
         pair(complete_surface, complete_surface, shifts=4, **PAIR_OPTIONS),
@@ -198,14 +198,14 @@ def test_invalid_mask_is_rejected(mask):
         Profile(np.zeros(4), spacing=1.0, missing=mask)
 
 
-def test_pair_rejects_maps_without_common_points(complete_surface):
+def test_pair_rejects_maps_without_points_measured_in_both(complete_surface):
     rows = np.broadcast_to((np.arange(64) % 2 == 0)[:, np.newaxis], (64, 64))
     scan = Surface(complete_surface.heights, spacing=0.1, missing=rows)
     with pytest.raises(ValueError, match="measured in both"):
         pair(scan, scan, shifts=4, **PAIR_OPTIONS)  # Some of the shifts are an odd number of rows.
 
 
-def test_link_without_target_in_folder_of_scans_is_rejected(scan_path):
+def test_link_without_target_in_a_folder_of_scans_is_rejected(scan_path):
     (scan_path.parent / "gone.npy").symlink_to("nowhere.npy")
     with pytest.raises(ValueError, match=r"gone\.npy: cannot be read"):
         pair(scan_path.parent, scan_path, missing="mask", shifts=1, **READ_OPTIONS, **PAIR_OPTIONS)

@@ -33,7 +33,7 @@ class TestLines:
             np.testing.assert_array_equal(upper.heights, -body.heights[row])
             np.testing.assert_array_equal(lower.heights, body.heights[(row + 10) % 30])
 
-    def test_pair_is_independent_of_number_of_pairs(self):
+    def test_line_pair_is_independent_of_pairs_created_before(self):
         profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
         pairs = LinePairs(profile, profile, surrogates="both", several=True)
         assert pairs.max_count() is None
@@ -43,7 +43,7 @@ class TestLines:
 
 
 class TestMaps:
-    def test_map_pairs_never_align_a_map_with_itself(self):
+    def test_map_pairs_of_one_map_are_always_shifted(self):
         body = surface()
         pairs = MapPairs(flipped(body), body)
         moved = np.array([pairs.map_shift(index) for index in range(30)])
@@ -52,7 +52,7 @@ class TestMaps:
         assert len(np.unique(moved, axis=0)) == 30
         assert np.ptp(np.subtract(*(item.heights for item in pairs.pair(0)))) > 0.01
 
-    def test_map_pieces_cover_the_larger_map(self):
+    def test_positions_of_map_pieces_cover_the_larger_map(self):
         small, large = surface((32, 32)), surface((200, 120), seed=4)
         for pairs in (MapPairs(small, large), MapPairs(large, small)):
             assert pairs.shape == (24, 24)
@@ -65,7 +65,7 @@ class TestMaps:
                     assert all(o >= 0 and o + 24 <= n for o, n in zip(origin, body.heights.shape, strict=True))
         assert pairs.used == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
 
-    def test_map_pieces_have_the_finer_spacing(self):
+    def test_map_pieces_have_the_finer_of_both_spacings(self):
         fine = surface((64, 64), 0.05)
         coarse = Surface(surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
         pairs = MapPairs(fine, coarse)
@@ -83,18 +83,18 @@ class TestMaps:
         rest = np.linalg.lstsq(plane, off.ravel(), rcond=None)[1]
         assert np.sqrt(rest / off.size) < 1e-9
 
-    def test_rotated_maps_give_rotated_pieces(self):
+    def test_pieces_of_rotated_maps_are_rotated(self):
         upper, lower = surface(side="upper"), surface()
         pairs = MapPairs(upper, lower)
         assert pairs.area == pytest.approx(4.8**2)
         assert pairs.used == pytest.approx((0.5625, 0.5625))
 
-    def test_map_pairs_reject_too_few_points(self):
+    def test_map_pairs_reject_overlaps_with_too_few_points(self):
         with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
             MapPairs(surface((20, 64)), surface((20, 64))).pair(0)
 
 
-def test_isotropic_pairs_use_the_shorter_profile_length():
+def test_isotropic_pairs_have_the_length_of_the_shorter_profile():
     one, other = (
         self_affine(1, hurst_exponent=0.8, rms=0.05, points=points, spacing=spacing, side=side)
         for points, spacing, side in ((200, 0.02, "upper"), (300, 0.01, "lower"))

@@ -20,7 +20,7 @@ def rough_profile(points, spacing=0.1, seed=1):
 
 
 @pytest.mark.parametrize(("trend", "degree"), [("mean", 0), ("line", 1), ("quadratic", 2)])
-def test_levelled_subtracts_least_squares_polynomial(trend, degree):
+def test_levelling_a_profile_subtracts_the_least_squares_polynomial(trend, degree):
     profile = rough_profile(101)
     reference = profile.heights - np.polynomial.Polynomial.fit(profile.x, profile.heights, degree)(profile.x)
     result = levelled(profile, trend)
@@ -32,7 +32,7 @@ def test_levelled_subtracts_least_squares_polynomial(trend, degree):
     seed=st.integers(0, 2**32), points=st.integers(4, 300), coefficients=st.tuples(*[st.floats(-1, 1)] * 3),
 )  # fmt: skip
 @settings(max_examples=50)
-def test_levelled_removes_added_trend(seed, points, coefficients):
+def test_levelling_removes_an_added_trend(seed, points, coefficients):
     profile = rough_profile(points, seed=seed)
     t = np.linspace(-1, 1, points)
     bent = Profile(profile.heights + np.polynomial.Polynomial(coefficients)(t), spacing=0.1)
@@ -41,14 +41,14 @@ def test_levelled_removes_added_trend(seed, points, coefficients):
     assert np.abs(levelled(once, "line").heights - once.heights).max() < ROUND_OFF
 
 
-def test_levelled_is_accurate_for_large_tilt():
+def test_levelling_is_accurate_for_a_large_tilt():
     profile = levelled(rough_profile(10_000), "line")
     tilted = Profile(1e-3 * profile.heights + 100 * profile.x, spacing=profile.spacing)
     # Round-off is 1e-16 of the largest height, 1e5 µm.
     assert np.abs(levelled(tilted, "line").heights - 1e-3 * profile.heights).max() < 1e-10
 
 
-def test_levelled_rejects_trend_of_other_body():
+def test_levelling_rejects_a_trend_of_another_kind_of_body():
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'line', .*, got 'plane'"):
         levelled(rough_profile(9), "plane")
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'plane', .*, got 'line'"):
@@ -61,7 +61,7 @@ def test_levelled_rejects_trend_of_other_body():
 
 
 @given(points=st.integers(8, 200), cut=st.floats(0.05, 0.95), spacing=st.sampled_from([0.1, 0.3, 1 / 3, 7.0]))
-def test_adjacent_crops_make_up_the_profile(points, cut, spacing):
+def test_adjacent_crops_together_equal_the_profile(points, cut, spacing):
     profile = rough_profile(points, spacing)
     place = min(max(round(cut * points), 4), points - 4) * spacing
     left, right = cropped(profile, stop=place), cropped(profile, place)
@@ -69,7 +69,7 @@ def test_adjacent_crops_make_up_the_profile(points, cut, spacing):
     assert np.array_equal(cropped(profile, 0, profile.extent).heights, profile.heights)
 
 
-def test_crop_starts_at_next_point():
+def test_crop_starts_at_the_next_grid_point():
     profile = Profile(np.arange(10.0), spacing=0.1)
     assert cropped(profile, 0.15, 0.65).heights.tolist() == [2, 3, 4, 5, 6]
     assert cropped(profile, 0.3, 0.7).heights.tolist() == [3, 4, 5, 6]
@@ -86,7 +86,7 @@ def test_crop_starts_at_next_point():
         (0, "1", "stop must be .number unit"),
     ],
 )
-def test_cropped_rejects_positions_outside(start, stop, match):
+def test_crop_rejects_positions_outside_the_profile(start, stop, match):
     with pytest.raises(ValueError, match=match):
         cropped(rough_profile(10), start, stop)
 
@@ -94,7 +94,7 @@ def test_cropped_rejects_positions_outside(start, stop, match):
 # ---- Turning over ---------------------------------------------------------------------------------------------------
 
 
-def test_flipped_scan_touches_at_the_peak():
+def test_flipped_scan_touches_a_flat_at_its_peak():
     peak = Profile(-np.square(np.linspace(-1, 1, 101)), spacing=0.02)
     touching = contacts(flipped(peak), peak, 1e-4, detection="gap-minimum")
     assert touching.index.tolist() in (
@@ -107,7 +107,7 @@ def test_flipped_scan_touches_at_the_peak():
 # ---- A common grid --------------------------------------------------------------------------------------------------
 
 
-def test_common_grid_keeps_finer_profile_and_splines_the_other():
+def test_common_grid_preserves_the_finer_profile_and_interpolates_the_other():
     fine, coarse = rough_profile(100, 0.1), rough_profile(20, 0.25)
     for a, b, stored in ((fine, coarse, 0), (coarse, fine, 1)):
         pair = on_common_grid(a, b)
@@ -118,14 +118,14 @@ def test_common_grid_keeps_finer_profile_and_splines_the_other():
         assert np.abs(shared - coarse.heights[::2]).max() < ROUND_OFF
 
 
-def test_common_grid_of_equal_grids_changes_nothing():
+def test_profiles_on_equal_grids_are_unchanged_on_their_common_grid():
     a, b = rough_profile(30), rough_profile(20)
     common = on_common_grid(a, b)
     assert np.array_equal(common[0].heights, a.heights[:20])
     assert common[1] is b
 
 
-def test_spline_error_decreases_with_fourth_power_of_spacing():
+def test_spline_interpolation_error_decreases_with_fourth_power_of_spacing():
     errors = []
     for points in (40, 80):
         coarse = Profile(np.sin(np.arange(points + 1) * 20 / points), spacing=20 / points)
@@ -136,14 +136,14 @@ def test_spline_error_decreases_with_fourth_power_of_spacing():
     assert np.log2(errors[0] / errors[1]) > MIN_SPLINE_ORDER
 
 
-def test_common_grid_exists_for_any_two_profiles():
+def test_common_grid_has_at_least_four_points_for_any_two_profiles():
     assert [len(item) for item in on_common_grid(rough_profile(4, 3.0), rough_profile(4, 0.1))] == [4, 4]
 
 
 # ---- History --------------------------------------------------------------------------------------------------------
 
 
-def test_history_contains_every_step():
+def test_history_of_a_profile_lists_every_preparation_step():
     profile = Profile(rough_profile(100).heights, spacing=0.1, history=("made up",))
     completed = cropped(levelled(profile, "quadratic"), 1.0, 9.0).with_amplitude(0.5, "Rq")
     other = on_common_grid(completed, rough_profile(200, 0.05))[0]
@@ -157,7 +157,7 @@ def test_history_contains_every_step():
     assert pickle.loads(pickle.dumps(other)).history == other.history
 
 
-def test_profiles_of_a_surface_inherit_its_history():
+def test_rows_and_columns_inherit_the_history_of_their_surface():
     surface = levelled(Surface(np.arange(20.0).reshape(4, 5), spacing=(0.5, 0.25), history=("made up",)), "plane")
     assert pickle.loads(pickle.dumps(surface)).history == ("made up", "levelled by a plane")
     assert surface.row(2).history == ("made up", "levelled by a plane", "row 2")
@@ -165,6 +165,6 @@ def test_profiles_of_a_surface_inherit_its_history():
 
 
 @pytest.mark.parametrize("history", ["levelled", ["levelled"], (1,), None])
-def test_history_is_a_tuple_of_strings(history):
+def test_history_must_be_a_tuple_of_strings(history):
     with pytest.raises(ValueError, match="history must be a tuple of strings"):
         Profile(np.zeros(4), spacing=1.0, history=history)

@@ -8,7 +8,7 @@ HEIGHTS = np.array([0.0, 2.0, 1.0, -3.0, 0.5])
 ROUND_OFF = 1e-14  # round-off of a few operations on numbers of order one
 
 
-def test_grid_starts_at_zero_and_extends_over_all_points():
+def test_grid_of_a_profile_starts_at_zero_and_extends_over_all_points():
     profile = Profile(HEIGHTS, spacing=0.25)
     assert profile.x.tolist() == [0, 0.25, 0.5, 0.75, 1.0]
     assert profile.extent == 1.25
@@ -16,7 +16,7 @@ def test_grid_starts_at_zero_and_extends_over_all_points():
 
 
 @pytest.mark.parametrize("body", [Profile(HEIGHTS, spacing=1.0), Surface(np.zeros((4, 4)), spacing=1.0)])
-def test_heights_are_a_read_only_copy(body):
+def test_heights_of_a_profile_are_a_read_only_copy(body):
     """Check the copy of heights also for a read-only view and for a pickled profile."""
     mine = np.array(body.heights)
     view = mine.view()
@@ -35,7 +35,7 @@ def test_heights_are_a_read_only_copy(body):
 @pytest.mark.parametrize(
     ("measure", "size"), [("height", np.ptp), ("Ra", lambda y: np.abs(y - y.mean()).mean()), ("Rq", np.std)]
 )
-def test_with_amplitude_sets_the_measure(measure, size):
+def test_with_amplitude_scales_heights_to_the_given_measure(measure, size):
     scaled = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)
     assert size(scaled.heights) == pytest.approx(0.3, abs=ROUND_OFF)
     assert scaled.heights.mean() == pytest.approx(0, abs=ROUND_OFF)

@@ -30,7 +30,7 @@ def fine_surface(dimensions, points, spacing):
 
 @pytest.mark.parametrize("dimensions", [1, 2])
 @pytest.mark.parametrize("colour", ["white", "band", "pink"])
-def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colour):
+def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colour):
     points, spacing, rms, rng = (12000 if dimensions == 1 else 320), 0.02, 1.5e-4, np.random.default_rng(3)
     shape = (points,) * dimensions
     truth, kind = fine_surface(dimensions, points, spacing), Profile if dimensions == 1 else Surface
@@ -68,7 +68,7 @@ def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colou
     assert left / (whole @ stored) == pytest.approx(0.1, rel=0.15)
 
 
-def test_compare_repeated_scans_rejects_identical_and_unrelated_scans():
+def test_comparison_of_repeated_scans_rejects_unrelated_scans():
     first, other = (self_affine(seed, hurst_exponent=0.8, rms=0.1, points=2000, spacing=0.1) for seed in (1, 2))
     result = compare_repeated_scans(first, Profile(first.heights[100:], spacing=0.1))
     assert (result.shift, result.limit) == ((10.0,), 0.2)
@@ -101,7 +101,7 @@ def dilated_surface(body, radius):
         self_affine_surface(1, hurst_exponent=0.7, rms=0.01, shape=(120, 100), spacing=(0.01, 0.012)),
     ],
 )
-def test_tip_reconstructed_inverts_dilation_at_certain_points(body):
+def test_tip_reconstruction_inverts_dilation_at_points_marked_as_certain(body):
     radius = 0.15
     recorded = type(body)(dilated_surface(body, radius), spacing=body.spacing)
     result, certain = tip_reconstructed(recorded, radius)
@@ -121,13 +121,13 @@ def test_tip_reconstructed_inverts_dilation_at_certain_points(body):
 
 
 @pytest.mark.parametrize("factor", [0.0, 1e-71, 1e-160, 1e-300])
-def test_compare_repeated_scans_rejects_scans_whose_squares_underflow(factor):
+def test_comparison_of_repeated_scans_rejects_heights_whose_squares_underflow(factor):
     heights = np.random.default_rng(3).normal(size=64)
     with pytest.raises(ValueError, match="second must not be flat"):
         compare_repeated_scans(Profile(heights, spacing=0.1), Profile(factor * heights, spacing=0.1))
 
 
-def test_compare_repeated_scans_rejects_orthogonal_slopes():
+def test_comparison_of_repeated_scans_rejects_orthogonal_slopes():
     first, second = np.zeros((2, 16))
     first[3], second[11] = 1.0, 1.0
     with pytest.raises(ValueError, match=r"correlation|overlap"):

@@ -22,7 +22,7 @@ ROUND_OFF = 1e-12
 
 
 class TestParameters:
-    def test_parameters_of_sinusoid_have_closed_forms(self):
+    def test_roughness_parameters_of_a_sinusoid_equal_closed_forms(self):
         # Even moments over whole periods are exact. The mean of |sin| at n points per period is below 2/π by π²/3n².
         n = 512
         result = roughness_parameters(sinusoid(n))
@@ -33,7 +33,7 @@ class TestParameters:
         assert result.Pku == pytest.approx(1.5, rel=ROUND_OFF)
 
     @pytest.mark.parametrize(("derivative", "order", "factor"), [("neighbours", 2, 24), ("seven-point", 6, 140)])
-    def test_slope_of_sinusoid_has_the_error_of_its_difference(self, derivative, order, factor):
+    def test_slope_error_of_a_sinusoid_equals_that_of_its_difference_formula(self, derivative, order, factor):
         exact = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
             # The sinusoid is long, so that the six points without a seven-point slope have little weight.
@@ -41,7 +41,7 @@ class TestParameters:
             # The next term of the error is smaller by a factor of about (2π/n)².
             assert short == pytest.approx((2 * np.pi / n) ** order / factor, rel=(2 * np.pi / n) ** 2, abs=2e-6)
 
-    def test_parameters_of_normal_heights_have_closed_forms(self):
+    def test_roughness_parameters_of_normal_heights_equal_closed_forms(self):
         result = roughness_parameters(rough_profile(points=200_000, longest_wavelength=1.0))
         # The map has about 2000 independent heights. The tolerances are four times the standard errors of 0.05 and
         # 0.11.
@@ -50,7 +50,7 @@ class TestParameters:
         assert result.Pa / result.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
 
     @pytest.mark.parametrize("factor", [1e-45, 1e45])
-    def test_parameters_scale_with_heights(self, factor):
+    def test_roughness_parameters_scale_with_heights(self, factor):
         profile = rough_profile()
         one, other = (
             roughness_parameters(profile),
@@ -64,7 +64,7 @@ class TestParameters:
     def test_skewness_is_negative_for_deep_valleys(self):
         assert roughness_parameters(Profile([0.0] * 20 + [-1.0] + [0.0] * 20, spacing=1.0)).Psk < -1
 
-    def test_parameters_reject_bad_arguments(self):
+    def test_roughness_parameters_reject_bad_arguments(self):
         with pytest.raises(ValueError, match="flat"):
             roughness_parameters(Profile([1.0] * 10, spacing=1.0))
         with pytest.raises(ValueError, match="7 points"):
@@ -169,7 +169,7 @@ def test_seven_point_slope_of_surface_equals_slopes_of_its_lines():
     assert surface_parameters(surface).Sdq == pytest.approx(expected, rel=ROUND_OFF)
 
 
-def test_autocorrelation_equals_mean_product_over_the_overlap():
+def test_autocorrelation_equals_the_mean_product_over_the_overlap():
     z = gaussian_surface(shape=(9, 12)).heights
     z = z - z.mean()
     result = autocorrelation(z)
@@ -182,7 +182,7 @@ def test_autocorrelation_equals_mean_product_over_the_overlap():
             assert result[j, shift + 6] == pytest.approx(np.mean(pairs) / np.mean(z**2), abs=ROUND_OFF)
 
 
-def test_autocorrelation_lengths_of_gaussian_have_closed_forms():
+def test_autocorrelation_lengths_of_gaussian_surfaces_equal_closed_forms():
     # The correlation exp(-r²/4s²) falls to 0.2 at 2 s sqrt(ln 5). With 60 correlation areas it scatters by some per
     # cent.
     surface = gaussian_surface(shape=(600, 700), spacing=0.5, smooth=8.0)
@@ -202,7 +202,7 @@ def grooved_surface(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
 
 
 @pytest.mark.parametrize("angle", [0, 31, 90, 135])
-def test_texture_parameters_of_grooves_give_their_direction(angle):
+def test_texture_direction_equals_the_direction_of_grooves(angle):
     result = surface_parameters(grooved_surface(angle))
     # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, except for partial periods in the overlap.
     assert result.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
@@ -211,7 +211,7 @@ def test_texture_parameters_of_grooves_give_their_direction(angle):
     assert off <= 3  # This tolerance includes a sector of two degrees and the spread of the window.
 
 
-def test_core_of_distributions_has_closed_forms():
+def test_core_roughness_of_known_distributions_equals_closed_forms():
     # The heights are equally spread, so the bearing curve is straight, without peaks or valleys.
     even = Surface(np.random.default_rng(1).permutation(np.linspace(0, 2, 10_000)).reshape(100, 100), spacing=1.0)
     result = surface_parameters(even)
@@ -236,7 +236,7 @@ def test_core_of_distributions_has_closed_forms():
     assert result.Svk == pytest.approx(result.Spk, rel=5e-3)
 
 
-def test_reduced_heights_are_triangles_of_equal_area():
+def test_reduced_peak_height_is_that_of_a_triangle_of_equal_area():
     surface = gaussian_surface(seed=5)
     result = surface_parameters(surface)
     z = np.sort(surface.heights.ravel() - surface.heights.mean())[::-1]
@@ -257,7 +257,7 @@ def test_bearing_curve_returns_heights_at_material_ratios():
         bearing_curve(surface, [1.5])
 
 
-def test_surface_parameters_scale_and_rotate():
+def test_surface_parameters_scale_with_size_and_are_invariant_under_rotation():
     surface = gaussian_surface()
     one = surface_parameters(surface)
     other = surface_parameters(Surface(1e-3 * surface.heights, spacing=(0.5e-3, 0.25e-3)))

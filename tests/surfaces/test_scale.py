@@ -57,7 +57,7 @@ def test_scale_dependent_roughness_sums_spectrum_above_wavelength():
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.8])
-def test_scale_dependent_roughness_of_power_law_has_closed_form(hurst):
+def test_scale_dependent_roughness_of_a_power_law_equals_closed_form(hurst):
     longest = 40.0
     profile = self_affine(
         1, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, longest_wavelength=longest, periodic=True,
@@ -72,7 +72,7 @@ def test_scale_dependent_roughness_of_power_law_has_closed_form(hurst):
         )
 
 
-def test_scale_dependent_roughness_is_independent_of_tilt_and_window():
+def test_scale_dependent_roughness_is_independent_of_tilt_and_units():
     profile = self_affine(
         4, hurst_exponent=0.7, rms=0.1, points=8192, spacing=0.01, longest_wavelength=2.0, shortest_wavelength=0.2
     )
@@ -89,7 +89,7 @@ def test_scale_dependent_roughness_is_independent_of_tilt_and_window():
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
 @pytest.mark.parametrize("areal", [True, False])
-def test_extrapolation_follows_power_law(hurst, areal):
+def test_extrapolation_of_a_coarse_scan_agrees_with_a_fine_scan(hurst, areal):
     """Compare the extrapolation from a coarse scan with a fine scan."""
     if areal:
         rough_one = {"hurst_exponent": hurst, "rms": 0.1, "shape": (512, 512), "spacing": 0.01}
@@ -120,7 +120,7 @@ def test_extrapolation_follows_power_law(hurst, areal):
     assert recorded.wavelength_of(1e-9) == pytest.approx(recorded.wavelength[0], rel=1e-6)
 
 
-def test_extrapolation_is_continuous_at_exponent_1():
+def test_extrapolation_is_continuous_at_a_hurst_exponent_of_1():
     estimate = replace(estimate_hurst_exponent(rough_profile(points=4096)), value=1.0)
     recorded = scale_dependent_roughness(rough_profile(points=4096))
     near = replace(estimate, value=1 + 1e-9)
@@ -128,14 +128,14 @@ def test_extrapolation_is_continuous_at_exponent_1():
 
 
 class TestInstrument:
-    def test_smallest_surface_is_limited_by_pixels(self):
+    def test_instrument_limit_of_the_smallest_surface_is_its_pixels(self):
         small = Surface([[0.0, 1.0], [2.0, 0.0]], spacing=1.0)
         assert instrument_limit(small).reason == "pixels"
         with pytest.raises(ValueError, match=r"surface must have more than \(2, 2\) points"):
             surface_spectrum(small).radial()
 
     @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
-    def test_rough_surface_is_limited_by_pixels(self, hurst):
+    def test_instrument_limit_of_a_noise_free_surface_is_its_pixels(self, hurst):
         for repetition in range(5):
             profile = self_affine(1, hurst_exponent=hurst, rms=0.1, points=8192, spacing=0.01, repetition=repetition)
             assert instrument_limit(profile).reason == "pixels"
@@ -146,7 +146,7 @@ class TestInstrument:
         assert instrument_limit(folded).reason == "pixels"
 
     @pytest.mark.parametrize("noise", [0.3e-3, 1e-3, 1e-2])
-    def test_noise_floor_begins_at_multiple_of_its_power(self, noise):
+    def test_noise_floor_begins_at_a_multiple_of_its_power(self, noise):
         profile = self_affine(
             1, hurst_exponent=0.9, rms=0.1, points=2**14, spacing=0.01, periodic=True, amplitudes="fixed"
         )
@@ -158,12 +158,12 @@ class TestInstrument:
         power = 0.1**2 * harmonic**-2.8 / (np.arange(1, 2**13) ** -2.8).sum()
         assert 1.2 < power / (noise**2 / 2**13) < 4  # the power includes the noise, and is four times the lowest power
 
-    def test_white_heights_are_noise_at_all_wavelengths(self):
+    def test_white_noise_alone_is_a_noise_floor_at_long_wavelengths(self):
         result = instrument_limit(Profile(np.random.default_rng(2).normal(size=4096), spacing=0.1))
         assert result.reason == "noise floor"
         assert result.noise > 10
 
-    def test_tip_limits_curvature(self):
+    def test_tip_limit_is_the_wavelength_where_curvature_reaches_that_of_the_tip(self):
         surface = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(256, 256), spacing=0.01)
         roughness = scale_dependent_roughness(surface)
         for radius in (0.02, 0.1, 1.0):
@@ -173,7 +173,7 @@ class TestInstrument:
         assert result.reason == "tip"
         assert math.isnan(instrument_limit(surface, tip_radius=1e-5).tip)
 
-    def test_instrument_limit_of_measured_map_is_plausible(self, measured):
+    def test_instrument_limits_of_measured_scans_equal_recorded_values(self, measured):
         surface = read_surface(measured("di-4.di"))
         result = instrument_limit(surface)
         assert result.reason == "noise floor"
@@ -183,7 +183,7 @@ class TestInstrument:
         assert result.slope_fraction == pytest.approx(0.138, abs=0.001)
         assert instrument_limit(read_profile(measured("dektak-1.csv"))).reason == "pixels"
 
-    def test_coloured_noise_is_detected_and_filtered_slope_is_true(self):
+    def test_coloured_noise_is_detected_and_the_filtered_slope_is_correct(self):
         points, step, acted, right = 4000, 1 / 60, 0, 0
         frequency = np.fft.rfftfreq(points, step)
         colours = {
@@ -214,14 +214,14 @@ class TestInstrument:
         assert acted >= 30
         assert right >= 0.95 * acted
 
-    def test_hump_far_above_resolution_is_texture(self):
+    def test_hump_in_the_spectrum_far_above_resolution_is_not_noise(self):
         rough = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
         frequency = np.fft.rfftfreq(8192, 0.1)
         transform = np.fft.rfft(rough.heights)
         transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # These wavelengths are 80 to 200 points long.
         assert instrument_limit(Profile(np.fft.irfft(transform, 8192), spacing=0.1)).reason == "pixels"
 
-    def test_height_quantisation_is_named(self):
+    def test_quantisation_of_heights_is_reported_as_instrument_limit(self):
         smooth = self_affine(
             5, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, longest_wavelength=5.0, shortest_wavelength=0.5
         )
@@ -235,7 +235,7 @@ def make_body(heights, spacing=0.1):
 class TestTexture:
     @pytest.mark.parametrize("dimensions", [1, 2])
     @pytest.mark.parametrize("kind", MACHINED_SURFACES)
-    def test_clean_surface_has_no_instrument_wavelengths(self, kind, dimensions):
+    def test_clean_surface_has_no_wavelengths_attributed_to_the_instrument(self, kind, dimensions):
         limits = [
             instrument_limit(make_body(MACHINED_SURFACES[kind](np.random.default_rng([seed, dimensions]), dimensions)))
             for seed in range(8)
@@ -244,17 +244,17 @@ class TestTexture:
         assert sum(limit.matters for limit in limits) <= 1
 
     @pytest.mark.parametrize("feed", [10, 25, 60])
-    def test_feed_of_turned_profile_is_detected(self, feed):
+    def test_feed_marks_of_a_turned_profile_are_detected(self, feed):
         heights = turned_surface(np.random.default_rng(1), 1, feed=(feed, feed))
         assert instrument_limit(make_body(heights)).period == pytest.approx(0.1 * feed, rel=0.01)
 
     @pytest.mark.parametrize("hurst", [0.3, 0.8, 1.0])
-    def test_random_profile_has_no_feed(self, hurst):
+    def test_random_profile_has_no_feed_marks(self, hurst):
         for seed in range(10):
             heights = filtered_noise(np.random.default_rng(seed), (2048,), hurst)
             assert math.isnan(instrument_limit(make_body(heights)).period)
 
-    def test_noise_on_turned_profile_is_attributed_to_instrument_if_texture_is_declared(self):
+    def test_noise_on_turned_profile_is_attributed_if_texture_is_declared(self):
         rng = np.random.default_rng(3)
         heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
         noisy = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
@@ -262,7 +262,7 @@ class TestTexture:
         assert (result.reason, result.origin, result.matters) == ("noise floor", "unknown", True)
         assert instrument_limit(noisy, texture=True).origin == "instrument"
 
-    def test_line_spectrum_is_unattributed_unless_texture_is_declared(self):
+    def test_single_line_in_the_spectrum_is_unattributed_unless_texture_is_declared(self):
         rng = np.random.default_rng(1)
         smooth = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
         humming = make_body(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
@@ -270,7 +270,7 @@ class TestTexture:
         assert (result.reason, result.origin, result.matters) == ("line", "unknown", True)
         assert instrument_limit(humming, texture=True).reason == "pixels"
 
-    def test_white_noise_of_map_is_attributed_to_instrument_with_declared_texture(self):
+    def test_white_noise_of_a_map_with_declared_texture_comes_from_the_instrument(self):
         rng = np.random.default_rng(2)
         smooth = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
         noisy = make_body(smooth + 0.05 * rng.normal(size=smooth.shape))
@@ -294,7 +294,7 @@ class TestNoiseOfAnisotropicMap:
         return filtered_noise(rng, (192, 192), 0.8, longest=60, shortest=5, stretch=6.0), rng
 
     @pytest.mark.parametrize("level", [0.002, 0.05])
-    def test_white_noise_is_limited_by_shorter_axis(self, grooves, level):
+    def test_white_noise_on_grooves_is_filtered_at_the_shorter_limit_of_both_axes(self, grooves, level):
         heights, rng = grooves
         noise = level * rng.normal(size=heights.shape)
         scan = Surface(heights + noise, spacing=0.1)
@@ -309,7 +309,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered == pytest.approx(clean, rel=0.04)
 
-    def test_noise_hidden_across_grooves_is_counted(self):
+    def test_noise_hidden_across_grooves_contributes_to_the_slope_fraction(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)
@@ -318,13 +318,13 @@ class TestNoiseOfAnisotropicMap:
         assert math.isnan(result.noise_x)
         assert result.slope_fraction == pytest.approx(noise_slope_fraction(noise, heights + noise), rel=0.2)
 
-    def test_narrow_map_without_common_wave_numbers_has_a_limit(self):
+    def test_narrow_map_without_common_wavenumbers_has_an_instrument_limit(self):
         rng = np.random.default_rng(5)
         heights = filtered_noise(rng, (512,), 0.8, longest=100, shortest=20) + 0.05 * rng.normal(size=(4, 512))
         result = instrument_limit(Surface(heights, spacing=(0.001, 0.1)))
         assert result.reason in ("noise floor", "pixels")
 
-    def test_offsets_of_rows_are_noise_along_y_only(self, grooves):
+    def test_offsets_between_rows_are_noise_along_y_only(self, grooves):
         heights, rng = grooves
         noise = 0.05 * rng.normal(size=(192, 1)) + np.zeros(heights.shape)
         result = instrument_limit(Surface(heights + noise, spacing=0.1))
@@ -347,7 +347,7 @@ def test_instrument_limit_rejects_bad_arguments(function, arguments, message):
         function(**arguments)
 
 
-def test_gradient_and_wavelength_reject_bad_arguments():
+def test_gradient_at_and_wavelength_of_reject_bad_arguments():
     result = scale_dependent_roughness(sinusoid(16))
     with pytest.raises(ValueError, match="wavelength must be above 0"):
         result.gradient_at(0.0)
@@ -356,7 +356,7 @@ def test_gradient_and_wavelength_reject_bad_arguments():
 
 
 @pytest.mark.parametrize("colour", ["white", "band"])
-def test_cutoff_of_instrument_preserves_slope_of_trusted_wavelengths(colour):
+def test_instrument_cutoff_preserves_the_slope_of_trusted_wavelengths(colour):
     """Check that the cutoff removes little slope. A cutoff at the limit itself would reduce h' by 20 %."""
     for seed in range(6):
         created = self_affine_surface(

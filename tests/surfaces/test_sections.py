@@ -26,7 +26,7 @@ def ground_profile(seed=1, points=4500, spacing=0.5):
 
 class TestSinusoid:
     @pytest.mark.parametrize("ratio", [0.1, 0.25, 1.0])
-    def test_height_parameters_have_closed_forms(self, ratio):
+    def test_roughness_parameters_of_a_sinusoid_equal_closed_forms(self, ratio):
         # After the L-filter the amplitude is A (1 - t) with the transmission t = exp(-π (α λc/λ)²).
         wavelength = 800 * ratio
         # The profile has fifteen sections of whole periods, so that its ends do not influence the five sections in the
@@ -46,12 +46,12 @@ class TestSinusoid:
         assert found.Rmr == pytest.approx(0.5, abs=0.002)
         assert found.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
 
-    def test_s_filter_removes_its_fraction(self):
+    def test_s_filter_halves_a_sinusoid_at_its_nesting_index(self):
         # A sinusoid whose wavelength is λs keeps half of its amplitude.
         found = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
         assert found.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
 
-    def test_roughness_and_waviness_have_half_amplitude_at_cutoff(self):
+    def test_waviness_of_a_sinusoid_at_the_cutoff_has_half_amplitude(self):
         found = section_parameters(sinusoid(800.0, waves=40), lc=800, ls=0)
         assert found.Wq == pytest.approx(0.5 / math.sqrt(2), rel=0.02)
         assert found.WSm == pytest.approx(800, rel=0.01)
@@ -77,7 +77,7 @@ def found(profile):
 
 
 class TestDefinitions:
-    def test_evaluation_length_is_five_sections_in_the_middle(self, found):
+    def test_evaluation_length_is_five_sections_in_the_middle_of_the_profile(self, found):
         assert (found.filters.start, found.filters.stop, found.filters.sections) == (50, 850, 5)
 
     def test_roughness_parameters_equal_their_definitions(self, slow_parts, found):
@@ -122,7 +122,7 @@ def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_profile_elements_equal_a_walk_along_the_profile(seed):
+def test_profile_elements_equal_those_counted_point_by_point(seed):
     heights = ground_profile(seed, points=1500).heights
     assert mean_element(heights, 0.5, 0.7) == pytest.approx(slow.measure_profile_elements(heights, 0.5, 0.7), rel=1e-9)
 
@@ -136,22 +136,22 @@ class TestSettingClass:
             (30.0, 20.0, "Sc5", 8000, 25),
         ],
     )  # fmt: skip
-    def test_class_follows_ra_and_rsm(self, amplitude, wavelength, name, lc, ls):
+    def test_setting_class_is_chosen_from_ra_and_rsm(self, amplitude, wavelength, name, lc, ls):
         x = 0.5 * np.arange(20_000)
         profile = Profile(amplitude * np.sin(2 * np.pi * x / wavelength), spacing=0.5)
         found = section_parameters(profile).filters
         assert (found.lc, found.ls, found.reason[:3]) == (lc, ls, name)
 
-    def test_coarse_grid_has_no_s_filter(self):
+    def test_profile_on_a_coarse_grid_has_no_s_filter(self):
         x = 5.0 * np.arange(2000)
         assert section_parameters(Profile(np.sin(2 * np.pi * x / 100), spacing=5.0)).filters.ls is None
 
-    def test_short_profile_has_fewer_sections(self):
+    def test_short_profile_is_evaluated_over_fewer_sections(self):
         found = section_parameters(sinusoid(50.0, waves=39), lc=800)
         assert found.filters.sections == 2
         assert found.filters.stop - found.filters.start == 3200
 
-    def test_robust_filter_does_not_follow_a_groove(self):
+    def test_robust_filter_is_affected_less_by_a_groove_than_the_linear_filter(self):
         profile = ground_profile(points=3000)
         heights = profile.heights.copy()
         heights[1500:1560] -= 20
@@ -160,7 +160,7 @@ class TestSettingClass:
         plain = section_parameters(profile, lc=250)
         assert abs(robust.Rp - plain.Rp) < 0.2 * abs(linear.Rp - plain.Rp)
 
-    def test_missing_points_do_not_change_the_filters(self):
+    def test_missing_points_do_not_affect_the_waviness(self):
         profile, missing = ground_profile(points=3000), np.zeros(3000, bool)
         missing[1400:1403] = True
         heights = np.where(missing, 50.0, profile.heights)
@@ -186,7 +186,7 @@ def test_section_parameters_reject_bad_arguments(options, message):
         section_parameters(Profile(np.sin(np.arange(100.0)), spacing=0.5), **options)
 
 
-def test_section_parameters_reject_too_coarse_or_short_profiles():
+def test_section_parameters_reject_profiles_that_are_too_coarse_or_too_short():
     x = 50.0 * np.arange(1000)
     with pytest.raises(ValueError, match=r"^Ra .* call for a section length of 250 µm; its points are 50 µm apart"):
         section_parameters(Profile(0.05 * np.sin(2 * np.pi * x / 110), spacing=50.0))
@@ -197,7 +197,7 @@ def test_section_parameters_reject_too_coarse_or_short_profiles():
         section_parameters(Profile(20 * np.sin(np.arange(4000) / 20), spacing=0.5))
 
 
-def test_flat_profile_is_rejected():
+def test_section_parameters_reject_a_flat_profile():
     with pytest.raises(ValueError, match="flat"):
         section_parameters(Profile(np.ones(1000), spacing=0.5))
 

@@ -10,7 +10,7 @@ SURFACE_OPTIONS = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spaci
 
 
 class TestSelfAffineProfile:
-    def test_profile_has_requested_spectrum_and_height(self):
+    def test_self_affine_profile_has_requested_spectrum_and_rms_height(self):
         profile = rough_profile(periodic=True, amplitudes="fixed", longest_wavelength=2.0, shortest_wavelength=0.05)
         assert roughness_parameters(profile).Pq == pytest.approx(0.1, rel=ROUND_OFF)
         spectrum = power_spectrum(profile, periodic=True)
@@ -22,7 +22,7 @@ class TestSelfAffineProfile:
         assert spectrum.density[cut].max() < 1e-24 * spectrum.density[0]
 
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_ensemble_mean_square_equals_requested(self, periodic):
+    def test_ensemble_of_profiles_has_the_requested_mean_square_height(self, periodic):
         squares = [
             roughness_parameters(rough_profile(repetition=r, periodic=periodic, longest_wavelength=0.5)).Pq ** 2
             for r in range(100)
@@ -31,21 +31,21 @@ class TestSelfAffineProfile:
         # again.
         assert np.mean(squares) == pytest.approx(0.1**2, rel=0.12)
 
-    def test_finer_grid_samples_the_same_profile(self):
+    def test_profile_on_a_finer_grid_contains_the_same_points(self):
         options = {"shortest_wavelength": 0.05}
         for periodic in (True, False):
             coarse = rough_profile(points=1000, spacing=0.01, periodic=periodic, **options)
             fine = rough_profile(points=4000, spacing=0.0025, periodic=periodic, **options)
             assert np.allclose(fine.heights[::4], coarse.heights, rtol=0, atol=ROUND_OFF)
 
-    def test_periodic_ends_meet_and_others_do_not(self):
+    def test_ends_of_a_profile_meet_only_if_it_is_periodic(self):
         def jump(profile):
             return abs(profile.heights[0] - profile.heights[-1]) / np.abs(np.diff(profile.heights)).max()
 
         assert max(jump(rough_profile(repetition=r, periodic=True)) for r in range(10)) < 2
         assert np.median([jump(rough_profile(repetition=r)) for r in range(10)]) > 5
 
-    def test_profile_depends_only_on_random_numbers(self):
+    def test_self_affine_profile_is_reproducible_and_depends_on_seed(self):
         assert np.array_equal(rough_profile(1).heights, rough_profile(1).heights)
         for other in (rough_profile(2), rough_profile(1, repetition=1), rough_profile(1, side="upper")):
             assert not np.allclose(rough_profile(1).heights, other.heights)
@@ -68,7 +68,7 @@ class TestSelfAffineProfile:
             ({"seed": -1}, "seed"),
         ],
     )
-    def test_self_affine_rejects_bad_arguments(self, bad, match):
+    def test_self_affine_profile_rejects_bad_arguments(self, bad, match):
         with pytest.raises(ValueError, match=match):
             rough_profile(**bad)
 
@@ -84,7 +84,7 @@ def mean_powers(heights, extents):
     return np.abs(transform) ** 2, 2 * np.pi * np.hypot(y[:, None], x)
 
 
-def test_surface_has_requested_rms_and_zero_mean():
+def test_self_affine_surface_has_requested_rms_height_and_zero_mean():
     for changes in ({}, {"longest_wavelength": 0.4}, {"shape": (4, 5), "spacing": 1.0}, {"rms": 1e-7}):
         heights = surface(**changes).heights
         assert heights.std() == pytest.approx((SURFACE_OPTIONS | changes)["rms"], rel=ROUND_OFF)
@@ -92,7 +92,7 @@ def test_surface_has_requested_rms_and_zero_mean():
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8, 1.5])
-def test_spectrum_is_power_law_with_plateau_and_cutoff(hurst):
+def test_surface_spectrum_is_a_power_law_with_plateau_and_cutoff(hurst):
     extents = (5.12, 5.12)
     spectra = []
     for repetition in range(8):
@@ -114,7 +114,7 @@ def test_spectrum_is_power_law_with_plateau_and_cutoff(hurst):
         assert ratio == pytest.approx(1, abs=4 / np.sqrt(4 * ring.sum()) + 0.15)
 
 
-def test_surface_is_isotropic_on_any_grid():
+def test_self_affine_surface_is_isotropic_on_any_grid():
     created = [
         surface(shape=(128, 256), spacing=(0.02, 0.01), shortest_wavelength=0.08, repetition=r) for r in range(20)
     ]
@@ -124,7 +124,7 @@ def test_surface_is_isotropic_on_any_grid():
     assert np.mean(along_y**2) / np.mean(along_x**2) == pytest.approx(1, abs=0.03)
 
 
-def test_surface_is_periodic():
+def test_self_affine_surface_is_periodic():
     created = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
     doubled = np.tile(created.heights, (2, 2))
     # A jump at the seam would exceed the differences between neighbouring points.
@@ -133,13 +133,13 @@ def test_surface_is_periodic():
     assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(created.heights, axis=0)).max() * 1.5
 
 
-def test_finer_grid_samples_the_same_surface():
+def test_surface_on_a_finer_grid_contains_the_same_points():
     coarse = surface(shortest_wavelength=0.1, longest_wavelength=0.8)
     fine = surface(shortest_wavelength=0.1, longest_wavelength=0.8, shape=(288, 256), spacing=(0.02 / 3, 0.005))
     assert np.abs(fine.heights[::3, ::2] - coarse.heights).max() < ROUND_OFF
 
 
-def test_surface_is_reproducible_and_depends_on_seed():
+def test_self_affine_surface_is_reproducible_and_depends_on_seed():
     one = surface()
     assert surface().heights.tobytes() == one.heights.tobytes()
     for other in (surface(seed=4), surface(repetition=1), surface(side="upper")):
@@ -150,7 +150,7 @@ def test_surface_is_reproducible_and_depends_on_seed():
     assert abs(np.mean(ensemble) / 0.01) < 4 * np.std([one.mean() / 0.01 for one in ensemble]) / np.sqrt(40)
 
 
-def test_random_words_match_documentation():
+def test_phases_of_a_generated_profile_match_the_documented_random_numbers():
     # The strip contains a single wave (1, 0) along x. The second word has no effect, because the rms is given.
     created = self_affine_surface(
         5, hurst_exponent=0.5, rms=1.0, shape=(4, 64), spacing=(0.01, 0.125), shortest_wavelength=7.0, repetition=2
@@ -180,13 +180,13 @@ def test_random_words_match_documentation():
         ({"rms": np.nan}, "rms"),
     ],
 )
-def test_self_affine_rejects_bad_arguments(changes, match):
+def test_self_affine_surface_rejects_bad_arguments(changes, match):
     with pytest.raises(ValueError, match=match):
         surface(**changes)
 
 
 class TestAmplitude:
-    def test_profile_has_requested_amplitude_and_zero_mean(self):
+    def test_surface_scaled_to_an_amplitude_has_that_amplitude_and_zero_mean(self):
         created = surface()
         raised = Surface(created.heights + 5.0, spacing=created.spacing, history=("made",))
         for measure, of in (("height", np.ptp), ("Sa", lambda h: np.abs(h).mean()), ("Sq", np.std)):
@@ -197,7 +197,7 @@ class TestAmplitude:
             assert scaled.history == ("made", f"scaled to {measure} 0.3 µm")
             assert np.corrcoef(scaled.heights.ravel(), created.heights.ravel())[0, 1] == pytest.approx(1, rel=ROUND_OFF)
 
-    def test_self_affine_rejects_bad_arguments(self):
+    def test_with_amplitude_rejects_flat_surfaces_and_bad_arguments(self):
         flat = Surface(np.full((5, 5), 2.0), spacing=1.0)
         assert flat.is_flat
         assert not surface().is_flat

@@ -29,7 +29,7 @@ LAY_TOLERANCE = 10.0
 
 
 class TestSpectrum:
-    def test_spectrum_of_sinusoid_is_one_line(self):
+    def test_spectrum_of_a_sinusoid_is_a_single_line(self):
         profile = sinusoid(16)
         spectrum = power_spectrum(profile, periodic=True)
         line = int(np.argmax(spectrum.density))
@@ -49,7 +49,7 @@ class TestSpectrum:
             assert binned.count.sum() == (points - 1) / 2
             assert (np.diff(binned.wave_number) > 0).all()
 
-    def test_spectrum_equals_its_definition(self):
+    def test_power_spectrum_equals_its_definition(self):
         profile = rough_profile(points=64)
         window = np.sqrt(8 / 3) * np.sin(np.pi * np.arange(64) / 64) ** 2
         for periodic in (True, False):
@@ -59,7 +59,7 @@ class TestSpectrum:
                 transform = profile.spacing * (heights * np.exp(-1j * q * profile.x)).sum()
                 assert density == pytest.approx(abs(transform) ** 2 / profile.extent, rel=1e-9)
 
-    def test_window_preserves_level_and_removes_leakage(self):
+    def test_window_preserves_the_spectral_level_and_removes_leakage(self):
         profiles = [rough_profile(repetition=r, points=4096, longest_wavelength=4.0) for r in range(40)]
         windowed, plain = (
             np.mean([power_spectrum(p, periodic=periodic).density for p in profiles], axis=0)
@@ -76,7 +76,7 @@ class TestSpectrum:
         assert np.mean(plain[high] / expected[high]) > 1.3
 
     @pytest.mark.parametrize("bad", [{"periodic": "yes"}, {"periodic": None}])
-    def test_spectrum_rejects_bad_arguments(self, bad):
+    def test_power_spectrum_rejects_bad_arguments(self, bad):
         for function in (power_spectrum, estimate_hurst_exponent, spectral_moments):
             with pytest.raises(ValueError, match="periodic"):
                 function(rough_profile(), **bad)
@@ -85,7 +85,7 @@ class TestSpectrum:
 
 
 class TestSpectralMoments:
-    def test_moments_of_sinusoid_have_closed_forms(self):
+    def test_spectral_moments_of_a_sinusoid_equal_closed_forms(self):
         result = spectral_moments(sinusoid(16), periodic=True)
         q = 2 * np.pi / WAVELENGTH
         for order, value in enumerate((result.height, result.slope, result.curvature)):
@@ -93,7 +93,7 @@ class TestSpectralMoments:
             assert value == pytest.approx(AMPLITUDE**2 / 2 * q ** (2 * order), rel=1e-10)
         assert result.nayak_parameter == pytest.approx(1, rel=1e-10)
 
-    def test_moments_of_bands_add_up(self):
+    def test_spectral_moments_of_adjacent_bands_add_up(self):
         profile = rough_profile()
         whole = spectral_moments(profile)
         # The profile has no wavelength of exactly 0.35 µm, so no harmonic is counted twice.
@@ -101,7 +101,7 @@ class TestSpectralMoments:
         for name in ("height", "slope", "curvature"):
             assert sum(getattr(part, name) for part in parts) == pytest.approx(getattr(whole, name), rel=ROUND_OFF)
 
-    def test_moments_reject_bad_arguments(self):
+    def test_spectral_moments_reject_bad_arguments(self):
         with pytest.raises(ValueError, match="longest_wavelength must be above"):
             spectral_moments(rough_profile(), shortest_wavelength=2.0, longest_wavelength=1.0)
         with pytest.raises(ValueError, match="no wavelength of the profile"):
@@ -125,7 +125,7 @@ def test_areal_spectrum_equals_its_definition():
                 assert spectrum.density[j, i] == pytest.approx(expected, rel=1e-9, abs=1e-15)
 
 
-def test_moments_are_variances_along_any_direction():
+def test_spectral_moments_of_a_surface_are_variances_along_any_direction():
     surface = self_affine_map(2, 0.7)
     spectrum = surface_spectrum(surface, periodic=True)
     assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=AREA_ROUND_OFF)
@@ -144,7 +144,7 @@ def test_moments_are_variances_along_any_direction():
     assert result.nayak_parameter == pytest.approx(1, rel=1e-9)
 
 
-def test_steepest_direction_is_across_lay():
+def test_steepest_direction_of_a_surface_is_across_its_lay():
     waves = np.arange(128)[:, np.newaxis] * 0.2 * np.pi * 5 / 32 + np.arange(128) * 0.2 * np.pi * 10 / 32
     spectrum = surface_spectrum(Surface(np.cos(waves), spacing=1.0))
     assert spectrum.steepest_direction() == pytest.approx(math.degrees(math.atan2(1, 2)), abs=0.5)
@@ -157,7 +157,7 @@ def test_steepest_direction_is_across_lay():
             assert abs(off) < LAY_TOLERANCE
 
 
-def test_radial_spectrum_counts_every_coefficient_once():
+def test_radial_spectrum_includes_every_coefficient_exactly_once():
     surface = self_affine_map(3, 0.6, (64, 81), spacing=(0.5, 0.3))
     spectrum = surface_spectrum(surface, periodic=True)
     q, angle, density = spectrum.waves()
@@ -188,7 +188,7 @@ def test_radial_spectrum_agrees_with_surface_topography():
         assert density[index] == pytest.approx(values[ring].mean(), rel=0.35)
 
 
-def test_moments_of_eq_1_equal_exact_moments():
+def test_mean_spectral_moments_of_equation_1_equal_exact_moments():
     # The expected moment is half of Σ a² k^(2j). The mean of 20 profiles with a hundred independent wavelengths
     # scatters by a few per cent.
     options = {"convention": "classical"}

@@ -3,7 +3,7 @@ import pytest
 from stiction import Surface
 
 
-def test_rows_are_along_x_and_columns_along_y():
+def test_rows_of_a_surface_are_along_x_and_columns_along_y():
     surface = Surface(np.arange(12.0).reshape(3, 4), spacing=(0.5, 0.25))
     assert surface.x.tolist() == [0, 0.25, 0.5, 0.75]
     assert surface.y.tolist() == [0, 0.5, 1]
@@ -33,7 +33,7 @@ def test_surface_rejects_bad_heights(heights, spacing, match):
         Surface(heights, spacing=spacing)
 
 
-def test_row_and_column_reject_invalid_index():
+def test_row_and_column_methods_reject_an_invalid_index():
     with pytest.raises(ValueError, match="index"):
         Surface(np.zeros((3, 5)), spacing=1.0).row(3)
     with pytest.raises(ValueError, match="index"):

@@ -30,7 +30,7 @@ def bumpy_surface(shape=(60, 80), spacing=(0.2, 0.1)):
     return Surface(height(y, x), spacing=spacing), height
 
 
-def test_levelled_subtracts_least_squares_polynomial():
+def test_levelling_a_surface_subtracts_the_least_squares_polynomial():
     surface, _ = bumpy_surface()
     y, x = np.broadcast_arrays(surface.y[:, np.newaxis], surface.x)
     for degree, trend in enumerate(("mean", "plane", "quadratic")):
@@ -45,7 +45,7 @@ def test_levelled_subtracts_least_squares_polynomial():
     assert not levelled(bowl, "quadratic").heights.any()
 
 
-def test_flipped_rotates_surface_about_x_axis():
+def test_flipping_rotates_a_surface_about_the_x_axis():
     surface, _ = bumpy_surface()
     over = flipped(surface)
     assert over.heights[0, 5] == -surface.heights[-1, 5]
@@ -53,7 +53,7 @@ def test_flipped_rotates_surface_about_x_axis():
     assert over.history == ("turned over",)
 
 
-def test_adjacent_crops_make_up_the_surface():
+def test_adjacent_crops_together_equal_the_surface():
     surface, _ = bumpy_surface()
     pieces = [
         [cropped(surface, (y0, x0), (y1, x1)).heights for x0, x1 in ((0, 3.05), (3.05, 8.0))]
@@ -71,7 +71,7 @@ def test_adjacent_crops_make_up_the_surface():
             cropped(surface, start, stop)
 
 
-def test_common_grid_is_the_finer_along_each_axis():
+def test_common_grid_has_the_finer_spacing_along_each_axis():
     fine, _ = bumpy_surface((60, 40), (0.1, 0.2))
     coarse, height = bumpy_surface((30, 100), (0.25, 0.1))
     one, other = on_common_grid(fine, coarse)
@@ -88,7 +88,7 @@ def test_common_grid_is_the_finer_along_each_axis():
         on_common_grid(fine, Profile(np.arange(9.0), spacing=1.0))
 
 
-def test_common_grid_aligned_at_middle_matches_rotated_map():
+def test_common_grid_aligned_at_the_middle_fits_a_rotated_map():
     small, height = bumpy_surface((41, 61), (0.1, 0.1))
     # The expected map is the same function on a larger map, whose origin is shifted by 1 µm along -y and 2 µm along -x.
     for shape, spacing in (((61, 101), 0.1), ((25, 41), 0.25)):
@@ -113,7 +113,7 @@ def test_common_grid_aligned_at_middle_matches_rotated_map():
 
 
 @pytest.mark.parametrize("turns", [-1, 0, 1, 2, 3, 5])
-def test_rotated_by_multiples_of_90_preserves_heights(turns):
+def test_rotation_by_multiples_of_90_degrees_preserves_heights(turns):
     surface, _ = bumpy_surface()
     turned = rotated(surface, 90 * turns)
     assert np.array_equal(np.sort(turned.heights, axis=None), np.sort(surface.heights, axis=None))
@@ -123,7 +123,7 @@ def test_rotated_by_multiples_of_90_preserves_heights(turns):
 
 @pytest.mark.parametrize("angle", [-60, 17, 45, 90, 100, 213])
 @pytest.mark.parametrize("shape", [(80, 70), (30, 140)])
-def test_rotated_equals_rotated_function(angle, shape):
+def test_rotated_surface_equals_the_rotated_function(angle, shape):
     surface, height = bumpy_surface(shape, (0.1, 0.1))
     turned = rotated(surface, angle)
     middle = [(points - 1) * 0.05 for points in shape]
@@ -143,19 +143,19 @@ def test_rotated_equals_rotated_function(angle, shape):
         assert "% cut off" in turned.history[-1]
 
 
-def test_rotated_turns_lay_by_the_angle():
+def test_rotation_turns_the_lay_by_its_angle():
     x = 0.1 * np.arange(300)
     grooves = Surface(np.sin(2 * np.pi * x / 2.0) + np.zeros((300, 1)), spacing=0.1)
     assert surface_parameters(rotated(grooves, 33)).Std == pytest.approx(33, abs=2)
 
 
-def test_rotated_rejects_narrow_strip():
+def test_rotation_rejects_a_narrow_strip():
     with pytest.raises(ValueError, match="angle 45 leaves 3 rows"):
         rotated(Surface(np.random.default_rng(1).normal(size=(5, 90)), spacing=1.0), 45)
 
 
 @pytest.mark.parametrize("shape", [(40, 50), (41, 50), (40, 51), (41, 51)])
-def test_surrogate_of_periodic_surface_has_its_spectrum(shape):
+def test_surrogate_of_a_periodic_surface_has_the_same_spectrum(shape):
     surface = Surface(3.0 + np.random.default_rng(1).normal(size=shape), spacing=(0.2, 0.1))
     other = surrogate(surface, 7, periodic=True)
     one, again = (surface_spectrum(item, periodic=True).density for item in (surface, other))
@@ -168,7 +168,7 @@ def test_surrogate_of_periodic_surface_has_its_spectrum(shape):
     assert not np.array_equal(surrogate(surface, 7, repetition=1, periodic=True).heights, other.heights)
 
 
-def test_surrogate_preserves_lay_height_and_slopes():
+def test_surrogate_of_a_surface_preserves_lay_height_and_slopes():
     # The lay is at 31 degrees. Mirror images along both axes would mix this direction with -31 degrees.
     size = 256
     q_y, q_x = 2 * np.pi * np.fft.fftfreq(2 * size)[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(2 * size)

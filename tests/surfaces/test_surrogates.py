@@ -32,7 +32,7 @@ GRADIENT_SCATTER = 0.1
 
 class TestSurrogate:
     @pytest.mark.parametrize("points", [1000, 1001])
-    def test_surrogate_of_periodic_profile_has_equal_spectrum(self, points):
+    def test_surrogate_of_a_periodic_profile_has_the_same_spectrum(self, points):
         profile = rough_profile(points=points, periodic=True)
         other = surrogate(profile, 5, periodic=True)
         one, two = (power_spectrum(p, periodic=True).density for p in (profile, other))
@@ -40,7 +40,7 @@ class TestSurrogate:
         assert abs(np.corrcoef(profile.heights, other.heights)[0, 1]) < 0.9
         assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
 
-    def test_surrogate_of_profile_has_equal_height(self):
+    def test_surrogate_of_a_profile_has_the_same_mean_and_rms_height(self):
         for profile in (
             rough_profile(),
             rough_profile(points=1001),
@@ -51,7 +51,7 @@ class TestSurrogate:
             assert roughness_parameters(other).Pq == pytest.approx(roughness_parameters(profile).Pq, rel=1e-11)
 
     @pytest.mark.parametrize("points", [8, 9, 10, 11])
-    def test_surrogate_has_averaged_spectrum_of_mirrored_profile(self, points):
+    def test_surrogate_has_the_averaged_spectrum_of_the_mirrored_profile(self, points):
         heights = rough_profile(points=points).heights
         image = np.concatenate([heights, heights[::-1]]) - heights.mean()
         density = np.abs(np.fft.fft(image)) ** 2
@@ -84,7 +84,7 @@ class TestSurrogate:
         assert np.max(np.abs(np.log(slopes))) < 0.05
         assert np.mean(short) == pytest.approx(1, abs=0.03)
 
-    def test_surrogates_form_an_ensemble(self):
+    def test_surrogate_is_reproducible_and_depends_on_seed(self):
         profile = rough_profile()
         assert np.array_equal(surrogate(profile, 1).heights, surrogate(profile, 1).heights)
         others = [surrogate(profile, 1, repetition=r) for r in range(3)] + [surrogate(profile, 1, side="upper")]
@@ -108,7 +108,7 @@ def known_surface(hurst, side="lower", shape=(256, 2048), spacing=0.1):
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
-def test_surface_spectrum_is_recovered_from_sections(hurst):
+def test_isotropic_surface_spectrum_is_recovered_from_a_section(hurst):
     """Check a profile whose spectrum C1D(k) is exactly the sum of a known C2D over all wavenumbers across."""
     points, spacing = 512, 0.5
     q = 2 * np.pi * np.fft.fftfreq(points, spacing)
@@ -126,7 +126,7 @@ def test_surface_spectrum_is_recovered_from_sections(hurst):
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
-def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_its_section(hurst):
+def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_section(hurst):
     body = known_surface(hurst)
     own = surface_spectrum(body, periodic=True)
     gradient = np.sqrt(own.moments(0).slope + own.moments(90).slope)
@@ -142,7 +142,7 @@ def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_its_section(
         assert again.moments(0).slope == pytest.approx(again.moments(90).slope, rel=2 * GRADIENT_SCATTER)
 
 
-def test_mean_spectrum_equals_fit():
+def test_mean_slope_of_isotropic_surfaces_equals_that_of_their_section():
     section = known_surface(0.7, shape=(64, 512)).row(3)
     fitted = isotropic_spectrum(section, periodic=True)
     slopes = [
@@ -192,7 +192,7 @@ def test_isotropic_surface_rejects_bad_arguments(changes, words):
 
 
 @pytest.mark.soak
-def test_isotropic_surface_has_contact_area_and_friction_of_map():
+def test_isotropic_surface_of_a_section_has_contact_area_and_friction_of_the_map():
     """Check pieces of 128 by 128 points.
 
     The script docs/scripts/isotropic.py uses larger pieces for H from 0.4 to 0.9.
