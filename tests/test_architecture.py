@@ -20,7 +20,7 @@ SECTIONS = {
 
 
 @pytest.mark.parametrize("folder", SECTIONS)
-def test_architecture_lists_the_modules_of_a_folder(folder):
+def test_architecture_page_lists_the_modules_of_each_folder(folder):
     section = re.search(rf"^### `{folder}`\n(.*?)(?=^### |\Z)", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
     listed = re.findall(r"^\| `([\w.]+)` \| \S", section[1], re.MULTILINE)
     paths = (path.relative_to(ROOT / folder) for path in (ROOT / folder).glob(SECTIONS[folder]))
@@ -28,7 +28,7 @@ def test_architecture_lists_the_modules_of_a_folder(folder):
     assert sorted(listed) == modules
 
 
-def test_architecture_names_files_that_exist():
+def test_architecture_page_refers_only_to_existing_files():
     text = PAGE.read_text("utf-8")
     names = re.findall(r"`((?:python|tests|cpp|docs|benchmarks|packaging|tools|examples)/[\w./]+)`", text)
     assert len(names) > 15

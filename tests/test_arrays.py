@@ -31,7 +31,7 @@ LINE = MAPS[0][0]
 
 
 @pytest.mark.parametrize("spacing", [0.1, "100 nm", ("0.1 um", 0.1)])
-def test_array_with_spacing_and_unit_is_that_surface(spacing):
+def test_array_with_spacing_and_unit_is_treated_as_a_surface(spacing):
     result = surface_parameters(1e3 * MAPS[0], spacing=spacing, unit="nm")
     assert result.Sq == pytest.approx(surface_parameters(UPPER).Sq, rel=1e-12)
     assert result.Sdq == pytest.approx(surface_parameters(UPPER).Sdq, rel=1e-12)
@@ -45,7 +45,7 @@ def test_array_with_spacing_and_unit_is_that_surface(spacing):
     (lambda z, **of: estimate_hurst_exponent(z, **of).value, MAPS[0]),
     (lambda z, **of: scale_dependent_roughness(z, **of).gradient, MAPS[0]),
 ])  # fmt: skip
-def test_functions_of_one_body_accept_arrays(function, of):
+def test_functions_of_a_single_body_accept_arrays(function, of):
     body = (Profile if of.ndim == 1 else Surface)(of, spacing=0.1)
     assert np.array_equal(function(of, spacing="0.1 um"), function(body))
 
@@ -74,7 +74,7 @@ def test_array_with_missing_or_contradictory_arguments_is_rejected(function, wor
         function()
 
 
-def test_lengths_are_accepted_as_texts():
+def test_lengths_can_be_given_as_texts_with_units():
     assert Surface(MAPS[0], spacing="39 nm").spacing == (0.039, 0.039)
     assert Profile(LINE, spacing="39 nm").spacing == 0.039
     assert UPPER.with_amplitude("50 nm").heights.max() == UPPER.with_amplitude(0.05).heights.max()

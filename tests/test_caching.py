@@ -5,7 +5,7 @@ import threading
 from stiction._caching import cached_property
 
 
-def test_cached_property_does_not_block_other_objects():
+def test_computing_a_cached_property_does_not_block_other_objects():
     begun, end = threading.Event(), threading.Event()
 
     class SlowObject:

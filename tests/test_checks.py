@@ -14,7 +14,7 @@ ZEROS = [np.float64, np.float32, np.int32, np.array, xarray.DataArray]
 
 
 @pytest.mark.parametrize("of", ZEROS, ids=lambda of: of.__name__)
-def test_number_accepts_arrays_without_dimensions(of):
+def test_number_check_accepts_zero_dimensional_arrays(of):
     result = number("x", of(3), above=0)
     assert (result, type(result)) == (3.0, float)
     with pytest.raises(ValueError, match="x must be a finite number above 5"):
@@ -22,12 +22,12 @@ def test_number_accepts_arrays_without_dimensions(of):
 
 
 @pytest.mark.parametrize("value", [np.array(True), np.array([3.0]), np.array("3"), np.bool_(True), "3", None, 1j])
-def test_number_rejects_other_kinds(value):
+def test_number_check_rejects_other_types(value):
     with pytest.raises(ValueError, match="x must be a finite number"):
         number("x", value)
 
 
-def test_other_checks_accept_arrays_without_dimensions():
+def test_integer_and_choice_checks_accept_zero_dimensional_arrays():
     assert whole_number("n", np.array(3), minimum=1) == 3
     check_bool("t", np.array(True))
     check_choice("sliding", np.array("all"), Sliding)
@@ -36,7 +36,7 @@ def test_other_checks_accept_arrays_without_dimensions():
             check_choice("sliding", value, Sliding)
 
 
-def test_effective_modulus_of_numbers_is_a_float():
+def test_effective_modulus_of_scalars_is_a_float():
     assert type(effective_modulus(210, 0.3, 210, 0.3)) is float
     of_arrays = effective_modulus([210, 70], 0.3, 210, 0.3)
     assert isinstance(of_arrays, np.ndarray)
@@ -69,13 +69,13 @@ FUNCTIONS_OF_RESULTS = {
 
 @pytest.mark.parametrize("name", FUNCTIONS_OF_RESULTS)
 @pytest.mark.parametrize("value", [np.ones((4, 4)), "folder", None, 3])
-def test_functions_of_results_reject_other_objects(name, value):
+def test_functions_of_results_reject_objects_of_other_types(name, value):
     argument = "study" if name == "pair_of" else "result"
     with pytest.raises(ValueError, match=f"^{argument} must be .*, got {type(value).__name__}$"):
         FUNCTIONS_OF_RESULTS[name](value)
 
 
 @pytest.mark.parametrize("value", [np.array([0.1, 0.2]), np.array([]), 3])
-def test_material_must_be_a_name(value):
+def test_material_argument_must_be_a_name(value):
     with pytest.raises(ValueError, match="upper_material must be the name of a material"):
         stiction.Ball("5 mm", upper_material=value)

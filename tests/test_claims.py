@@ -41,7 +41,7 @@ def resampled(result):
     return claims.Resampled(result, 0.1)
 
 
-def test_studies_of_claims_match_the_paper():
+def test_studies_for_claims_have_the_settings_of_the_paper():
     study = claims.claims_study()
     assert study.surfaces.fractal_dimensions().size == 50
     assert study.ensemble.repetitions == 100
@@ -52,7 +52,7 @@ def test_studies_of_claims_match_the_paper():
         assert (variant == claims.variant_study("default")) == (not changes)
 
 
-def test_first_resampled_ensemble_equals_friction_map(result, resampled):
+def test_first_resampled_ensemble_equals_the_maps_of_the_result(result, resampled):
     load = resampled.middle
     for what, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
@@ -67,7 +67,7 @@ def test_first_resampled_ensemble_equals_friction_map(result, resampled):
             assert np.allclose(ours, reference, rtol=1e-12, equal_nan=True)
 
 
-def test_resampled_intervals_agree_with_friction_map(result, resampled):
+def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resampled):
     computed = resampled.at("friction", resampled.middle)[1:]
     lower, upper = np.quantile(computed, [0.025, 0.975], axis=0)
     theirs = friction_map(result, [resampled.middle], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
@@ -76,7 +76,7 @@ def test_resampled_intervals_agree_with_friction_map(result, resampled):
     assert ratio.max() < 1.5
 
 
-def test_loads_of_claims_are_reached_at_every_dimension(result, resampled):
+def test_loads_used_for_claims_are_reached_at_every_dimension(result, resampled):
     elastic = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
     assert float(elastic.isel(approach=0).max()) < resampled.light < resampled.middle < resampled.heavy
     assert resampled.heavy < float(elastic.max("approach").min())
@@ -94,7 +94,7 @@ def judge_values(values, least, most):
     )
 
 
-def test_verdict_of_part_follows_its_interval():
+def test_verdict_on_a_part_of_a_claim_is_derived_from_its_interval():
     values = np.concatenate([[1.0], np.linspace(0.5, 1.5, 400)])
     assert judge_values(values, 0.0, math.inf).verdict == "true"
     assert judge_values(values, 2.0, math.inf).verdict == "false"
@@ -106,7 +106,7 @@ def test_verdict_of_part_follows_its_interval():
     assert judge_values([math.nan] * 401, 0.0, 1.0).verdict == "undefined"
 
 
-def test_verdict_of_claim_follows_its_parts():
+def test_verdict_on_a_claim_is_derived_from_verdicts_on_its_parts():
     def verdicts(*names):
         part = Part("4a", "", 0, 1, lambda _: np.zeros(1))
         return verdict_of(4, [Outcome(part, 0, 0, 0, name, ()) for name in names])
@@ -117,7 +117,7 @@ def test_verdict_of_claim_follows_its_parts():
     assert verdicts("undefined", "true") == "undefined"
 
 
-def test_claims_have_parts_with_unique_names():
+def test_parts_of_claims_have_unique_names():
     assert {part.claim for part in PARTS} == set(CLAIMS)
     assert len({part.name for part in PARTS}) == len(PARTS)
     assert all(part.least < part.most for part in PARTS)
@@ -197,12 +197,12 @@ TRUE_AND_FALSE_DATA = {
 
 
 @pytest.mark.parametrize("name", TRUE_AND_FALSE_DATA)
-def test_verdict_of_part_is_true_for_true_data_and_false_for_false_data(name):
+def test_verdict_on_a_part_is_true_for_true_data_and_false_for_false_data(name):
     computed = [judge_part(name, create_result(**world)) for world in TRUE_AND_FALSE_DATA[name]]
     assert [(judge_values.verdict, judge_values.left_out) for judge_values in computed] == [("true", ()), ("false", ())]
 
 
-def test_computed_value_of_a_part_equals_the_value_in_its_data():
+def test_computed_value_of_a_part_equals_the_value_in_its_test_data():
     def number(name, **world):
         return judge_part(name, create_result(**world)).value
 
@@ -216,11 +216,11 @@ def test_computed_value_of_a_part_equals_the_value_in_its_data():
     assert number("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_claims_have_data_for_which_each_part_is_true_and_false():
+def test_parts_of_claims_have_data_for_which_they_are_true_and_false():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in PARTS]
 
 
-def test_bands_are_wider_than_percentiles_for_the_smallest_value_of_noisy_data():
+def test_bands_are_wider_than_percentiles_for_a_minimum_of_noisy_data():
     # The friction is independent of D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
     result = create_result(**sums_with_friction(lambda d, a, f: 0.2 * noise))
@@ -229,7 +229,7 @@ def test_bands_are_wider_than_percentiles_for_the_smallest_value_of_noisy_data()
     assert percentiles.upper - percentiles.value < 0.5 * (bands.upper - bands.value)
 
 
-def test_columns_use_their_sliding_rule_and_mechanics():
+def test_columns_of_the_table_of_claims_use_their_sliding_rule_and_mechanics():
     assert {column.to_study(2000).contact.mechanics for column in claims.COLUMNS.values()} == {
         "asperities",
         "half-space",
@@ -260,7 +260,7 @@ def test_columns_use_their_sliding_rule_and_mechanics():
         judge(create_result(), sliding="all")
 
 
-def test_part_is_undefined_if_its_range_has_one_dimension():
+def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_dimension():
     result = create_result().sel(fractal_dimension=slice(1.0, 1.501))
     computed = {judge_values.part.name: judge_values.verdict for judge_values in judge(result)}
     assert {name for name, verdict in computed.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
@@ -269,14 +269,14 @@ def test_part_is_undefined_if_its_range_has_one_dimension():
     assert judge_part("4c", result).verdict == "undefined"
 
 
-def test_bands_reject_self_locked_dimensions():
+def test_part_judged_by_bands_is_undefined_if_dimensions_are_self_locked():
     # Above D = 1.6, only one dimension is not self-locked.
     assert judge_part("3b", create_result(), ruling="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="ruling"):
         judge(create_result(), ruling="means")
 
 
-def test_part_is_undefined_if_less_than_half_of_its_range_has_values():
+def test_part_of_a_claim_is_undefined_if_most_of_its_range_has_no_values():
     # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
     world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
     computed = {judge_values.part.name: judge_values for judge_values in judge(create_result(**world))}
@@ -285,7 +285,7 @@ def test_part_is_undefined_if_less_than_half_of_its_range_has_values():
     assert computed["2a"].verdict != "undefined"
 
 
-def test_claims_reject_studies_with_too_few_values():
+def test_judging_claims_rejects_studies_with_too_few_values():
     for change, match in (
         ({"ensemble.repetitions": 19}, "20 ensemble.repetitions"),
         ({"contact.approach": ["1 nm", "2 nm"]}, "3 values of contact.approach"),
@@ -295,7 +295,7 @@ def test_claims_reject_studies_with_too_few_values():
             claims.check(SMALL_CLAIMS_STUDY.with_changes(change))
 
 
-def test_tables_contain_every_part(result):
+def test_tables_of_claims_contain_every_part(result):
     outcomes = judge(result)
     for text in (claims_markdown(outcomes), variants_markdown({"one": outcomes})):
         for part in PARTS:
@@ -304,12 +304,12 @@ def test_tables_contain_every_part(result):
     assert {line.replace("\\|", "").count("|") for line in rows} == {6}
 
 
-def test_judge_rejects_absent_amplitude(result):
+def test_judging_claims_rejects_a_study_without_the_amplitude(result):
     with pytest.raises(ValueError, match=r"no amplitude of 0\.3 µm"):
         judge(result, amplitude=0.3)
 
 
-def test_tables_are_written_from_stored_results(tmp_path):
+def test_tables_of_claims_are_written_from_stored_results(tmp_path):
     small = {"surfaces.points": 4000, "surfaces.extent": "2 um", "contact.approach.count": 6}
     claims.write_tables(tmp_path, tmp_path, changes=small | {"ensemble.repetitions": 20})
     text = (tmp_path / "claims.md").read_text(encoding="utf-8")

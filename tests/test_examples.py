@@ -36,7 +36,7 @@ MODULES = [
 
 
 @pytest.mark.parametrize("name", MODULES)
-def test_docstring_examples_run(name):
+def test_docstring_examples_give_the_documented_output(name):
     assert doctest.testmod(importlib.import_module(name)).failed == 0
 
 
@@ -56,7 +56,7 @@ def script_output(tmp_path_factory):
 
 @pytest.mark.docs
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
-def test_example_scripts_run(path, script_output):
+def test_example_scripts_run_without_error(path, script_output):
     assert script_output(path)
 
 
@@ -105,7 +105,7 @@ def named(pages):
 
 
 @named(PAGES)
-def test_page_has_only_blocks_that_are_run(page):
+def test_documentation_page_has_only_code_blocks_that_are_run(page):
     unknown = [
         block
         for block in blocks(page)
@@ -206,7 +206,7 @@ def has_code(page):
 
 @pytest.mark.docs
 @named([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
-def test_code_of_page_runs(page, tmp_path, monkeypatch):
+def test_code_of_a_documentation_page_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("upper", "lower", "lapped"):  # Create the files that the pages take for granted.
         side = "lower" if name == "lapped" else name
@@ -233,7 +233,7 @@ def test_code_of_page_runs(page, tmp_path, monkeypatch):
 
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the folder docs is not in this tree")
-def test_page_on_measured_surfaces_shows_output_of_its_example(script_output):
+def test_page_on_measured_surfaces_shows_the_output_of_its_example(script_output):
     table = script_output(ROOT / "examples/characterise_profile.py")
     shown = [block.text for block in blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
     # Before the table, the command prints a line about how it read the file.
@@ -241,7 +241,7 @@ def test_page_on_measured_surfaces_shows_output_of_its_example(script_output):
 
 
 @pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="the script dev is not in this tree")
-def test_dev_usage_lists_its_commands():
+def test_dev_usage_text_lists_all_commands():
     commands = set(re.findall(r'^    "(\w+)": ', DEV_SCRIPT.read_text(encoding="utf-8"), re.MULTILINE))
     assert commands == dev_commands()
 
@@ -264,7 +264,7 @@ SLURM_TASK = {"SLURM_CPUS_PER_TASK": "1", "SLURM_ARRAY_TASK_ID": "2", "SLURM_ARR
 @named([page for page in PAGES if page.name == "cluster.md"])
 # The package distributed closes sockets and event loops late, so pytest would report resource warnings.
 @pytest.mark.filterwarnings("ignore")
-def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
+def test_code_of_the_page_on_clusters_runs(page, tmp_path, monkeypatch):
     """Run the page with a local Dask scheduler, and with a stand-in for Slurm that starts jobs on this machine."""
     distributed = pytest.importorskip("distributed")
     for name, script in (("sbatch", SBATCH), ("scancel", SCANCEL)):
@@ -299,7 +299,7 @@ def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
     assert computed == 3
 
 
-def test_reference_lists_every_public_name():
+def test_reference_documentation_lists_every_public_name():
     pages = sorted((ROOT / "docs/reference").glob("api_*.md"))
     if not pages:
         pytest.skip("the folder docs is not in this tree")
@@ -326,7 +326,7 @@ MAX_GREY_DIFFERENCE = 5.0
 
 @pytest.mark.docs
 @pytest.mark.parametrize("name", ["conventions", "conventions_areas"])
-def test_drawings_of_conventions_match_the_library(tmp_path, name):
+def test_drawings_of_conventions_match_their_scripts(tmp_path, name):
     if not (ROOT / "docs/images").exists():
         pytest.skip("the folder of pictures is not in this tree")
     drawing = script(name)
@@ -335,7 +335,7 @@ def test_drawings_of_conventions_match_the_library(tmp_path, name):
     assert difference is None, f"{difference}; run docs/scripts/{name}.py and check the new drawing"
 
 
-def test_reference_lists_every_key_option_and_study():
+def test_reference_documentation_lists_every_key_option_and_study():
     reference = script("reference")
     pages = reference.generate_pages(ROOT / "docs")
     tables = [

@@ -18,7 +18,7 @@ DOCUMENTED_STIFFNESS = {
 }  # computed and measured stiffness in MPa/mm, from 1 to 2 MPa and from 5 to 10 MPa
 
 
-def test_load_gap_and_load_test_read_files_of_the_experiment(tmp_path):
+def test_fracture_script_reads_gap_and_test_files_of_the_experiment(tmp_path):
     spacing = 2000.0
     heights = np.add.outer(np.arange(64.0), np.arange(64.0))
     np.savez(tmp_path / "a.npz", gap_um=heights, spacing_um=spacing)
@@ -32,7 +32,7 @@ def test_load_gap_and_load_test_read_files_of_the_experiment(tmp_path):
 
 
 @pytest.mark.parametrize("hurst", [0.5, 0.9])
-def test_random_roughness_has_the_estimated_spectrum(hurst):
+def test_random_roughness_has_the_spectrum_estimated_from_the_scan(hurst):
     gap = self_affine_surface(1, hurst_exponent=hurst, rms=20.0, shape=(256, 256), spacing=250.0)
     result, density = FRACTURES_SCRIPT["estimate_spectrum"](gap)
     assert result == pytest.approx(hurst, abs=EXPONENT_TOLERANCE)
@@ -45,7 +45,7 @@ def test_random_roughness_has_the_estimated_spectrum(hurst):
     DATA_FOLDER is None, reason="the measured data are not available; STICTION_FRACTURES may name their folder"
 )
 @pytest.mark.parametrize("name", list(DOCUMENTED_STIFFNESS))
-def test_fixed_settings_reproduce_documented_numbers(name):
+def test_experiment_with_fixed_settings_reproduces_documented_numbers(name):
     folder, steps = Path(DATA_FOLDER), np.array([1.0, 2.0, 5.0, 10.0])
     closure, _ = FRACTURES_SCRIPT["compute_closure"](FRACTURES_SCRIPT["load_gap"](folder, name), steps)
     (load, stress), _ = FRACTURES_SCRIPT["load_test"](folder, name)

@@ -27,6 +27,6 @@ def stored_result(tmp_path_factory):
     return folder
 
 
-def test_damage_to_a_store_is_detected_or_harmless(tmp_path, stored_result):
+def test_random_damage_to_a_store_is_detected_or_harmless(tmp_path, stored_result):
     outcomes = Counter(fuzzing.fuzz_store(np.random.default_rng([3, i]), stored_result, tmp_path) for i in range(12))
     assert outcomes[2] > 2

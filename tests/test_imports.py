@@ -74,7 +74,7 @@ OTHER_IMPORTS_OF_VIEWS = {
 """Other names that views may import: types, and functions that generate the surfaces of a study for its figures."""
 
 
-def test_views_import_no_store_no_readers_and_no_statistics():
+def test_views_do_not_import_stores_readers_or_statistics():
     modules = {path.stem for path in (PACKAGE / "studies").glob("*.py")}
     assert modules >= COMPUTING_MODULES
     for source in sorted(path.relative_to(PACKAGE) for path in (PACKAGE / "views").rglob("*.py")):
@@ -93,12 +93,12 @@ def loaded_dependencies(code):
     return {name for name in loaded - set(sys.stdlib_module_names) - {"stiction"} if not name.startswith("_")}
 
 
-def test_import_loads_no_dependencies():
+def test_importing_the_package_loads_no_dependencies():
     assert loaded_dependencies("import stiction") == set()
     assert loaded_dependencies("from stiction import *") <= LOADED_DEPENDENCIES
 
 
-def test_package_imports_nothing_before_the_command():
+def test_command_line_module_imports_nothing_before_the_command_starts():
     """Check this because importing anything before the command starts would delay its handling of Ctrl-C."""
     body = ast.parse(Path(stiction.__file__).read_text("utf-8")).body
     assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
@@ -111,12 +111,12 @@ def test_help_and_version_load_no_numeric_packages():
         ) <= (DEPENDENCIES_OF_HELP)
 
 
-def test_studies_command_loads_no_tables_figures_or_readers():
+def test_studies_command_does_not_load_tables_figures_or_readers():
     code = "sys.argv[1:] = ['studies']; from stiction.cli.application import run_command_line; run_command_line()"
     assert loaded_dependencies(code) <= LOADED_DEPENDENCIES | DEPENDENCIES_OF_HELP
 
 
-def test_stub_lists_each_public_name_with_the_module_that_package_imports():
+def test_stub_of_the_package_lists_public_names_with_their_modules():
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
     assert {name.name: node.module for node in tree.body for name in node.names} == stiction._MODULES
 
@@ -130,12 +130,12 @@ def test_public_names_are_imported_from_their_modules():
 
 
 @pytest.mark.parametrize("room", ["app", "cli"])
-def test_public_names_are_not_in_command_layers(room):
+def test_public_names_are_not_defined_in_command_line_and_app_layers(room):
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
     assert [node.module for node in tree.body if node.module.startswith(f"stiction.{room}")] == []
 
 
-def test_help_lists_every_command_with_its_module():
+def test_command_group_lists_every_command_and_finds_its_module():
     group = typer.main.get_command(application.app)
     listed = {name: module for value in application.COMMANDS.values() for name, (module, _) in value.items()}
     assert group.list_commands(None) == list(listed)
@@ -147,7 +147,7 @@ def test_help_lists_every_command_with_its_module():
 
 
 @pytest.mark.parametrize("folder", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_docstrings_do_not_begin_with_of(folder):
+def test_docstrings_do_not_begin_with_the_word_of(folder):
     """Check this because a docstring must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / folder).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

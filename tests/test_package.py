@@ -21,7 +21,7 @@ def test_version_is_the_same_in_all_files():
     assert f"version: {release}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
-def test_public_names_are_sorted_and_exist():
+def test_public_names_of_the_package_are_sorted_and_exist():
     assert stiction.__all__ == sorted(stiction.__all__)
     assert all(hasattr(stiction, name) for name in stiction.__all__)
 
@@ -50,7 +50,7 @@ def test_docstring_of_public_function_has_all_sections(name):
     assert ">>>" in sections["Examples"]
 
 
-def test_core_rejects_arrays_of_other_types():
+def test_core_functions_reject_arrays_of_other_dtypes():
     heights = np.zeros(8)
     options = {"spacing": 1.0, "approaches": np.array([0.1]), "model": ContactModel().core()}
     _core.press(heights, heights, **options)
@@ -59,6 +59,6 @@ def test_core_rejects_arrays_of_other_types():
             _core.press(bad, heights, **options)
 
 
-def test_long_call_lets_other_threads_run():
+def test_profile_generation_releases_the_interpreter_lock():
     phases = stiction.random_phases(1)
     assert runs_other_threads(lambda: stiction.weierstrass_mandelbrot(phases, 1.5, points=100_000))

@@ -47,7 +47,7 @@ def test_python_versions_agree_in_all_files():
     assert listed[1] == str([f"3.{minor}" for minor in minors]).replace("'", '"')
 
 
-def test_hooks_have_versions_of_lint():
+def test_pre_commit_hooks_have_the_versions_of_the_lint_tools():
     pinned = dict(item.split("==") for item in PYPROJECT["dependency-groups"]["lint"])
     revisions = re.findall(
         r"repo: \S+/(?:mirrors-)?([\w-]+?)(?:-pre-commit)?\n    rev: v(\S+)", read_file(".pre-commit-config.yaml")
@@ -56,13 +56,13 @@ def test_hooks_have_versions_of_lint():
     assert all(pinned[name] == revision for name, revision in revisions)
 
 
-def test_conda_recipe_has_dependencies_of_package(release, monkeypatch):
+def test_conda_recipe_has_the_dependencies_of_the_package(release, monkeypatch):
     assert list(release.missing_recipe_lines()) == []
     monkeypatch.setitem(release.PROJECT, "dependencies", [*release.PROJECT["dependencies"], "numpy>=99"])
     assert list(release.missing_recipe_lines()) == ["- numpy >=99"]
 
 
-def test_documented_glibc_version_is_checked(release):
+def test_documented_glibc_version_is_the_version_that_wheels_are_checked_for(release):
     major, minor = sys.modules["prove"].MAX_GLIBC
     assert f"glibc {major}.{minor} or newer" in read_file("docs/howto/installing.md")
 
@@ -87,7 +87,7 @@ def test_wheel_with_newer_glibc_is_rejected(release, name, passes, capsys):
     assert name in capsys.readouterr().err
 
 
-def test_release_checks_report_what_is_missing(release, tmp_path, monkeypatch):
+def test_release_checks_report_missing_dates_and_versions(release, tmp_path, monkeypatch):
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (unreleased)\n", encoding="utf-8")
     monkeypatch.setattr(release, "ROOT", tmp_path)
     monkeypatch.setattr(release, "RELEASE_VERSION", "1.2.3")
@@ -102,7 +102,7 @@ def test_release_checks_report_what_is_missing(release, tmp_path, monkeypatch):
     assert release.version_is_final() == "pyproject.toml says 1.2.3.dev0"
 
 
-def test_release_writes_address_of_repository(release, tmp_path, monkeypatch):
+def test_release_script_writes_the_repository_address_to_all_files(release, tmp_path, monkeypatch):
     monkeypatch.setattr(release, "ROOT", tmp_path)
     files = {
         "pyproject.toml": '[project]\nname = "a"\n\n[project.urls]\nPaper = "https://doi.org/1"\n\n[tool]\n',
@@ -132,7 +132,7 @@ MAX_STEP_DIFFERENCE = 1.0
 """Largest difference of a height in converter steps; processors may round the last bit differently."""
 
 
-def test_sample_scans_match_their_script(tmp_path, monkeypatch):
+def test_sample_scans_equal_the_output_of_their_script(tmp_path, monkeypatch):
     make = load_script(SCANS / "make.py", monkeypatch)
     make.main(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(

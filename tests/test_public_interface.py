@@ -82,7 +82,7 @@ def test_public_names_have_examples_and_full_signatures():
             assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}, name
 
 
-def test_signatures_match_accepted_arguments(upper, lower):
+def test_press_and_contacts_accept_every_argument_in_their_signature(upper, lower):
     for call, approach in ((press, [0.01]), (contacts, 0.01)):
         parameters = inspect.signature(call).parameters
         arguments = {
@@ -103,7 +103,7 @@ UNITS_BY_NAME = {
 """Units of arguments and attributes whose name always stands for the same quantity."""
 
 
-def test_docstrings_give_units_of_numbers():
+def test_docstrings_state_the_units_of_numbers():
     text = "\n".join(inspect.getdoc(getattr(stiction, name)) or "" for name in PUBLIC_NAMES)
     for names, kind in re.findall(r"^ *([a-z]\w*(?:, \w+)*) : (.*)$", text, re.MULTILINE):
         for each in names.split(", "):
@@ -123,7 +123,7 @@ CLASSES_WITH_GENERATED_REPR = {
 """Classes whose repr is the call that creates them, or lists the sources of their values."""
 
 
-def test_public_classes_define_repr():
+def test_public_classes_define_their_own_repr():
     for name in PUBLIC_NAMES:
         if inspect.isclass(kind := getattr(stiction, name)):
             created = getattr(kind, "__dataclass_params__", None)
@@ -134,7 +134,7 @@ def test_public_classes_define_repr():
             assert not generated or name in CLASSES_WITH_GENERATED_REPR, name
 
 
-def test_dir_of_package_lists_public_names_only():
+def test_dir_of_the_package_lists_public_names_only():
     assert set(dir(stiction)) >= set(stiction.__all__)
     assert [name for name in dir(stiction) if name not in stiction.__all__ and not name.startswith("__")] == []
 
@@ -172,7 +172,7 @@ def test_reprs_are_short_and_contain_no_arrays(upper, lower, curve):
         assert type(item).__name__ in text
 
 
-def test_reprs_have_units(upper, lower, curve):
+def test_reprs_contain_units(upper, lower, curve):
     assert "0.2 µm apart along x and 0.1 µm along y" in repr(upper)
     assert re.search(r"load +1, 3 mN\n", repr(curve))
     assert re.search(r"density +28: .* µm³\n", repr(power_spectrum(lower.row(0))))
@@ -182,7 +182,7 @@ def test_reprs_have_units(upper, lower, curve):
     assert re.search(r"levelled +by a plane$", repr(surface_parameters(stiction.levelled(lower, "plane"))))
 
 
-def test_results_have_html_with_figure_or_table(upper, lower, curve):
+def test_html_of_results_contains_a_figure_or_table(upper, lower, curve):
     for item in displayed_objects(upper, lower, curve):
         shows = item._repr_html_()
         assert "<img" in shows or "<table" in shows
@@ -192,14 +192,14 @@ def test_results_have_html_with_figure_or_table(upper, lower, curve):
             assert ax.get_xlabel() or not ax.get_xticks().size
 
 
-def test_curve_plot_draws_friction(curve):
+def test_plot_of_a_load_curve_draws_friction_coefficients(curve):
     ax = curve.plot(Figure().subplots(), mu0=[0.1, 0.3], tau0=0.05)
     drawn = np.array([line.get_ydata() for line in ax.get_lines()])
     np.testing.assert_array_equal(drawn, curve.friction_coefficient(mu0=[0.1, 0.3], tau0=0.05).reshape(-1, 2))
     assert ax.get_legend().get_texts()[0].get_text() == "μ0 = 0.1, τ0 = 50 MPa, 0°"
 
 
-def test_plot_rejects_spectrum_of_zeros():
+def test_plot_rejects_a_spectrum_of_zeros():
     zero_spectrum = power_spectrum(Profile(np.zeros(16), spacing=1.0))
     with pytest.raises(ValueError, match="0 everywhere, so there is nothing to draw"):
         zero_spectrum.plot(Figure().subplots())
@@ -209,7 +209,7 @@ def test_plot_rejects_spectrum_of_zeros():
 # ---- From and to other libraries -------------------------------------------------------------------------------------
 
 
-def test_surface_survives_xarray_round_trip(lower):
+def test_surface_is_unchanged_by_an_xarray_round_trip(lower):
     flipped_surface = flipped(lower)
     for body in (flipped_surface, flipped_surface.row(3)):
         array = body.to_xarray()
@@ -252,7 +252,7 @@ def create_datasets(upper, lower, function_result, folder):
     return datasets
 
 
-def test_dataset_names_are_not_xarray_methods(upper, lower, surface_folder):
+def test_names_in_datasets_do_not_clash_with_xarray_methods(upper, lower, surface_folder):
     stored = pair(
         surface_folder / "upper.npy",
         surface_folder / "lower.npy",
@@ -269,7 +269,7 @@ def test_dataset_names_are_not_xarray_methods(upper, lower, surface_folder):
     assert (result | {*array.dims, array.name}) & XARRAY_METHODS == ACCEPTED_METHOD_NAMES
 
 
-def test_contacts_of_result_are_a_data_frame(function_result):
+def test_contacts_of_a_result_are_returned_as_a_data_frame(function_result):
     result = function_result.contacts(["5 MPa", "10 MPa"], members=[0, 2])
     assert list(result.columns) == [
         "member", "cut_off_um", "load_mN", "x_um", "y_um", "force_mN", "area_um2", "mean_pressure_GPa", "slope_x",
@@ -286,7 +286,7 @@ def test_contacts_of_result_are_a_data_frame(function_result):
     np.testing.assert_array_equal(result["mean_pressure_GPa"], result["force_mN"] / result["area_um2"])
 
 
-def test_contacts_default_to_typical_member(function_result):
+def test_contacts_of_a_result_default_to_the_typical_member(function_result):
     picture = contact_picture(function_result.source)
     result = function_result.contacts()
     assert set(result["member"]) == {picture.attrs["member"]}
@@ -298,7 +298,7 @@ def test_contacts_default_to_typical_member(function_result):
         function_result.contacts("10 nm")
 
 
-def test_contacts_of_generated_result_equal_direct_call():
+def test_contacts_of_a_generated_result_equal_a_direct_call_of_contacts():
     small = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
     study = stiction.Study.named("quick").with_changes(small)
     result = stiction.run(study).contacts(1e-3, members=[0, 1])
@@ -312,7 +312,7 @@ def test_contacts_of_generated_result_equal_direct_call():
     np.testing.assert_allclose(member_contacts["force_mN"].sum(), 1e-3, rtol=1e-9)
 
 
-def test_surface_from_array_converts_units(lower):
+def test_surface_from_an_xarray_array_converts_units(lower):
     array = lower.to_xarray() * 1000
     array.attrs["units"] = "nm"
     converted = Surface.from_(array.transpose("x", "y"))
@@ -320,7 +320,7 @@ def test_surface_from_array_converts_units(lower):
     assert converted.spacing == lower.spacing
 
 
-def test_surface_from_topography_preserves_heights(lower):
+def test_surface_from_a_surface_topography_object_preserves_heights(lower):
     topography = pytest.importorskip("SurfaceTopography")
     rows, columns = lower.heights.shape
     sizes = columns * lower.spacing[1] * 1000, rows * lower.spacing[0] * 1000
@@ -341,13 +341,13 @@ class SurfalizeStandIn:
         self.data, self.step_x, self.step_y = data, step_x, step_y
 
 
-def test_surface_from_surfalize_preserves_heights(lower):
+def test_surface_from_a_surfalize_object_preserves_heights(lower):
     converted = Surface.from_(SurfalizeStandIn(lower.heights, 0.2, 0.1))
     np.testing.assert_array_equal(converted.heights, lower.heights)
     assert converted.spacing == (0.1, 0.2)
 
 
-def test_surface_from_rejects_other_objects(lower):
+def test_surface_from_function_rejects_other_objects(lower):
     array = lower.to_xarray()
     missing, uneven = array.copy(), array.copy()
     missing[0, 0] = np.nan
@@ -367,7 +367,7 @@ def test_surface_from_rejects_other_objects(lower):
 # ---- Quantities, moduli and identical bodies -------------------------------------------------------------------------
 
 
-def test_functions_accept_texts_with_units(upper, lower):
+def test_public_functions_accept_texts_with_units(upper, lower):
     np.testing.assert_array_equal(press(upper, lower, ["5 nm", "0.02 um"]).approach, [0.005, 0.02])
     area = float(np.prod(upper.extent))
     np.testing.assert_allclose(half_space(upper, lower, ["1 MPa", "3 mN"]).load, [0.001 * area, 3.0], rtol=1e-12)
@@ -390,7 +390,7 @@ def scanned_surface(lower, tmp_path_factory):
     return result
 
 
-def test_measured_surface_requires_modulus(upper, scanned_surface):
+def test_press_of_a_measured_surface_requires_a_modulus(upper, scanned_surface):
     for call in (
         lambda: press(upper, scanned_surface, "10 nm"),
         lambda: contacts(upper, scanned_surface, "10 nm"),
@@ -409,7 +409,7 @@ def test_measured_surface_requires_modulus(upper, scanned_surface):
     np.testing.assert_array_equal(with_model.normal_elastic, press(upper, generated, "10 nm").normal_elastic)
 
 
-def test_press_warns_about_surface_on_itself(scanned_surface, lower):
+def test_contact_functions_warn_about_a_surface_pressed_on_itself(scanned_surface, lower):
     mirrored = Surface(
         0.3 - scanned_surface.heights,
         spacing=scanned_surface.spacing,
@@ -425,7 +425,7 @@ def test_press_warns_about_surface_on_itself(scanned_surface, lower):
             call()
 
 
-def test_press_accepts_two_surfaces_without_warning(scanned_surface, upper, lower):
+def test_press_of_two_different_surfaces_causes_no_warning(scanned_surface, upper, lower):
     with warnings.catch_warnings(action="error"):
         press(upper, lower, "5 nm")
         press(flipped(scanned_surface), upper, "5 nm", effective_modulus=10.0)
@@ -440,7 +440,7 @@ def test_press_accepts_two_surfaces_without_warning(scanned_surface, upper, lowe
         )
 
 
-def test_mirrored_surface_has_no_elastic_tangential_load(lower):
+def test_surface_on_its_mirror_image_has_no_elastic_tangential_load(lower):
     """The slopes of a surface in contact with its mirror image cancel."""
     mirrored = Surface(-lower.heights, spacing=lower.spacing)
     result = half_space(mirrored, lower, "1 mN", direction=[0, 90], sliding="all")
@@ -493,7 +493,7 @@ def function_result(surface_folder):
     )
 
 
-def test_pair_function_equals_command(command_result, function_result, surface_folder):
+def test_pair_function_and_pair_command_give_equal_results(command_result, function_result, surface_folder):
     assert function_result.study == command_result.study
     xarray.testing.assert_identical(function_result.dataset, command_result.dataset)
     assert function_result.to_dataframe().equals(command_result.to_dataframe())
@@ -506,12 +506,12 @@ def test_pair_function_equals_command(command_result, function_result, surface_f
     assert (stored_result.value, stored_result.verdict) == (function_result.value, function_result.verdict)
 
 
-def test_at_command_reads_result_of_pair_function(function_result, surface_folder):
+def test_at_command_reads_a_result_of_the_pair_function(function_result, surface_folder):
     completed = check_stiction("at", "function", "--load", "10 MPa", cwd=surface_folder)
     assert f"{function_result.value:.2f}" in completed.stdout
 
 
-def test_pair_of_arrays_equals_pair_of_files(function_result):
+def test_result_of_pair_for_surfaces_in_memory_equals_that_for_files(function_result):
     """Compare surfaces in memory with the same heights read from files."""
     load = float(function_result.study.friction.load[0])
     options = PAIR_ARGUMENTS | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
@@ -521,7 +521,7 @@ def test_pair_of_arrays_equals_pair_of_files(function_result):
     assert result.value == function_result.value
 
 
-def test_result_has_value_and_table(function_result, tmp_path):
+def test_result_of_pair_has_value_interval_verdict_and_table(function_result, tmp_path):
     first = function_result.summary().points[0]
     assert function_result.value == first.value
     assert function_result.interval == (first.lower, first.upper)
@@ -534,13 +534,13 @@ def test_result_has_value_and_table(function_result, tmp_path):
     assert function_result.save_report(tmp_path / "page.html").stat().st_size > 1000
 
 
-def test_result_at_accepts_other_loads(function_result):
+def test_result_can_be_evaluated_at_other_loads_and_conditions(function_result):
     at = function_result.at(["5 MPa", "2 mN"], mu0=0.25, tau0="20 MPa")
     np.testing.assert_allclose(at["load"], sorted([2.0, 0.005 * float(function_result.dataset["nominal_area"])]))
     assert (at["mu0"].item(), at["tau0"].item()) == (0.25, 0.02)
 
 
-def test_result_draws_every_figure(function_result):
+def test_result_of_pair_draws_every_figure(function_result):
     for name in function_result.figures():
         assert isinstance(figure := function_result.figure(name), Figure)
     assert figure._repr_png_().startswith(b"\x89PNG")
@@ -572,12 +572,12 @@ def test_pair_rejects_bad_input_in_one_sentence(upper, lower, changes, pattern):
     assert "\n" not in str(caught.value)
 
 
-def test_pair_warns_about_flipped_surface(upper, lower):
+def test_pair_warns_about_a_flipped_surface(upper, lower):
     with pytest.warns(UserWarning, match="first is flipped, but pair flips the first body itself"):
         pair(flipped(upper), lower, mechanics="asperities", **PAIR_ARGUMENTS)
 
 
-def test_pair_replaces_other_result_only_on_request(function_result, surface_folder, tmp_path):
+def test_pair_replaces_a_result_of_another_study_only_on_request(function_result, surface_folder, tmp_path):
     folder = tmp_path / "result"
     options = PAIR_ARGUMENTS | {"mechanics": "asperities", "directory": folder}
     pair(surface_folder / "upper.npy", surface_folder / "lower.npy", **options)
@@ -596,5 +596,5 @@ def test_pair_replaces_other_result_only_on_request(function_result, surface_fol
     )
 
 
-def test_copy_of_surface_has_equal_repr(lower):
+def test_copy_of_a_surface_has_an_equal_repr(lower):
     assert repr(copy.deepcopy(lower)) == repr(lower)

@@ -13,7 +13,7 @@ from stiction._files import NotReadableError, new_file, read_content, replaced_f
 from stiction._text import printable, printable_path
 
 
-def test_printable_escapes_control_characters():
+def test_printable_function_escapes_control_characters():
     for text in ("\x1b[31m", "a\nb", "\r", "\x07", "\u202e", "\u2028", "\x9b2J", "\ud800", "\x00", "\u200b"):
         message = printable(f"one{text}two")
         assert message.isprintable()
@@ -22,7 +22,7 @@ def test_printable_escapes_control_characters():
     assert printable("µm é 漢字 ⟨D⟩") == "µm é 漢字 ⟨D⟩"
 
 
-def test_printable_shortens_long_text():
+def test_printable_function_shortens_long_text():
     assert len(printable("x" * 10**6)) <= 80
     assert len(printable_path("/" + "y/" * 10**5)) <= 300
     assert printable("x" * 80) == "x" * 80
@@ -43,7 +43,7 @@ def test_read_content_limits_size_and_rejects_special_files(tmp_path):
 
 @pytest.mark.parametrize("writer", [new_file, lambda path, failure: replaced_file(path, b"mark", failure)])
 class TestWriting:
-    def test_writing_uses_unpredictable_temporary_names(self, tmp_path, writer):
+    def test_file_writing_uses_unpredictable_temporary_names(self, tmp_path, writer):
         names = []
         for each in range(2):
             with writer(tmp_path / f"f{each}", ValueError) as partial:
@@ -54,7 +54,7 @@ class TestWriting:
         assert names[0] != names[1]
         assert sorted(os.listdir(tmp_path)) == ["f0", "f1"]
 
-    def test_writing_does_not_follow_links(self, tmp_path, writer, monkeypatch):
+    def test_file_writing_does_not_follow_links(self, tmp_path, writer, monkeypatch):
         name = _files.new_partial_name()
         monkeypatch.setattr(_files, "new_partial_name", lambda: name)
         (tmp_path / "target").write_text("mine")
@@ -63,7 +63,7 @@ class TestWriting:
             pass
         assert (tmp_path / "target").read_text() == "mine"
 
-    def test_writing_rejects_directories_and_devices(self, tmp_path, writer, monkeypatch):
+    def test_file_writing_rejects_directories_and_devices(self, tmp_path, writer, monkeypatch):
         monkeypatch.chdir(tmp_path)
         for place in (".", "/dev/null", "/dev/full", "/"):
             with (
@@ -73,14 +73,14 @@ class TestWriting:
                 pass
         assert os.listdir(tmp_path) == []
 
-    def test_writing_uses_default_file_mode(self, tmp_path, writer):
+    def test_written_file_has_the_default_file_mode(self, tmp_path, writer):
         (tmp_path / "usual").write_text("")
         with writer(tmp_path / "f", ValueError) as partial:
             partial.write_bytes(b"mark")
         assert (tmp_path / "f").stat().st_mode == (tmp_path / "usual").stat().st_mode
 
 
-def test_writers_of_one_file_replace_it_whole(tmp_path):
+def test_concurrent_writers_of_a_file_replace_it_as_a_whole(tmp_path):
     with replaced_file(tmp_path / "f", b"mark", ValueError) as one:
         one.write_bytes(b"mark one")
         with replaced_file(tmp_path / "f", b"mark", ValueError) as two:
@@ -89,7 +89,7 @@ def test_writers_of_one_file_replace_it_whole(tmp_path):
     assert (tmp_path / "f").read_bytes() == b"mark one"
 
 
-def test_modules_contain_no_text_without_effect():
+def test_modules_contain_no_string_statements_without_effect():
     """A string as a statement inside a function is usually the lost second half of a message."""
     lost = []
     for path in sorted(Path(stiction.__file__).parent.rglob("*.py")):

@@ -18,7 +18,7 @@ def words():
     return module
 
 
-def test_comments_join_consecutive_lines(words):
+def test_consecutive_lines_of_comments_are_joined(words):
     source = "# A comment that goes on\n# over two lines.\nx = 1  # a comment after code that is long enough\n"
     assert list(words.comments({"dev": source})) == [
         ("dev:1", "A comment that goes on over two lines."),
@@ -26,12 +26,12 @@ def test_comments_join_consecutive_lines(words):
     ]
 
 
-def test_docstrings_include_docstrings_of_constants(words):
+def test_listed_docstrings_include_docstrings_of_constants(words):
     source = '"""Module."""\n\nLIMIT = 3\n"""Largest number of rows."""\n'
     assert list(words.docstrings({"dev": source})) == [("dev:module", "Module."), ("dev:4", "Largest number of rows.")]
 
 
-def test_names_are_sorted_by_kind_and_count_once(words):
+def test_names_are_grouped_by_kind_and_counted_once(words):
     source = "LIMIT = 1\n\nclass Row:\n    def read(self, file):\n        size = 1\n        size = 2\n"
     spellings = {kind: {name for _, name in items} for kind, items in words.names({"dev": source}).items()}
     assert spellings.pop("variable") == {"self", "file", "size"}
@@ -39,7 +39,7 @@ def test_names_are_sorted_by_kind_and_count_once(words):
 
 
 @pytest.mark.parametrize("name", ["said", "_said", "SAID"])
-def test_check_reports_rejected_names_in_their_folder(words, name):
+def test_check_reports_names_that_are_rejected_in_their_folder(words, name):
     files = {"tests/x.py": f"{name} = 1\n", "packaging/x.py": f"{name} = 1\n"}
     faults = list(words.name_faults(files, {"tests": ["said"]}))
     assert len(faults) == 1
@@ -56,7 +56,7 @@ def test_check_reports_tests_that_do_not_begin_with_their_unit(words):
     assert len(list(words.test_name_faults(files, {"all": ["the"]}))) == 1
 
 
-def test_repeated_names_have_different_values_or_modules(words):
+def test_repeated_constants_and_classes_of_different_modules_are_reported(words):
     files = {
         "packaging/a.py": "SIZE = 1\nROOT = 2\nclass Row: pass\n",
         "packaging/b.py": "_SIZE = 3\nROOT = 2\nclass _Row: pass\n",
@@ -66,7 +66,7 @@ def test_repeated_names_have_different_values_or_modules(words):
     assert list(words.repetition_faults(words.repeated_classes(files), ["Row"])) == []
 
 
-def test_sample_is_the_same_for_the_same_seed():
+def test_sample_of_names_and_sentences_depends_only_on_the_seed():
     if not (ROOT / ".git").exists():
         pytest.skip("no git checkout")
     command = [sys.executable, str(ROOT / "tools/words.py"), "sample", "--number", "10"]

@@ -30,7 +30,7 @@ def caveat_texts(point):
     return "; ".join(caveat.text for caveat in point.caveats)
 
 
-def test_result_of_measured_surfaces_quotes_friction_at_all_contacts_first():
+def test_summary_of_measured_surfaces_quotes_friction_at_all_contacts_first():
     point = only_point(measured_result(), measured_study(hardness=3.0))
     assert [rule.rule for rule in point.rules] == ["all", "opposing"]
     assert (point.value, point.lower, point.upper) == pytest.approx((0.21, 0.1995, 0.2205))
@@ -57,7 +57,7 @@ def test_result_of_measured_surfaces_quotes_friction_at_all_contacts_first():
     assert only_point(dataset, measured_study()).value == 0.21
 
 
-def test_result_of_generated_surfaces_quotes_opposing_contacts_only():
+def test_summary_of_generated_surfaces_quotes_opposing_contacts_only():
     points = summarize(generated_result(), generated_study()).points
     assert [point.at["fractal_dimension"] for point in points] == [1.1] * 4 + [1.4] * 4
     assert [rule.rule for rule in points[0].rules] == ["opposing"]
@@ -97,7 +97,7 @@ FAULT_CASES = {
 }
 
 
-def test_sentence_contains_assessment_caveats_version_and_adhesion():
+def test_quotable_sentence_contains_assessment_caveats_version_and_adhesion():
     caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
     dataset = measured_result().assign_attrs(stiction_version="1.2.3")
     (point,) = summarize(dataset, measured_study(), input_caveats=[caveat]).points
@@ -129,7 +129,7 @@ CAUTION_CASES = {
 
 
 @pytest.mark.parametrize("case_name", CAUTION_CASES)
-def test_point_with_caution_gives_the_reason(case_name):
+def test_point_with_caution_has_a_caveat_with_the_reason(case_name):
     raising, expected_words = CAUTION_CASES[case_name]
     point = only_point(measured_result(**raising), measured_study())
     assert point.verdict == "Quote with care"
@@ -137,7 +137,7 @@ def test_point_with_caution_gives_the_reason(case_name):
     assert "μ_s = 0.21" in sentence_text(point)
 
 
-def test_scan_that_is_much_coarser_than_the_other_is_a_caveat():
+def test_scan_much_coarser_than_the_other_scan_causes_a_caveat():
     for spacing, expected_words in (([0.4, 0.1], "the lower scan is 4 times coarser than the upper"), ([0.2, 0.1], "")):
         dataset = measured_result().assign_attrs(upper_spacing_um=[0.1, 0.1], lower_spacing_um=spacing)
         point = only_point(dataset, measured_study())
@@ -145,7 +145,7 @@ def test_scan_that_is_much_coarser_than_the_other_is_a_caveat():
         assert point.verdict == ("Quote with care" if expected_words else "Quote it")
 
 
-def test_surrogates_much_smaller_than_the_scan_are_a_caveat():
+def test_surrogates_much_smaller_than_the_scan_cause_a_caveat():
     study = measured_study()
     study = study.with_changes({"surfaces.press": "surrogates"})
     for shape, verdict in ((300, "Quote with care"), (600, "Quote it")):
@@ -169,7 +169,7 @@ def test_surrogates_much_smaller_than_the_scan_are_a_caveat():
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],
 )
-def test_point_without_caveats_is_quoted(numbers, study):
+def test_point_without_caveats_has_verdict_quote_it(numbers, study):
     assert only_point(measured_result(**numbers), measured_study(**study)).verdict == "Quote it"
 
 
@@ -187,20 +187,20 @@ def test_pressure_caveat_is_absent_for_rubber_like_materials(kind):
     assert any("pressure" in caveat.text for caveat in summarize(dataset, study).points[0].caveats)
 
 
-def test_pressure_above_yield_of_soft_material_is_a_caveat():
+def test_pressure_above_the_yield_strength_of_a_soft_material_causes_a_caveat():
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     dataset = measured_result(mean_pressure=2.0).assign_coords(effective_modulus=0.05)
     assert any("brass yields" in caveat.text for caveat in summarize(dataset, study).points[0].caveats)
 
 
-def test_pressure_of_generated_surfaces_is_at_most_a_caution():
+def test_high_pressure_of_generated_surfaces_is_at_most_a_caution():
     for pressure, verdict in ((0.4, "Quote it"), (0.6, "Quote with care")):
         points = summarize(generated_result(mean_pressure=pressure), generated_study()).points
         assert {point.verdict for point in points} == {verdict}
 
 
-def test_missing_coefficient_is_explained_by_its_status():
+def test_missing_coefficient_is_explained_by_the_status_of_the_point():
     point = only_point(measured_result(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
     assert (point.status, point.verdict) == ("not-reached", "Do not quote")
     assert "no solved load is as large" in sentence_text(point)
@@ -209,7 +209,7 @@ def test_missing_coefficient_is_explained_by_its_status():
     assert "ok" not in text.splitlines()[0]
 
 
-def test_caveats_about_inputs_are_listed_and_faults_come_first():
+def test_caveats_about_inputs_are_listed_after_faults():
     input_caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
     dataset = measured_result(share_at_edge=0.6)
     point = summarize_point(next(points(dataset)), measured_study(), [input_caveat])
@@ -228,11 +228,11 @@ def test_caveats_about_inputs_are_listed_and_faults_come_first():
         (list(range(0, 180, 30)), "the mean over 0°, 30°, 60°, 90°, 120° and 150°"),
     ],
 )
-def test_averaged_directions_are_described(directions, description):
+def test_directions_of_the_average_are_described_in_words(directions, description):
     assert averaged_directions_text(directions) == description
 
 
-def test_profiles_have_two_directions_and_a_nominal_pressure():
+def test_sentence_about_profiles_states_directions_and_nominal_pressure():
     point = only_point(measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities"))
     assert "the mean over both directions and 16 positions" in sentence_text(point)
     assert "(1 MPa)" not in sentence_text(
@@ -268,7 +268,7 @@ def test_small_slope_estimate_lists_neglected_effects():
 
 
 @pytest.mark.parametrize("is_floor", [True, False])
-def test_interval_covers_filtered_and_unfiltered_results(is_floor):
+def test_interval_contains_filtered_and_unfiltered_results(is_floor):
     cut_offs = (0.5, 0.0) if is_floor else (0.0, 0.5)
     dataset = measured_result(cut_offs=cut_offs, loads=(1.0, 10.0), half=0.02, all_rub=0.25)
     for name in ("friction_all_round", "friction_coefficient"):
@@ -320,7 +320,7 @@ def with_materials(hardness, names=("mild steel", "brass")):
     return study.with_changes({"contact.materials": list(names)})
 
 
-def test_bracket_extends_from_plastic_limit_to_scaled_upper_end():
+def test_bracket_extends_from_the_plastic_limit_to_the_scaled_upper_end():
     point = summarize(measured_result(all_rub=0.24, half=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.
@@ -351,13 +351,13 @@ def test_sentence_states_hardness_with_its_range(input_range, expected_text):
     assert f"hardness {expected_text}" in sentence_text(only_point(measured_result(), study)).replace(", points", ";")
 
 
-def test_sentence_states_number_of_surrogates():
+def test_sentence_states_the_number_of_surrogate_pairs():
     point = summarize(measured_result(members=16), measured_study(press="surrogates")).points[0]
     assert "16 pairs of random surfaces with these spectra" in sentence_text(point)
     assert "random" not in sentence_text(summarize(measured_result(members=16), measured_study()).points[0])
 
 
-def test_inputs_name_materials_and_range_of_softer_hardness():
+def test_text_of_inputs_names_materials_and_range_of_the_lower_hardness():
     point = summarize(measured_result(load_share_at_hardness=0.9), with_materials(0.625)).points[0]
     assert "mild steel on brass" in inputs_text(point)
     assert "hardness 625 MPa (230 MPa to 1.7 GPa)" in inputs_text(point)
@@ -367,7 +367,7 @@ def test_inputs_name_materials_and_range_of_softer_hardness():
     ("tau0", "expected_words"),
     [(0.01, None), (0.05, "τ0 is 42 % of the shear strength of the softer body, 120 MPa"), (0.13, "seizure")],
 )
-def test_junction_growth_is_a_caveat_above_a_twentieth_of_the_friction(tau0, expected_words):
+def test_junction_growth_causes_a_caveat_above_a_twentieth_of_the_friction(tau0, expected_words):
     dataset = measured_result(load_share_at_hardness=0.9, mu0=(0.1 if tau0 < 0.02 else 0.2,), tau0=(tau0,))
     caveats = summarize(dataset, with_materials(0.625)).points[0].caveats
     growth_caveats = [caveat.text for caveat in caveats if "junction growth" in caveat.text]
@@ -379,7 +379,7 @@ def test_junction_growth_is_a_caveat_above_a_twentieth_of_the_friction(tau0, exp
     assert not any("junction growth" in caveat.text for caveat in caveats_of_elastic_contact)
 
 
-def test_zero_tau0_is_a_caveat():
+def test_tau0_of_zero_causes_a_caveat():
     dataset = measured_result(tau0=(0.0,))
     dataset["friction_all_round"] = dataset["friction_all_round"] / 0.21 * 0.2012
     caveats = [caveat.text for caveat in summarize(dataset, measured_study()).points[0].caveats]
@@ -389,7 +389,7 @@ def test_zero_tau0_is_a_caveat():
 @pytest.mark.parametrize(
     ("pressure", "severity"), [(2.0, ["fault"]), (1.0, ["caution"]), (0.2, [])], ids=["all", "some", "none"]
 )
-def test_pressure_beyond_yield_is_a_caveat_that_names_the_material(pressure, severity):
+def test_pressure_beyond_yield_causes_a_caveat_that_names_the_material(pressure, severity):
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     caveats = summarize(measured_result(mean_pressure=pressure), study).points[0].caveats
@@ -401,33 +401,33 @@ def test_pressure_beyond_yield_is_a_caveat_that_names_the_material(pressure, sev
 @pytest.mark.parametrize(
     "study", [with_materials(2.0), with_materials(0.625, ("one", "another")), measured_study(hardness=2.0)]
 )
-def test_given_hardness_has_no_range(study):
+def test_text_of_inputs_states_no_range_for_a_given_hardness(study):
     point = summarize(measured_result(load_share_at_hardness=0.9), study).points[0]
     assert "known" not in inputs_text(point)
     assert not any("softer material" in caveat.text for caveat in point.caveats)
 
 
-def test_bracket_is_absent_with_a_fault():
+def test_bracket_for_finer_scans_is_absent_if_the_point_has_a_fault():
     point = summarize(measured_result(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (point.verdict, point.bracket) == ("Do not quote", None)
     assert "finer scan" not in coefficients_text([point])
 
 
-def test_bracket_contains_value_below_plastic_limit():
+def test_bracket_starts_at_a_value_below_the_plastic_limit():
     lower, upper = summarize(measured_result(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
     assert lower == pytest.approx(0.22)
     assert lower < upper
 
 
 @pytest.mark.parametrize("changes", [{"contact_count": 4.9}, {"share_on_largest": 0.51}])
-def test_few_contacts_are_no_fault_after_merging(changes):
+def test_few_contacts_are_not_a_fault_if_contacts_have_merged(changes):
     assert only_point(measured_result(**changes), measured_study()).verdict == "Do not quote"
     assert (
         only_point(measured_result(**changes, contact_area_fraction=0.35), measured_study()).verdict != "Do not quote"
     )
 
 
-def test_roughness_contribution_is_value_minus_mu0_and_tau0_terms():
+def test_roughness_contribution_equals_value_minus_mu0_and_tau0_terms():
     study = measured_study(hardness=3.0)
     point = only_point(measured_result(all_rub=0.23), study)
     assert point.from_roughness == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)
@@ -436,13 +436,13 @@ def test_roughness_contribution_is_value_minus_mu0_and_tau0_terms():
     assert summarize(generated_result(), generated_study()).points[0].from_roughness is None
 
 
-def test_text_about_finer_scans_states_hardness():
+def test_text_about_finer_scans_states_the_hardness():
     text = finer_text(only_point(measured_result(), measured_study(hardness=3.0)))
     assert text.startswith("with H = 3 GPa a finer scan would give 0.21")
     assert finer_text(only_point(measured_result(), measured_study())) == ""
 
 
-def test_few_contacts_and_zero_tau0_are_caveats_of_generated_surfaces():
+def test_few_contacts_and_zero_tau0_of_generated_surfaces_cause_caveats():
     point = summarize(generated_result(contact_count=7.0), generated_study()).points[0]
     assert "few contacts, 7 on average" in caveat_texts(point)
     assert summarize(generated_result(contact_count=3.0), generated_study()).points[0].verdict == "Do not quote"
@@ -451,7 +451,7 @@ def test_few_contacts_and_zero_tau0_are_caveats_of_generated_surfaces():
     )
 
 
-def test_caveat_has_the_number_that_was_checked_and_its_limit():
+def test_caveat_contains_the_checked_value_and_its_limit():
     (caveat,) = only_point(measured_result(share_at_edge=0.6), measured_study()).caveats
     assert (caveat.name, caveat.value, caveat.limit) == ("share_at_edge", pytest.approx(0.6), 0.5)
     assert caveat.text == "60 % of the load is on contacts at the edge"

@@ -46,7 +46,7 @@ def texts_by_label(text):
 
 
 class TestCharacterisationText:
-    def test_text_shows_results_of_the_library(self, profile):
+    def test_profile_text_shows_results_of_the_library(self, profile):
         texts, estimate = texts_by_label(characterisation_text(profile)), estimate_hurst_exponent(profile)
         parameters = roughness_parameters(profile)
         assert texts["Pa"] == f"{1000 * parameters.Pa:.4g} nm"
@@ -60,12 +60,12 @@ class TestCharacterisationText:
         assert texts["m4"].endswith(" 1/µm²")
         assert "Hann" in texts["spectrum"]
 
-    def test_text_reports_given_band_and_periodicity(self, profile):
+    def test_profile_text_states_given_band_and_periodicity(self, profile):
         texts = texts_by_label(characterisation_text(profile, band=(0.1, 2.0), periodic=True))
         assert "given" in texts["fitted band"]
         assert "periodic" in texts["spectrum"]
 
-    def test_profile_without_band_has_no_exponent_and_bad_profiles_are_rejected(self, profile):
+    def test_profile_without_band_has_no_exponent_and_bad_arguments_are_rejected(self, profile):
         assert "none" in texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
         with pytest.raises(ValueError, match="band"):
             characterisation_text(profile, band=(1.0, 1.001))
@@ -77,12 +77,12 @@ class TestCharacterisationText:
         ("factor", "expected_text"),
         [(1e-4, "5.2 pm"), (1e-3, "52 pm"), (1.0, "52 nm"), (1e3, "52 µm"), (1e5, "5.2 mm")],
     )
-    def test_lengths_are_printed_in_units_of_their_size(self, profile, factor, expected_text):
+    def test_lengths_are_printed_in_units_that_suit_their_size(self, profile, factor, expected_text):
         heights = profile.with_amplitude(0.052 * factor, "Rq").heights
         assert texts_by_label(characterisation_text(Profile(heights, spacing=0.01)))["Pq"] == expected_text
 
 
-def test_instrument_limit_is_negligible_below_a_fraction_of_the_slope(profile):
+def test_instrument_limit_is_negligible_if_its_slope_fraction_is_small(profile):
     noise = np.random.default_rng(1).normal(size=len(profile))
     smooth_heights = cut_off(profile, 0.3).heights
     for rms, expected_words in ((1e-5, "negligible, "), (1e-4, "unreliable below")):
@@ -107,7 +107,7 @@ def test_spectrum_without_power_law_has_no_exponent(profile):
 
 class TestCharacterisationFigure:
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_figure_is_one_column_wide_with_units_and_fitted_exponent(self, profile, periodic, tmp_path):
+    def test_figure_is_one_column_wide_and_shows_units_and_fitted_exponent(self, profile, periodic, tmp_path):
         figure = characterisation_figure(profile, periodic=periodic)
         labels = [ax.get_xlabel() for ax in figure.axes] + [ax.get_ylabel() for ax in figure.axes]
         assert {"position $x$ (µm)", "height (nm)", "density (1/nm)", "density $C$ (µm³)"} <= set(labels)
@@ -120,7 +120,7 @@ class TestCharacterisationFigure:
         assert imread(tmp_path / "figure.png").shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
         assert min(text.get_fontsize() for text in figure.findobj(Text) if text.get_text()) >= 6
 
-    def test_fitted_line_equals_power_law(self, profile):
+    def test_fitted_line_in_the_figure_equals_the_estimated_power_law(self, profile):
         figure = characterisation_figure(profile)
         estimate = estimate_hurst_exponent(profile)
         spectrum = next(ax for ax in figure.axes if "density $C$" in ax.get_ylabel())
@@ -131,7 +131,7 @@ class TestCharacterisationFigure:
             2 * np.pi / np.array([estimate.longest_wavelength, estimate.shortest_wavelength])
         )
 
-    def test_figure_without_band_has_a_note(self):
+    def test_figure_without_a_fitted_band_has_a_note(self):
         legend_texts = [
             text.get_text()
             for ax in characterisation_figure(PROFILE_WITHOUT_BAND).axes
@@ -144,7 +144,7 @@ class TestCharacterisationFigure:
 # ---- Cautions about the Hurst exponent ------------------------------------------------------------------------------
 
 
-def test_exponent_above_1_is_a_caution():
+def test_hurst_exponent_above_1_causes_a_caution():
     smooth_profile = self_affine(1, hurst_exponent=1.5, rms=0.1, points=4000, spacing=0.01)
     text = characterisation_text(smooth_profile, band=(0.1, 5.0))
     texts = texts_by_label(text)
@@ -155,7 +155,7 @@ def test_exponent_above_1_is_a_caution():
     assert "caution" not in characterisation_text(rough_profile)
 
 
-def test_band_that_starts_at_a_peak_is_reported():
+def test_fitted_band_that_starts_at_a_peak_is_reported():
     rough_profile = self_affine(2, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.05, longest_wavelength=8.0)
     sine_wave = 0.4 * np.sin(2 * np.pi * rough_profile.x / 8.0)
     text = characterisation_text(Profile(rough_profile.heights + sine_wave, spacing=0.05), band=(0.2, 8.2))
@@ -164,7 +164,7 @@ def test_band_that_starts_at_a_peak_is_reported():
     assert "begins on a peak" not in characterisation_text(rough_profile, band=(0.2, 8.2))
 
 
-def test_dominant_peak_is_reported_with_its_fraction():
+def test_dominant_peak_is_reported_with_its_fraction_of_the_mean_square():
     rough_profile = self_affine(3, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.01, longest_wavelength=8.0)
     assert "peak" not in texts_by_label(characterisation_text(rough_profile))
     # The sine wave has the amplitude of typical instrument vibration.
@@ -215,7 +215,7 @@ def test_surface_text_and_figure_show_results_of_the_library(surface, surface_ch
     assert sum("q^{-1-2H}" in text for text in legend_texts) == 2
 
 
-def test_small_slope_estimate_assumes_two_equal_surfaces():
+def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
     x = np.arange(4000) * 0.01
     slope = 0.2  # This is the slope of one surface. The slope of the gap is larger by √2.
     heights = slope * np.sqrt(2) / (2 * np.pi) * np.sin(2 * np.pi * x)
@@ -235,7 +235,7 @@ def test_small_slope_estimate_assumes_two_equal_surfaces():
 
 
 class TestJoinedSpectrum:
-    def test_pressure_panel_equals_spectral_estimate_up_to_hardness(self, tmp_path):
+    def test_pressure_panel_shows_the_spectral_estimate_up_to_hardness(self, tmp_path):
         fine_surface = self_affine_surface(4, hurst_exponent=0.8, rms=0.05, shape=(256, 256), spacing=0.01)
         height_maps = fine_surface.heights.reshape(64, 4, 64, 4).mean((1, 3)), fine_surface.heights[:128, :128]
         scans = [Surface(heights, spacing=spacing) for heights, spacing in zip(height_maps, (0.04, 0.01), strict=True)]
@@ -265,7 +265,7 @@ class TestJoinedSpectrum:
 class TestSectionParameters:
     TURNED_PROFILE = Profile(np.sin(2 * np.pi * np.arange(10_000) / 200), spacing=0.5)
 
-    def test_rows_of_section_parameters_equal_the_library(self):
+    def test_rows_of_section_parameters_equal_library_values(self):
         characterisation = Characterisation(self.TURNED_PROFILE)
         texts = {row.label: row.texts[0] for row in characterisation.rows}
         values = {value["name"]: value for row in characterisation.rows for value in row.values}
@@ -292,7 +292,7 @@ class TestSectionParameters:
         with pytest.raises(ValueError, match="one section length is 60 µm"):
             _ = Characterisation(Profile(self.TURNED_PROFILE.heights[:100], spacing=0.5), lc=60.0).rows
 
-    def test_surface_parameters_are_computed_after_filtering(self):
+    def test_surface_parameters_are_those_of_the_filtered_surface(self):
         surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 80), spacing=0.1)
         characterisation = Characterisation(surface, lc=3.0, ls=0.3)
         filtered_surface = filtered(filtered(surface, cutoff=0.3), cutoff=3.0, kind="L")

@@ -37,7 +37,7 @@ def list_figure_names(dataset, picture=None):
     return [name for name, _ in select_figures(dataset, picture)]
 
 
-def test_figures_follow_the_study(generated_dataset):
+def test_figures_to_draw_are_selected_by_the_study(generated_dataset):
     assert list_figure_names(generated_dataset) == ["friction_mu0_0.1", "friction_mu0_0.4", "friction_mu0_1", "area"]
     study = study_of(generated_dataset).with_changes({"figures.draw": ["profiles", "length-scales"]})
     assert list_figure_names(generated_dataset.assign_attrs(study=study.to_toml())) == ["profiles", "length_scales"]
@@ -112,7 +112,7 @@ def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
     assert [path.read_bytes() for path in paths] == contents  # Drawing again gives equal files.
 
 
-def test_foreign_files_are_not_replaced_and_empty_results_are_rejected(tmp_path):
+def test_figures_do_not_overwrite_foreign_files_and_reject_empty_results(tmp_path):
     from matplotlib.figure import Figure
 
     for ending in FORMATS:
@@ -135,7 +135,7 @@ def plot_axes(figure):
     return [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
 
 
-def test_friction_figure_has_maps_and_curves(generated_dataset):
+def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
     for dataset, num_rows in ((generated_dataset, 2), (generated_dataset.isel(amplitude=[1]), 1)):
         figure = friction_figure(dataset, 0.4)
         axes = plot_axes(figure)
@@ -151,7 +151,7 @@ def test_friction_figure_has_maps_and_curves(generated_dataset):
     assert figure_of_part.get_suptitle() == "unfinished: 3 of 12 repetitions"
 
 
-def test_friction_curves_equal_the_map_at_a_common_load(generated_dataset):
+def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset):
     dataset = generated_dataset.isel(amplitude=[1])
     curves = plot_axes(friction_figure(dataset, 0.4))[2]
     number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
@@ -166,7 +166,7 @@ def test_friction_curves_equal_the_map_at_a_common_load(generated_dataset):
 @pytest.mark.parametrize(
     "selection", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str
 )
-def test_friction_and_area_figures_of_small_results_give_no_warning(generated_dataset, selection, tmp_path):
+def test_friction_and_area_figures_of_small_results_cause_no_warning(generated_dataset, selection, tmp_path):
     dataset = generated_dataset.isel(amplitude=[0], **selection)
     save_figure(friction_figure(dataset, 0.0), tmp_path / "friction.png")
     save_figure(area_figure(dataset), tmp_path / "area.png")
@@ -196,7 +196,7 @@ def test_area_figure_has_a_labelled_curve_for_each_dimension(generated_dataset):
         assert ax.get_ylim()[1] <= 2.01 * np.nanmax(values)
 
 
-def test_reached_loads_are_within_the_range_of_the_ensembles(generated_dataset):
+def test_reached_loads_lie_within_the_loads_of_the_ensembles(generated_dataset):
     loads = reached_loads(generated_dataset)
     mean_loads = generated_dataset["normal_elastic"].mean("repetition")
     assert loads[0] >= float(mean_loads.isel(approach=0).max()) * (1 - 1e-12)
@@ -211,7 +211,7 @@ def draw_figure(dataset, wanted_name, picture=None):
     return next(draw for name, draw in select_figures(dataset, picture) if name == wanted_name)()
 
 
-def test_load_figure_draws_means_of_the_result(maps_at_two_cutoffs):
+def test_load_figure_draws_the_means_of_the_result(maps_at_two_cutoffs):
     figure = draw_figure(maps_at_two_cutoffs, "friction")
     friction_axes, area_axes = figure.axes
     reference = at_load(maps_at_two_cutoffs, maps_at_two_cutoffs["load"].values, mu0=[0.3], tau0=[0.0]).isel(
@@ -241,7 +241,7 @@ def test_figure_lines_have_colours_of_their_sliding_rules(maps_at_two_cutoffs):
         )
 
 
-def test_compass_passes_through_its_points_and_starts_at_zero(maps_at_two_cutoffs):
+def test_compass_curve_passes_through_its_points_and_starts_at_zero(maps_at_two_cutoffs):
     axes = draw_figure(maps_at_two_cutoffs, "compass").axes[0]
     reference = at_load(maps_at_two_cutoffs, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
     points, curve = axes.lines[:2]
@@ -260,7 +260,7 @@ def test_positions_figure_is_sorted_for_maps_and_ordered_by_offset_for_profiles(
     assert set(line_of_profiles.get_xdata()) == set(profiles_dataset["x"].values)
 
 
-def test_contacts_figure_marks_each_contact_and_its_loads_add_up(maps_at_two_cutoffs):
+def test_contacts_figure_marks_every_contact_and_its_loads_add_up(maps_at_two_cutoffs):
     picture = contact_picture(maps_at_two_cutoffs)
     figure = contacts_figure(picture, direction=90.0)
     axes = figure.axes[0]
@@ -273,7 +273,7 @@ def test_contacts_figure_marks_each_contact_and_its_loads_add_up(maps_at_two_cut
     assert sum(int(text.split("with ")[1].split()[0]) for text in texts) == pytest.approx(100, abs=1)
 
 
-def test_contact_map_draws_each_contact(maps_at_two_cutoffs, profiles_dataset):
+def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
     picture = contact_picture(maps_at_two_cutoffs)
     (axes,) = contact_map_figure(picture, direction=90.0).axes
     contact_kinds = np.ma.filled(axes.images[1].get_array(), np.nan)
@@ -309,7 +309,7 @@ def test_force_arrows_stay_inside_their_frame(circular_arc, tmp_path):
 # ---- Style -----------------------------------------------------------------------------------------------------------
 
 
-def test_spread_labels_are_separate_and_ordered():
+def test_labels_of_curves_are_separated_and_ordered():
     label_positions = spread_labels([1.0, 1.01, 0.99, 3.0], 0.1)
     assert np.array_equal(np.argsort(label_positions), [2, 0, 1, 3])
     assert np.diff(np.sort(label_positions)).min() == pytest.approx(0.1)

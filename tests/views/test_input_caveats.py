@@ -34,7 +34,7 @@ def caveat_texts(upper, lower, *, mu0=(0.2,), loads=()):
     return [caveat.text for caveat in find_input_caveats(upper, lower, measured_study(mu0=mu0), loads)]
 
 
-def test_heights_larger_than_the_scan_length_are_a_caveat(rough_profile):
+def test_heights_larger_than_the_scan_length_cause_a_caveat(rough_profile):
     tall_profile = Profile(rough_profile.heights * 1000, spacing=rough_profile.spacing)
     assert any(text.startswith("upper: heights span") for text in caveat_texts(tall_profile, rough_profile))
     surface = Surface(np.eye(8), spacing=1.0)
@@ -46,7 +46,7 @@ def test_heights_larger_than_the_scan_length_are_a_caveat(rough_profile):
     assert [caveat.severity for caveat in caveats if "heights span" in caveat.text] == ["fault"]
 
 
-def test_form_error_is_a_caveat_unless_it_is_removed(rough_profile):
+def test_form_error_causes_a_caveat_unless_it_is_removed(rough_profile):
     x = np.linspace(-1, 1, 2000)
     for curvature_height, has_caveat in ((1.0, True), (0.01, False)):
         curved_profile = Profile(rough_profile.heights + curvature_height * x**2, spacing=rough_profile.spacing)
@@ -61,7 +61,7 @@ def test_form_error_is_a_caveat_unless_it_is_removed(rough_profile):
     assert find_input_caveats(rough_profile, curved_profile, study) == ()
 
 
-def test_spikes_are_a_caveat_with_their_number(rough_profile):
+def test_spikes_cause_a_caveat_with_their_number(rough_profile):
     heights = rough_profile.heights.copy()
     heights[[500, 1200]] += 2 * MAX_SPIKE_RATIO * np.abs(np.diff(heights, 2)).max()
     caveats = caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
@@ -77,7 +77,7 @@ def test_caveat_about_both_scans_is_listed_once(rough_profile):
     assert all(text.startswith("both scans: ") for text in caveats)
 
 
-def test_huge_coefficients_and_loads_are_caveats(rough_profile):
+def test_huge_coefficients_and_loads_cause_caveats(rough_profile):
     assert (
         caveat_texts(
             rough_profile,
@@ -92,7 +92,7 @@ def test_huge_coefficients_and_loads_are_caveats(rough_profile):
     assert "above a tenth of E*" in caveat_texts(rough_profile, rough_profile, loads=[load])[0]
 
 
-def test_noise_and_peaks_are_caveats_without_cutoff():
+def test_noise_and_spectral_peaks_cause_caveats_without_a_cutoff():
     rng = np.random.default_rng(5)
     clean_profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
     noisy_profile = Profile(clean_profile.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)
@@ -120,7 +120,7 @@ def test_noise_and_peaks_are_caveats_without_cutoff():
     assert any("of the mean square slope" in text for text in caveat_texts(noisy_profile, noisy_profile))
 
 
-def test_remedy_offers_no_cutoff_above_a_third_of_the_scan():
+def test_remedy_suggests_no_cutoff_above_a_third_of_the_scan_length():
     noise_profile = Profile(0.1 * np.random.default_rng(2).normal(size=960), spacing=0.5)
     short_profile = self_affine(3, points=200, spacing=0.5, hurst_exponent=0.7, rms=0.01, shortest_wavelength=5.0)
     cutoff = instrument_limit(noise_profile).cut_off
@@ -136,7 +136,7 @@ def test_remedy_offers_no_cutoff_above_a_third_of_the_scan():
         pair(noise_profile, short_profile, load="10 MPa", mu0=0.2, effective_modulus="80 GPa", cutoff=f"{cutoff:g} um")
 
 
-def test_wavelengths_below_the_tip_are_a_caveat():
+def test_wavelengths_that_the_tip_does_not_resolve_cause_a_caveat():
     scan = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.7, rms=0.01, longest_wavelength=5.0, shortest_wavelength=0.05
     )
@@ -183,7 +183,7 @@ class TestNoiseUnderRoughSurface:
         rng = np.random.default_rng(1)
         return [Surface(each.heights + noise * 0.02 * rng.normal(size=(96, 96)), spacing=0.1) for each in maps]
 
-    def test_possible_noise_adds_a_reading_to_the_measured_one(self):
+    def test_possible_noise_adds_a_filtered_result_to_the_unfiltered_result(self):
         noisy_maps = self.maps(0.1)
         assert [instrument_limit(noisy_map).reason for noisy_map in noisy_maps] == ["pixels", "pixels"]
         study = pair_study(*noisy_maps, **self.options)
@@ -198,7 +198,7 @@ class TestNoiseUnderRoughSurface:
             assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
             assert find_input_caveats(*noisy_maps, study) == ()
 
-    def test_noise_of_one_scan_is_removed_from_both(self):
+    def test_noise_of_each_scan_is_removed_at_its_own_cutoff(self):
         rough_map, smooth_map = self.maps(0.1)[0], self.maps(0.1, shortest=0.8)[1]
         limits = instrument_limit(smooth_map), find_hidden_noise(rough_map)
         assert limits[0].origin == "instrument"
@@ -207,12 +207,12 @@ class TestNoiseUnderRoughSurface:
         assert study.surfaces.upper.cut_off_at(np.inf) == pytest.approx(limits[1].cut_off, rel=1e-12)
         assert study.surfaces.lower.cut_off_at(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
 
-    def test_clean_maps_have_one_reading(self):
+    def test_maps_without_noise_have_only_an_unfiltered_result(self):
         study = pair_study(*self.maps(0.0), **self.options)
         assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
         assert study.surfaces.both_readings is None
 
-    def test_interval_covers_both_readings(self):
+    def test_interval_contains_filtered_and_unfiltered_results(self):
         result = pair(*self.maps(0.1), **self.options, tau0="100 MPa", shifts=4, onset=0)
         measured, filtered = result.summary().points
         assert (measured.at["cut_off"], filtered.covered) == (0.0, True)

@@ -64,7 +64,7 @@ def report_numbers(generated_dataset):
 # ---- Interpolation and text ------------------------------------------------------------------------------------------
 
 
-def test_script_interpolates_values_of_the_library(report_numbers):
+def test_report_script_interpolates_like_the_library(report_numbers):
     axes = tuple(
         Axis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]) * max_value, np.array([0.2]) * max_value) for max_value in (1.0, 50.0)
     )
@@ -86,7 +86,7 @@ def test_script_interpolates_values_of_the_library(report_numbers):
         assert computed == pytest.approx(float(interpolated(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True)
 
 
-def test_interval_is_unbounded_next_to_a_node_without_upper_end(report_numbers):
+def test_interval_in_report_is_unbounded_next_to_a_node_without_upper_end(report_numbers):
     script = """(mu0) => {
       const axes = {mu0: {rising: [0, 1, 2], bounds: []}, tau0: {rising: [0, 1, 2], bounds: []}};
       const three = (list) => list.flatMap((each) => [each, each, each]);
@@ -99,14 +99,14 @@ def test_interval_is_unbounded_next_to_a_node_without_upper_end(report_numbers):
     assert report_numbers(script, 1.01) == [np.inf, "2.0 [1.0, ∞)"]
 
 
-def test_status_is_not_ok_next_to_a_node_without_value(report_numbers):
+def test_status_in_report_is_not_ok_nearest_to_a_node_without_value(report_numbers):
     script = """(mu0) => statusAt([0, 0, 0, 0, 1, 1], 0, placeAt({mu0: {rising: [0, 1, 2], bounds: []},
       tau0: {rising: [0, 1], bounds: []}}, mu0, 0), [{isOk: true}, {isOk: false}])"""
     assert [report_numbers(script, mu0) for mu0 in (0.9, 1.0, 1.1, 2.0)] == [0, 0, 1, 1]
 
 
 @pytest.mark.parametrize("scale", [3.3e-4, 0.1147, 0.99951, 17.251, 1234.0])
-def test_script_prints_numbers_with_the_decimals_of_the_terminal(report_numbers, scale):
+def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_numbers, scale):
     random = np.random.default_rng(3)
     value = scale * random.uniform(0.9, 1.1, 40)
     half_width = scale * 10 ** random.uniform(-6, 0.5, 40)
@@ -182,7 +182,7 @@ def random_settings(report_numbers, count, seed):
 
 
 @pytest.mark.parametrize("case_name", ["asperities", "half-planes"])
-def test_friction_of_generated_profiles_equals_the_library(generated_dataset, report_numbers, case_name):
+def test_report_friction_of_generated_profiles_equals_library_values(generated_dataset, report_numbers, case_name):
     if case_name == "half-planes":
         generated_dataset = run(Study.named("quick").with_changes(HALF_PLANE_CHANGES)).dataset
         report_numbers = ReportNumbers(report_page(generated_dataset))
@@ -194,7 +194,7 @@ def test_friction_of_generated_profiles_equals_the_library(generated_dataset, re
 
 
 @pytest.mark.parametrize("tangential_factor", [0.0, 1.0])
-def test_friction_at_nodes_equals_the_library_for_arbitrary_sums(tangential_factor):
+def test_report_friction_at_nodes_equals_library_values_for_arbitrary_sums(tangential_factor):
     dataset = create_arbitrary_sums(tangential_factor)
     report_numbers = ReportNumbers(report_page(dataset))
     axes = report_numbers.facts["axes"]
@@ -234,7 +234,7 @@ def test_report_of_profiles_without_contact_has_no_loads():
 
 
 @pytest.mark.parametrize("case_name", ["asperities", "soft", "invented"])
-def test_assessments_of_generated_profiles_equal_the_library(generated_dataset, case_name):
+def test_report_assessments_of_generated_profiles_equal_library_assessments(generated_dataset, case_name):
     dataset = create_arbitrary_sums(0.0) if case_name == "invented" else generated_dataset
     if case_name == "soft":
         dataset = dataset.assign_attrs(
@@ -271,7 +271,7 @@ def measured_report(request):
     return dataset, ReportNumbers(report_page(dataset))
 
 
-def test_friction_of_measured_surfaces_equals_the_library(measured_report):
+def test_report_friction_of_measured_surfaces_equals_library_values(measured_report):
     dataset, report_numbers = measured_report
     facts, errors = report_numbers.facts, []
     study = study_of(dataset)
@@ -302,7 +302,7 @@ def test_friction_of_measured_surfaces_equals_the_library(measured_report):
     assert np.quantile(errors, 0.9) < MAX_RELATIVE_ERROR
 
 
-def test_headline_of_report_equals_the_summary(measured_report):
+def test_headline_of_report_equals_that_of_the_summary(measured_report):
     dataset, report_numbers = measured_report
     study = study_of(dataset)
     reference = at_load(dataset, [float(load_index) for load_index in study.friction.load])
@@ -316,7 +316,7 @@ def test_headline_of_report_equals_the_summary(measured_report):
             assert report_point["text"] == format_estimate(rule.value, rule.lower, rule.upper)
 
 
-def test_contacts_of_measured_surfaces_equal_the_library(measured_report):
+def test_report_contact_values_of_measured_surfaces_equal_library_values(measured_report):
     dataset, report_numbers = measured_report
     reference = at_load(dataset, dataset["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0)
     names = [quantity["name"] for quantity in report_numbers.facts["quantities"]]
@@ -354,14 +354,14 @@ def drawing_functions(report_numbers):
         (5.0, 5.0, False, ["5"]),
     ],
 )
-def test_ticks_have_round_values_within_the_axis(drawing_functions, low, high, is_log, expected_texts):
+def test_axis_ticks_have_round_values_within_the_axis(drawing_functions, low, high, is_log, expected_texts):
     ticks = drawing_functions("(...at) => ticksOf(...at)", low, high, is_log, 6)
     assert [tick["text"] for tick in ticks if tick["text"]] == expected_texts
     assert all(low * (1 - 1e-9) <= tick["value"] <= high * (1 + 1e-9) for tick in ticks)
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-4, 1e4])
-def test_cell_edges_are_midpoints_between_centres(drawing_functions, scale):
+def test_cell_edges_of_a_map_are_midpoints_between_cell_centres(drawing_functions, scale):
     centres = (scale * 2.0 ** np.arange(7)).tolist()
     cell_edges = drawing_functions("(centres) => edges(centres)", centres)
     assert (np.array(cell_edges[1:-1]) == (np.array(centres[1:]) + centres[:-1]) / 2).all()

@@ -234,7 +234,7 @@ def test_report_of_scan_has_table_and_small_slope_estimate(driver, pages, profil
 # ---- Generated profiles ---------------------------------------------------------------------------------------------
 
 
-def test_readout_under_the_pointer_equals_the_library(generated_report, generated_dataset):
+def test_readout_under_the_pointer_equals_library_values(generated_report, generated_dataset):
     random = np.random.default_rng(5)
     dimensions, loads = (
         generated_dataset["fractal_dimension"].values,
@@ -269,7 +269,7 @@ def test_readout_under_the_pointer_equals_the_library(generated_report, generate
     assert len(statuses) > 1
 
 
-def test_click_selects_a_cell_and_double_click_resets_the_zoom(generated_report):
+def test_click_selects_a_cell_of_the_map_and_double_click_resets_the_zoom(generated_report):
     initial_limits = axis_limits(generated_report)
     left, top, width, height = browser.find_axes_frame(generated_report, "map")
     move_pointer(generated_report, left + 0.125 * width, top + 0.7 * height).click().perform()
@@ -285,7 +285,7 @@ def test_click_selects_a_cell_and_double_click_resets_the_zoom(generated_report)
     assert axis_limits(generated_report) == pytest.approx(initial_limits)
 
 
-def test_dragged_rectangle_and_buttons_change_the_zoom(generated_report):
+def test_dragging_a_rectangle_and_clicking_buttons_change_the_zoom(generated_report):
     initial_limits = axis_limits(generated_report)
     left, top, width, height = browser.find_axes_frame(generated_report, "map")
     actions = move_pointer(generated_report, left + 0.3 * width, top + 0.3 * height)
@@ -313,7 +313,7 @@ def test_dragged_rectangle_and_buttons_change_the_zoom(generated_report):
     assert axis_limits(generated_report, "friction") == pytest.approx(limits_before)
 
 
-def test_arrow_keys_move_the_selection(generated_report):
+def test_arrow_keys_move_the_selected_cell(generated_report):
     from selenium.webdriver.common.keys import Keys
 
     generated_report.execute_script("pick(2, 20)")
@@ -344,7 +344,7 @@ def test_cells_beyond_the_range_of_the_model_are_hatched(generated_report):
     assert generated_report.execute_script("return document.querySelectorAll('#map [style*=fill-opacity]').length") == 0
 
 
-def test_address_of_the_report_restores_the_view(driver, pages):
+def test_address_of_a_report_restores_its_settings(driver, pages):
     browser.open_page(driver, pages["study"])
     type_number(driver, "mu0-number", 0.37)
     type_number(driver, "tau0-number", 41)
@@ -417,7 +417,7 @@ def test_map_shows_selected_quantity_and_amplitude(generated_report):
     assert visible_errors == ["mu0-wrong", "tau0-wrong"]
 
 
-def test_report_states_missing_results(driver, tmp_path, generated_dataset):
+def test_report_explains_missing_results(driver, tmp_path, generated_dataset):
     dataset_without_solution = generated_dataset.copy(deep=True)
     dataset_without_solution["normal_elastic"].values[0, 0, 3, 2] = np.nan
     for dataset, expected_words in (
@@ -449,7 +449,7 @@ def read_values_by_rule(driver):
     }
 
 
-def test_displayed_friction_of_maps_equals_the_library_for_all_controls(maps_report, maps_dataset):
+def test_displayed_friction_of_maps_equals_library_values_for_all_controls(maps_report, maps_dataset):
     from selenium.webdriver.support.ui import Select
 
     study = study_of(maps_dataset)
@@ -509,7 +509,7 @@ def test_report_is_accessible_and_sends_no_requests(driver, pages, scheme):
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
-def test_printed_report_shows_complete_figures_and_parameters(driver, pages):
+def test_printed_report_contains_complete_figures_and_parameters(driver, pages):
     paper_width = 720  # pixels, between the margins of A4
     for path in (pages["study"], pages["maps"]):
         browser.open_page(driver, path, width=1280)

@@ -18,7 +18,7 @@ from support.studies_of_files import write_maps
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_report_escapes_text_of_study(generated_dataset, maps_dataset):
+def test_report_escapes_texts_of_the_study(generated_dataset, maps_dataset):
     page = report_page(
         generated_dataset.assign_attrs(stiction_version="<b>"), name="</script><script>alert(1)</script>"
     )
@@ -38,7 +38,7 @@ def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
     assert len(text.encode()) < 250_000 + 6 * 20 * num_cells * LOAD_STEPS * MAX_NODES**2
 
 
-def test_report_rejects_too_large_result(monkeypatch, generated_dataset, maps_dataset):
+def test_report_rejects_a_too_large_result(monkeypatch, generated_dataset, maps_dataset):
     monkeypatch.setattr("stiction.views.report.generated.MAX_GENERATED_COEFFICIENTS", 79)
     with pytest.raises(ReportError, match="at most 79"):
         report_page(generated_dataset)
@@ -47,13 +47,13 @@ def test_report_rejects_too_large_result(monkeypatch, generated_dataset, maps_da
         report_page(maps_dataset)
 
 
-def test_report_rejects_empty_result(generated_dataset):
+def test_report_rejects_a_result_without_members(generated_dataset):
     with pytest.raises(ReportError, match="no member"):
         report_page(generated_dataset.isel(repetition=[]))
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_report_title_names_study_or_files(generated_dataset, maps_dataset):
+def test_report_title_contains_the_study_or_the_scan_files(generated_dataset, maps_dataset):
     assert "<title>study – static friction – stiction</title>" in report_page(generated_dataset)
     assert "<title>mine – " in report_page(generated_dataset, name="mine")
     quick_dataset = empty_dataset(Study.named("quick")).assign_attrs(study=Study.named("quick").to_toml())
@@ -62,12 +62,12 @@ def test_report_title_names_study_or_files(generated_dataset, maps_dataset):
     assert "<title>upper-maps.npy on lower-maps.npy (mine) – " in report_page(maps_dataset, name="mine")
 
 
-def test_report_rejects_dataset_without_study(generated_dataset):
+def test_report_rejects_a_dataset_without_study(generated_dataset):
     with pytest.raises(ReportError):
         report_page(generated_dataset.drop_attrs())
 
 
-def test_save_report_replaces_reports_but_no_other_files(generated_dataset, tmp_path):
+def test_save_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path):
     path = tmp_path / "report.html"
     path.write_text(f"{REPORT_MARK}old")
     save_report(generated_dataset, path)
@@ -84,7 +84,7 @@ def test_save_report_replaces_reports_but_no_other_files(generated_dataset, tmp_
     assert sorted(item.name for item in tmp_path.iterdir()) == ["pipe", "report.html", "thesis.html"]
 
 
-def test_report_of_scan_lists_caveats_and_escapes_text():
+def test_report_of_a_scan_lists_caveats_and_escapes_texts():
     profile = levelled(self_affine(1, hurst_exponent=0.7, rms=0.05, points=6001, spacing=0.01), "line")
     file_and_command = {"name": "<b>.npy", "command": "<i>"}
     curved_heights = profile.heights + np.linspace(-1, 1, len(profile)) ** 2

@@ -27,7 +27,7 @@ def parse_csv(text):
     return list(csv.DictReader(text.splitlines()))
 
 
-def test_frame_contains_all_numeric_variables():
+def test_data_frame_contains_all_numeric_variables():
     dataset = measured_result(**SEVERAL_CONDITIONS)
     rows = values_frame(dataset)
     numbers = [name for name, table in dataset.data_vars.items() if table.dtype.kind in "if"]
@@ -43,7 +43,7 @@ def test_frame_contains_all_numeric_variables():
     assert set(friction["sliding"]) == {"all", "opposing"}
 
 
-def test_frame_contains_status_of_values():
+def test_data_frame_contains_the_status_of_values():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["status"].loc[{"load": 10.0}] = "not-reached"
     dataset["friction_coefficient"].loc[{"load": 10.0}] = np.nan
@@ -53,7 +53,7 @@ def test_frame_contains_status_of_values():
     assert set(rows[rows["load"] == 1.0]["status"]) == {"ok"}
 
 
-def test_csv_has_a_row_for_each_direction_with_verdict_and_caveats():
+def test_csv_table_has_a_row_with_verdict_and_caveats_for_each_direction():
     input_caveat = Caveat("a parabola, which carries the load", "take it off", "caution")
     rows = parse_csv(
         frame_to_csv(
@@ -96,7 +96,7 @@ DATASETS_AND_STUDIES = {
 
 
 @pytest.mark.parametrize("case_name", DATASETS_AND_STUDIES)
-def test_json_has_the_same_keys_for_all_results(case_name):
+def test_json_record_has_the_same_keys_for_all_results(case_name):
     dataset, study = DATASETS_AND_STUDIES[case_name]
     record = json.loads(summary_json("at", summarize(dataset, study)))
     assert list(record)[:3] == ["schema", "stiction", "command"]
@@ -112,7 +112,7 @@ def test_json_has_the_same_keys_for_all_results(case_name):
     assert not {"sliding", "direction", "mu0", "axis"} & set(area_value["at"])
 
 
-def test_json_has_null_instead_of_unbounded_intervals():
+def test_json_record_has_null_for_ends_of_unbounded_intervals():
     summary = summarize(measured_result(), measured_study())
     point, unbounded = summary.points[0], RemainingInterval("the hardness", 0.2, math.inf, math.inf)
     rules = tuple(replace(rule, upper=math.inf, next_test=(0.1, math.inf)) for rule in point.rules)
@@ -128,7 +128,7 @@ def test_json_has_null_instead_of_unbounded_intervals():
     assert (answer["finer_scans"]["to"], answer["parts"]["adhesion"], answer["from_roughness"]) == (None, None, None)
 
 
-def test_json_contains_verdict_caveats_and_values():
+def test_json_record_contains_verdict_caveats_and_values():
     record = json.loads(
         summary_json("pair", summarize(measured_result(share_at_edge=0.6, half=0.02), measured_study()), positions=3)
     )

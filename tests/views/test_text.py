@@ -57,7 +57,7 @@ DATASETS_AND_STUDIES = {
 
 @pytest.mark.parametrize("verbose", [False, True])
 @pytest.mark.parametrize("case_name", DATASETS_AND_STUDIES)
-def test_text_fits_the_terminal_width(case_name, verbose):
+def test_result_text_fits_the_terminal_width(case_name, verbose):
     dataset, study = DATASETS_AND_STUDIES[case_name]
     input_caveats = [
         Caveat("a parabola is 82 % of its mean square height, and carries the load", "take it off", "caution")
@@ -67,7 +67,7 @@ def test_text_fits_the_terminal_width(case_name, verbose):
     assert not any(line != line.rstrip() for line in text.splitlines())
 
 
-def test_text_starts_with_coefficient_and_verdict():
+def test_result_text_starts_with_coefficient_and_verdict():
     lines = result_text(summarize(*DATASETS_AND_STUDIES["with caveats"])).splitlines()
     assert lines[0].startswith("μ_s = 0.21 [0.20, 0.22]  friction at all contacts")
     verdict_index = lines.index("Do not quote")
@@ -75,7 +75,7 @@ def test_text_starts_with_coefficient_and_verdict():
     assert lines[verdict_index + 1].startswith("  ! 60 % of the load is on contacts at the edge")
 
 
-def test_text_of_maps_fits_24_lines():
+def test_result_text_of_maps_fits_on_24_lines():
     text = result_text(summarize(*DATASETS_AND_STUDIES["maps"]))
     assert len(text.splitlines()) <= 24
     for words in ("No grooves", "read from a.di"):
@@ -83,13 +83,13 @@ def test_text_of_maps_fits_24_lines():
         assert words in result_text(summarize(*DATASETS_AND_STUDIES["maps"]), verbose=True)
 
 
-def test_asperity_model_of_profiles_has_no_area_fraction():
+def test_text_of_profiles_with_asperity_model_has_no_area_fraction():
     for mechanics, has_area_fraction in (("asperities", False), ("half-space", True)):
         study = measured_study(press="lines", mechanics=mechanics)
         assert ("A/A0" in result_text(summarize(DATASETS_AND_STUDIES["lines"][0], study))) == has_area_fraction
 
 
-def test_text_has_one_line_for_each_condition():
+def test_result_text_has_one_line_for_each_condition():
     lines = result_text(summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study())).splitlines()
     assert lines[0].split()[:2] == ["load", "τ0"]
     assert [line.split()[:2] for line in lines[1:5]] == [["1", "mN"], ["1", "mN"], ["10", "mN"], ["10", "mN"]]
@@ -97,7 +97,7 @@ def test_text_has_one_line_for_each_condition():
     assert "with μ0 = 0.2, E* = 100 GPa" in " ".join(lines[5:7])
 
 
-def test_caveat_of_some_points_states_their_number():
+def test_caveat_of_some_points_states_the_number_of_points():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["share_at_edge"].loc[{"load": 1.0}] = 0.6
     text = result_text(summarize(dataset, measured_study()))
@@ -132,7 +132,7 @@ def test_wrapped_text_keeps_number_and_unit_together():
     assert "τ0 = 50 MPa" in text.splitlines()[1]
 
 
-def test_verbose_table_prints_values_of_the_dataset():
+def test_verbose_text_prints_values_of_the_dataset():
     dataset = measured_result(contact_count=123.0, share_on_largest=0.0421)
     text = quantities_text(dataset.isel(cut_off=0), measured_study(), verbose=True)
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
@@ -185,7 +185,7 @@ def test_overview_has_one_row_per_cell_and_marks_invalid_values():
     assert "* outside the model" in text
 
 
-def test_overview_states_number_of_omitted_caveats():
+def test_overview_states_the_number_of_omitted_caveats():
     dataset = generated_result(dimensions=(1.1, 1.2), contact_count=3.0)
     dataset["share_beyond_hertz"].loc[{"fractal_dimension": 1.2}] = 0.6
     summary = summarize(dataset, generated_study())
@@ -196,7 +196,7 @@ def test_overview_states_number_of_omitted_caveats():
     assert len(short_text.splitlines()) < len(text.splitlines())
 
 
-def test_text_of_many_points_fits_on_a_screen():
+def test_result_text_of_many_points_has_at_most_40_lines():
     dataset = generated_result(loads=tuple(np.linspace(0.01, 1, 30)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
     summary = summarize(dataset, generated_study())
     lines = result_text(summary, complete="--verbose").splitlines()
@@ -211,7 +211,7 @@ def test_text_of_many_points_fits_on_a_screen():
     assert sum(line[0].isdigit() for line in all_rows) == len(summary.headlines)
 
 
-def test_quantities_state_fractal_dimension_of_their_cell():
+def test_headings_of_quantities_state_the_fractal_dimension():
     for dimensions, expected_heading in (((1.1, 1.2), "D = 1.1, mean [95 %]"), ((1.1,), "mean [95 %]")):
         text = result_text(summarize(generated_result(dimensions=dimensions), generated_study()))
         table = text[text.rindex("\n\n") :] if "\n\n" in text else text
@@ -219,7 +219,7 @@ def test_quantities_state_fractal_dimension_of_their_cell():
         assert ("D = 1.1" in table) == (len(dimensions) > 1)
 
 
-def test_interval_width_determines_digits():
+def test_width_of_the_interval_determines_the_printed_digits():
     assert format_with_interval(0.1552, 0.07024, 0.3431) == "0.16 [0.07, 0.34]"
     assert format_with_interval(2.188, 1.192, 4.013) == "2.2 [1.2, 4.0]"
     assert format_with_interval(0.123456, 0.1234, 0.1235) == "0.1235 [0.1234, 0.1235]"
@@ -229,7 +229,7 @@ def test_interval_width_determines_digits():
     assert format_with_interval(1.0, 1.0, 1.0) == "1"
 
 
-def test_number_formats_return_documented_texts():
+def test_number_formats_return_the_documented_texts():
     assert format_estimate(0.2093, 0.1911, 0.2302) == "0.21 [0.19, 0.23]"
     assert format_estimate(0.1147, 0.1136, 0.1158) == "0.115 [0.114, 0.116]"
     assert format_estimate(0.1147, 0.1141, 0.1149) == "0.1147 [0.1141, 0.1149]"
@@ -265,11 +265,11 @@ def test_number_formats_return_documented_texts():
         (123456.0, "GPa", "123000 GPa"), (8.68e-8, "GPa", "86.8 Pa"),
     ],
 )  # fmt: skip
-def test_quantity_uses_unit_with_fewest_zeros(value, unit, text):
+def test_quantity_is_printed_in_the_unit_with_the_fewest_zeros(value, unit, text):
     assert format_with_unit(value, unit) == text
 
 
-def test_large_area_and_length_use_larger_units():
+def test_large_areas_and_lengths_are_printed_in_larger_units():
     text = quantities_text(
         measured_result(contact_area=1.01e7, contact_area_fraction=None), measured_study(), verbose=True
     )
