@@ -86,7 +86,7 @@ def draw_curve(ax, h: int, values: np.ndarray, style: str, *, filled: bool) -> N
     )
 
 
-def draw_ratios(results: dict, quantity: int, label: str, name: str, wave, *, log: bool) -> None:
+def draw_ratios(results: dict, quantity: int, label: str, name: str, solution, *, log: bool) -> None:
     figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, sharey=True)
     for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
@@ -96,9 +96,9 @@ def draw_ratios(results: dict, quantity: int, label: str, name: str, wave, *, lo
                 ratios = values[:, :, way, quantity] / values[:, :, 0, quantity]
                 draw_curve(ax, h, ratios, style, filled=way == 1)
         fine = np.geomspace(LOADS[0] / 1.1, LOADS[-1] * 1.1, 100)
-        ax.plot(fine, wave(fine * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="one wave, exact")
+        ax.plot(fine, solution(fine * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="sinusoid, exact")
         ax.axhline(1, color="0.7", lw=0.6, zorder=0)
-        ax.set_title(f"longest / shortest wave {bandwidth}", fontsize=7, pad=2)
+        ax.set_title(f"longest / shortest wavelength {bandwidth}", fontsize=7, pad=2)
         ax.set_xscale("log")
         ax.tick_params(labelsize=6.5)
     if log:
@@ -136,7 +136,7 @@ def draw_kappa(results: dict) -> None:
                 draw_curve(ax, h, results[bandwidth, hurst][:, :, way, FRACTION_COLUMN] / LOADS, style, filled=way == 1)
         for (theory, value), style in zip(KAPPA_OF_THEORIES.items(), ("-", "-."), strict=True):
             ax.axhline(value, color="0.5", lw=0.7, ls=style, zorder=0, label=f"2-D: {theory}")
-        ax.set_title(f"longest / shortest wave {bandwidth}", fontsize=7, pad=2)
+        ax.set_title(f"longest / shortest wavelength {bandwidth}", fontsize=7, pad=2)
         ax.set_xscale("log")
         ax.tick_params(labelsize=6.5)
     ax.set_ylim(0, 6)

@@ -129,7 +129,9 @@ _ALL_CONTACTS = {**_GAP_MINIMUM_CHANGES, "contact.sliding": "all", "surfaces.fra
 
 COLUMNS: Mapping[str, Column] = {
     "profiles, gap-minimum detection": Column("figure7", _GAP_MINIMUM_CHANGES, "opposing", 20, "gap-minima"),
-    "profiles, gap-minimum detection, friction at all contacts": Column("figure7", _ALL_CONTACTS, "all", 20, "all-rub"),
+    "profiles, gap-minimum detection, friction at all contacts": Column(
+        "figure7", _ALL_CONTACTS, "all", 20, "gap-minima-all"
+    ),
     "height maps, asperities": Column("figure6-areal", _AREA_CHANGES, "opposing", 80, "areas"),
     "height maps, asperities, friction at all contacts": Column("figure6-areal", _AREA_CHANGES, "all", 80, "areas"),
     "half-planes": Column("figure6-half-plane", _HALF_PLANE_CHANGES, "opposing", 100, "half-planes"),

@@ -27,9 +27,9 @@ PRESSURES = (0.002, 0.02, 0.1)
 HURST_EXPONENTS = (0.5, 0.8)
 NUM_PAIRS = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
 """Number of pairs by kind and bandwidth (longest over shortest wavelength)."""
-NUM_LONGEST_WAVES = {"lines": 4, "surfaces": 2}
+NUM_LONGEST_WAVELENGTHS = {"lines": 4, "surfaces": 2}
 """Length in units of the longest wavelength."""
-POINTS_PER_SHORTEST_WAVE = {"lines": 16, "surfaces": 8}
+POINTS_PER_SHORTEST_WAVELENGTH = {"lines": 16, "surfaces": 8}
 """Points per shortest wavelength."""
 SLIDING_RULES = ("opposing", "all")
 SEED = 2016
@@ -46,11 +46,11 @@ COLUMN_NAMES = [
 
 def create_body(kind: str, hurst: float, band: int, repetition: int, side: str) -> Profile | Surface:
     """Return one surface of a pair: periodic on unit length, with rms slope RMS_SLOPE."""
-    n = NUM_LONGEST_WAVES[kind] * band * POINTS_PER_SHORTEST_WAVE[kind]
+    n = NUM_LONGEST_WAVELENGTHS[kind] * band * POINTS_PER_SHORTEST_WAVELENGTH[kind]
     common = {"hurst_exponent": hurst, "repetition": repetition, "side": side, "rms": 1.0, "spacing": 1 / n}
     common |= {
-        "longest_wavelength": 1 / NUM_LONGEST_WAVES[kind],
-        "shortest_wavelength": 1 / (NUM_LONGEST_WAVES[kind] * band),
+        "longest_wavelength": 1 / NUM_LONGEST_WAVELENGTHS[kind],
+        "shortest_wavelength": 1 / (NUM_LONGEST_WAVELENGTHS[kind] * band),
     }
     surface = (
         self_affine(SEED, points=n, periodic=True, **common)
@@ -146,7 +146,7 @@ def draw(results: dict) -> None:
     ]
     axes = figure.subplots(len(rows), 2, sharex=True, sharey="row")
     for (column, label), pair in zip(rows, axes, strict=True):
-        for kind, ax in zip(NUM_LONGEST_WAVES, pair, strict=True):
+        for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, pair, strict=True):
             for k, ((body_kind, band), hurst) in enumerate(
                 (case, h) for case in NUM_PAIRS if case[0] == kind for h in HURST_EXPONENTS
             ):
@@ -160,7 +160,7 @@ def draw(results: dict) -> None:
             ax.xaxis.minorticks_off()
             ax.tick_params(labelsize=7)
         pair[0].set_ylabel(label, fontsize=8)
-    for kind, ax in zip(NUM_LONGEST_WAVES, axes[0], strict=True):
+    for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, axes[0], strict=True):
         ax.set_title({"lines": "profiles: cylinders", "surfaces": "surfaces: ellipses"}[kind], fontsize=9)
     axes[1, 0].set_yscale("log")
     axes[1, 0].yaxis.set_ticks((0.3, 0.5, 1, 2), labels=["0.3", "0.5", "1", "2"])
@@ -169,7 +169,7 @@ def draw(results: dict) -> None:
         ax.xaxis.set_ticks(PRESSURES, labels=[f"{load:g}" for load in PRESSURES])
         ax.set_xlabel(r"$\bar p\,/\,E^* h'$", fontsize=8)
     ax = axes[0, 0]
-    marks = [ax.plot([], [], color=c, label=f"longest / shortest wave {band}")[0] for band, c in COLOURS.items()]
+    marks = [ax.plot([], [], color=c, label=f"longest / shortest wavelength {band}")[0] for band, c in COLOURS.items()]
     for hurst, mark in MARKERS.items():
         fill = "white" if hurst == 0.5 else "0.3"
         marks += ax.plot([], [], ls="", marker=mark, color="0.3", mfc=fill, ms=3, label=f"$H$ = {hurst:g}")
