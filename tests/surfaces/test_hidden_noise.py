@@ -103,6 +103,15 @@ def test_hidden_noise_is_not_estimated_for_feed_marks():
     assert find_hidden_noise(Profile(noisy, spacing=SPACING)) is None
 
 
+def test_aliased_edges_of_straight_grooves_hide_no_noise():
+    surfaces = [
+        Surface(turned_surface(np.random.default_rng(seed), 2, rough=rough), spacing=SPACING)
+        for seed in range(8)
+        for rough in (0.05, 0.3)
+    ]
+    assert [find_hidden_noise(surface) for surface in surfaces] == [None] * len(surfaces)
+
+
 @pytest.mark.parametrize("shape", [(2, 2), (3, 5), (9, 12)])
 def test_hidden_noise_is_not_estimated_for_small_surfaces(shape):
     assert find_hidden_noise(Surface(np.random.default_rng(1).normal(size=shape), spacing=SPACING)) is None

@@ -19,7 +19,7 @@ from stiction import (
     spectral_moments,
     surface_spectrum,
 )
-from stiction.surfaces.scale import interval_power_laws
+from stiction.surfaces.scale import interval_power_laws, line_spectra
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_to_unit_rms, turned_surface
 from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
@@ -277,6 +277,24 @@ class TestTexture:
         for texture in (False, True):
             result = instrument_limit(noisy, texture=texture)
             assert (result.reason, result.origin, result.matters) == ("noise floor", "instrument", True)
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_line_spectra_count_lines_of_white_noise(periodic):
+    noise = Surface(np.random.default_rng(6).normal(size=(96, 128)), spacing=0.1)
+    for (*_, count, _), lines in zip(line_spectra(noise, periodic), noise.heights.shape, strict=True):
+        assert np.median(count) == pytest.approx(lines, rel=0.05)
+
+
+@pytest.mark.parametrize("degrees", [0, 5, 17])
+def test_line_spectra_count_straight_grooves_as_one_line(degrees):
+    y, x = np.indices((128, 128))
+    across = x * math.cos(math.radians(degrees)) + y * math.sin(math.radians(degrees))
+    frequencies = np.linspace(0.02, 0.4, 200)
+    phases = np.random.default_rng(7).uniform(0, 2 * math.pi, frequencies.size)
+    heights = sum(np.cos(2 * math.pi * f * across + phase) / f for f, phase in zip(frequencies, phases, strict=True))
+    (_, _, count, _), _ = line_spectra(Surface(heights, spacing=0.1), False)
+    assert np.median(count[5:45]) < 1.5
 
 
 def noise_slope_fraction(noise, heights):

@@ -11,6 +11,7 @@ from stiction._checks import Floats
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS
 from stiction.surfaces.floor_fit import BinnedSpectrum, fit_floor
 from stiction.surfaces.harmonics import find_period
+from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import (
     MAX_UNKNOWN_FRACTION,
@@ -19,7 +20,7 @@ from stiction.surfaces.scale import (
     line_spectra,
     scale_dependent_roughness,
 )
-from stiction.surfaces.spectrum import HANN_CORRELATION
+from stiction.surfaces.spectrum import HANN_CORRELATION, surface_spectrum
 from stiction.surfaces.surface import Surface
 
 MAX_FITTED_POINTS = 16.0  # longest fitted wavelength, in points
@@ -27,6 +28,8 @@ _BINS_PER_OCTAVE = 8
 _MIN_BINS = 8  # smallest number of bins for a fit
 _RELATIVE_MODEL_ERROR = 0.1  # relative error of a power law in a bin
 _EXPONENTS = (1.0, 5.0)  # exponents of the spectra of lines for Hurst exponents 0 and 2
+# Largest ratio of fitted noise to the median spectrum of a map at wavelengths below four points along both axes.
+_MAX_NOISE_RATIO = 2.0
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,9 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
     -------
     noise : HiddenNoise or None
         None if power laws alone fit as well, if the noise contributes less than a tenth of the mean square slope, or if
-        there is a periodic texture, whose aliased harmonics are no noise.
+        there is a periodic texture, whose aliased harmonics are no noise. None also if the spectrum of a map is too low
+        for the noise at short wavelengths along both axes, as for aliased straight grooves: white noise has the same
+        density at all wave vectors.
     """
     spectra = line_spectra(body, periodic)
     if any(find_period(density)[0] > 0 for _, density, *_ in spectra):
@@ -62,9 +67,22 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
     fraction = noise / total
     if not fit.is_significant or fraction <= MAX_UNKNOWN_FRACTION:
         return None
+    if isinstance(body, Surface) and fit.level > _MAX_NOISE_RATIO * _shortest_waves_variance(body, periodic):
+        return None
     roughness = scale_dependent_roughness(body, periodic=periodic)
     longest, shortest = MAX_FITTED_POINTS * max(body.spacings), MIN_CUTOFF_POINTS * min(body.spacings)
     return HiddenNoise(fraction, equivalent_cutoff(roughness, fraction, longest, shortest))
+
+
+def _shortest_waves_variance(surface: Surface, periodic: bool) -> float:
+    """Return the variance (µm²) of white noise with the median density of wavelengths below four points on both axes.
+
+    The densities of noise are exponentially distributed, so their median is ln 2 of their mean.
+    """
+    spectrum = surface_spectrum(surface if periodic else levelled(surface, "plane"), periodic=periodic)
+    y, x = (np.abs(q) for q in (spectrum.wave_number_y, spectrum.wave_number_x))
+    density = spectrum.density[np.ix_(y > y.max() / 2, x > x.max() / 2)]
+    return float(np.median(density)) / (math.log(2) * math.prod(surface.spacing))
 
 
 def _bin_short_wavelengths(spectrum: Spectrum, periodic: bool) -> BinnedSpectrum | None:

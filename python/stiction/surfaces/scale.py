@@ -487,21 +487,25 @@ def line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
         transform = np.fft.rfft((lines - lines.mean(axis=1, keepdims=True)) * window)[:, 1:]
         power = np.square(np.abs(transform)).mean(axis=0)
         q = 2 * math.pi * np.arange(1, power.size + 1) / (points * step)
-        spectra.append((q, power * (step / points), _independent_lines(transform), step))
+        spectra.append((q, power * (step / points), _independent_lines(transform, periodic=periodic), step))
     return spectra
 
 
-def _independent_lines(transform: NDArray[np.complex128]) -> Floats:
+def _independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
     """Estimate the number of independent lines of a surface at each wave number along the lines.
 
     The mean spectrum over the lines has the relative variance sum(P²)/sum(P)², where P are the powers of the wave
     vectors across the lines. Lines along straight grooves are copies of each other and count as one line. The factor 2
-    arises because P is exponentially distributed.
+    arises because P is exponentially distributed. A Hann window keeps the ends of lines along oblique grooves from
+    leaking to other wave vectors; the window itself spreads a single wave vector so that sum(P)²/sum(P²) is 2.
     """
-    power = np.square(np.abs(np.fft.fft(transform, axis=0)))
+    lines = transform.shape[0]
+    window = np.ones(lines) if periodic else 1 - np.cos(2 * math.pi * np.arange(lines) / lines)
+    power = np.square(np.abs(np.fft.fft(transform * window[:, np.newaxis], axis=0)))
     squares = np.square(power).sum(axis=0)
     squared_sum = np.square(power.sum(axis=0))
-    return np.asarray(np.maximum(2 * squared_sum / np.where(squares > 0, squares, 1.0) - 1, 1.0))
+    ratio = squared_sum / np.where(squares > 0, squares, 1.0)
+    return np.asarray(np.maximum(2 * ratio - (1 if periodic else 3), 1.0))
 
 
 def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, float]:
