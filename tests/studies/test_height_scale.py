@@ -290,7 +290,7 @@ def test_height_scale_rejects_results_that_are_not_stored_pairs(bodies, result):
 
 def test_missing_height_factors_raise_an_error_with_the_estimated_time(result):
     with pytest.raises(
-        MissingFactorsError, match=r"^height_scale needs .* computed, about .*: give compute=True$"
+        MissingFactorsError, match=r"^height_scale needs results at .*, about .*; give compute=True to compute them$"
     ) as caught:
         result.at(height_scale="0.25..4")
     assert caught.value.factors.tolist() == [0.25, 0.353553, 0.707107, 1.41421, 2.82843, 4.0]

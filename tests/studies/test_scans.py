@@ -163,7 +163,7 @@ def test_pair_accepts_scans_as_a_list_a_directory_or_file_names(tmp_path) -> Non
 
 def test_pair_rejects_scans_with_different_grids_and_identical_scans(tmp_path) -> None:
     arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
-    with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same points"):
+    with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same number of points"):
         pair([rough_scan(1, "upper"), rough_scan(2, "upper", points=40)], rough_scan(1, "lower"), **arguments)
     with pytest.raises(ValueError, match=r"surfaces.upper: two scans of a part are identical"):
         pair(
