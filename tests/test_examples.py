@@ -151,7 +151,7 @@ def run_command(line, cwd):
             pass  # The tests of the app start this command. Here it would wait until somebody closes its window.
         case ["stiction", *_]:
             words, _, to = reduce_study(line).partition(" > ")
-            # Commands that start processes on a cluster need a Python interpreter of their own.
+            # Commands that start processes on a cluster need their own Python interpreter.
             if re.search("--(cluster|scheduler)", words):
                 completed = subprocess.run(
                     [sys.executable, "-m", *shlex.split(words)], cwd=cwd, capture_output=True, text=True, timeout=240,
@@ -208,7 +208,7 @@ def has_code(page):
 @named([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
 def test_code_of_a_documentation_page_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("upper", "lower", "lapped"):  # Create the files that the pages take for granted.
+    for name in ("upper", "lower", "lapped"):  # Create the files that the pages assume to exist.
         side = "lower" if name == "lapped" else name
         scan = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05, side=side)
         stiction.write_profile(scan, tmp_path / f"{name}.csv")

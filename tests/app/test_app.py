@@ -54,7 +54,7 @@ def driver(app, tmp_path_factory):
 @pytest.fixture
 def empty_page(driver, app):
     """Page of the app without inputs; after the test, no unexpected error may be in the log of the browser."""
-    driver.get(f"{app.origin}/app.css")  # This page has no scripts, which would write to the storage again.
+    driver.get(f"{app.origin}/app.css")  # This page has no scripts that could write to the storage again.
     driver.execute_script("sessionStorage.clear()")
     driver.get(app.origin)
     driver.get_log("browser")
@@ -310,7 +310,7 @@ def test_app_result_of_maps_equals_command_result_at_each_step(app, empty_page, 
         rtol=MAX_ROUNDING_ERROR,
     )
 
-    # A change of mu0 by the slider or by the field changes the other one, the sentence and the command line.
+    # A change of mu0 by the slider or by the field also changes the other control, the sentence and the command line.
     for change_mu0 in (
         lambda: run_in_report(
             empty_page, "const field = inside.getElementById('mu0'); field.value = 0.3;" + DISPATCH_INPUT_EVENT
@@ -483,7 +483,7 @@ def test_preview_uses_no_more_positions_than_requested(app, empty_page):
 
 
 def test_cookie_sent_to_another_port_does_not_grant_access(app, empty_page):
-    """A browser sends a cookie to all ports of a host, so that access also requires the key of the page."""
+    """A browser sends a cookie to all ports of a host, so access also requires the key of the page."""
     received_requests = []
 
     class RecordingHandler(BaseHTTPRequestHandler):

@@ -33,7 +33,7 @@ POINT_FRACTION_TOLERANCE = 1e-3
 """Fraction of the grid points, with almost zero pressure, at which two solvers may differ."""
 
 ROUND_OFF = 1e-12
-MAX_BOUNDS = 2  # Of 200 random pairs, at most this number may have only a lower bound of the pull-off force.
+MAX_BOUNDS = 2  # At most this number of 200 random pairs may have only a lower bound of the pull-off force.
 
 PERIOD_TOLERANCE = 0.02
 """Relative difference between the pull-off forces of a ball with a period of 20 contact radii and of an isolated
@@ -150,7 +150,7 @@ def test_pull_off_force_of_sphere_equals_maugis_for_any_period(tabor):
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
 def test_sphere_with_dugdale_attraction_agrees_with_maugis_on_any_grid(tabor, monkeypatch):
-    """Check that the law of an exponential attraction, not the grid or the edge, causes differences from Maugis."""
+    """Check that differences from Maugis are due to the exponential law, not to the grid or the edge."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
         half_space(*bodies, [0.0], **adhesive).pull_off

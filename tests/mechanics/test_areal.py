@@ -705,7 +705,7 @@ def test_points_of_flat_valleys_count_as_unresolved():
     y, x = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
     upper = -0.05 * (np.abs(x - 15) <= 6) - 0.06 * np.maximum(0, 1 - ((x - 45) ** 2 + (y - 20) ** 2) / 100)
     curve = press(Surface(upper, spacing=0.1), Surface(np.zeros_like(upper), spacing=0.1), [0.058])
-    # Unresolved are all points of the floor, except those on the edge of the map. The pit adds one resolved point.
+    # All points of the floor are unresolved, except points on the edge of the map. The pit adds one resolved point.
     assert curve.grid_minimum_count[0] == 13 * 38 + 1 == curve.unanswered_count[0] + 1
 
 

@@ -164,7 +164,7 @@ def noise(body, shape):
 def test_long_computation_stops_on_ctrl_c(call):
     before, start = signal.signal(signal.SIGPROF, signal.default_int_handler), time.process_time()
     try:
-        with pytest.raises(KeyboardInterrupt):  # noqa: PT012, the signal comes however long it takes to get there
+        with pytest.raises(KeyboardInterrupt):  # noqa: PT012, the signal arrives after an unknown time
             signal.setitimer(signal.ITIMER_PROF, SIGNAL_DELAY)
             call()
     finally:

@@ -166,8 +166,7 @@ class TestProfileExact:
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
         upper, lower = (plane, ball) if below else (ball, plane)
         touch = (upper.heights - lower.heights).min()
-        # This is the distance of the centre of the ball, at height -R or R of its profile, from the plane after the
-        # approach.
+        # The distance from the plane is that of the centre of the ball, at height -R or R, after the approach.
         height = 1.0 + slope * 10.003 + (-touch - 1e-3) * (1 if below else 0)
         centre = -radius if below else radius - touch - 1e-3
         overlap = radius - abs(height - centre) / math.hypot(1, slope)

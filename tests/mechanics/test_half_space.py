@@ -117,7 +117,7 @@ def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness,
 @pytest.mark.parametrize("flat", [False, True])
 @pytest.mark.parametrize("part", [0.05, 0.95])
 def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part):
-    """Use bounds that vary between points: like a hardness on a rough gap, like limits of a traction on a flat."""
+    """Use bounds that vary between points, like a hardness on a rough gap or limits of a traction on a flat."""
     random = np.random.default_rng(5)
     periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
     gap = np.zeros(shape) if flat else -(body := rough(shape, longest=1, shortest=5).heights) + body.max()
@@ -735,7 +735,7 @@ def test_half_space_problems_on_equal_grids_share_kernels():
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_half_space_of_several_loads_equals_single_loads(boundary):
-    """Check that the start from the solution of a nearby load changes a solution by less than the tolerance."""
+    """Check that starting from the solution at a nearby load changes a solution by less than the tolerance."""
     body = rough((48, 40))
     upper = flat_like(body)
     loads = np.array([1.0, 1.1, 1.25, 3.0]) * 0.02
@@ -842,7 +842,7 @@ def test_half_space_solver_stops_soon_after_ctrl_c():
 
 
 def test_half_space_solver_converges_with_extrapolated_steps():
-    """Solve a half-plane on which extrapolated steps are about thirty times as long as tried steps."""
+    """Solve a half-plane problem in which extrapolated steps are about thirty times as long as trial steps."""
     study = Study.named("figure6-half-plane")
     dimension = float(study.surfaces.fractal_dimensions()[7])
     upper, lower = pair_of(study, 14, fractal_dimension=dimension, amplitude=float(study.surfaces.amplitudes()[0]))

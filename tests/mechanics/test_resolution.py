@@ -189,7 +189,7 @@ def test_extrapolated_interval_contains_friction_of_a_finer_scan():
         at = result.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
         truth = resolution(*fine, load, hardness=None, **options).friction_coefficient.sel(sliding="all")[0, 0]
         inside += bool(at.sel(statistic="lower") <= truth <= at.sel(statistic="upper"))
-    assert inside >= 5  # at a coverage of 95 %, two misses have a probability of 1 in 30
+    assert inside >= 5  # at a coverage of 95 %, the probability of two misses is 1 in 30
 
 
 def test_resolution_of_profiles_averages_both_directions():

@@ -43,7 +43,7 @@ def solve_traction(compliance, bound, total):
         is_zero, slips = is_zero & ~freed, slips & ~freed
         is_zero |= is_violated & sticks & (q < 0)
         slips |= is_violated & sticks & (q > 0)
-    raise AssertionError("the active set does not settle")
+    raise AssertionError("the active set does not converge")
 
 
 def simulate_steps(compliance, bound, displacements):

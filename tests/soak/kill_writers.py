@@ -77,7 +77,7 @@ class KillTest:
     def __init__(self, folder: Path, random_generator: random.Random, executors: tuple[str, ...]) -> None:
         self.folder, self.random, self.executors = folder, random_generator, executors
         self.repetitions = STUDY.ensemble.repetitions
-        self.first_write = 1.0  # duration in seconds of the latest write of a first file
+        self.first_write = 1.0  # seconds from the start of a command to its first block, measured last
         self.path = folder / "out"
         self.log = folder / "computed"
         (folder / "site").mkdir()
@@ -86,7 +86,7 @@ class KillTest:
         self.environment = os.environ | {"PYTHONPATH": str(folder / "site"), "storm": str(self.log)}
         self.files: dict[str, tuple[int, int]] = {}
         self.bits: dict[int, int] = {}  # checksum of each finished repetition
-        # the repetitions that were finished when a command started, by its process id
+        # repetitions that were finished when a command started, by the process id of the command
         self.finished_at_start: dict[int, frozenset[int]] = {}
         self.kills: collections.Counter[str] = collections.Counter()
         self.num_partial_files = 0
@@ -112,7 +112,7 @@ class KillTest:
         return process
 
     def wait_for_write(self, *processes: subprocess.Popen[bytes]) -> None:
-        """Wait a random time: until before the next write, or up to half a second after the next write."""
+        """Wait a random time that ends before the next write, or up to half a second after it."""
         blocks_before, began = self.count_blocks(), time.monotonic()
         early = self.random.random() < 0.3
         until = began + (self.random.uniform(0, 1.2 * self.first_write) if early else MAX_WAITING_SECONDS)

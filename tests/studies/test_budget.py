@@ -297,7 +297,7 @@ def test_combined_interval_covers_true_friction_for_random_inputs(truths) -> Non
     covered = covered_tests = 0
     rng = np.random.default_rng(2016)
     for seed in range(truths):
-        # The true surfaces are 1, 2 or 4 times as finely resolved as the scans, with wavelengths that much shorter.
+        # The true surfaces have 1, 2 or 4 times the resolution of the scans, and wavelengths shorter by this factor.
         refinement = int(rng.choice([1, 2, 4]))
         true_surfaces = rough_surfaces(
             seed, rms=float(rng.choice([0.003, 0.01, 0.03])), points=48, refinement=refinement
@@ -346,7 +346,7 @@ def test_interval_contains_the_value_for_truncated_distributions_of_tau0(tau0: s
 
 
 def test_intervals_are_nested_and_positive_for_random_statistics(monkeypatch) -> None:
-    monkeypatch.setattr(budget, "MAX_BUDGETS", 0)  # This saves the time of the budgets.
+    monkeypatch.setattr(budget, "MAX_BUDGETS", 0)  # This saves the time for computing budgets.
     # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
     random = np.random.default_rng(5)
     result = pair(
@@ -406,7 +406,7 @@ CONTAINMENT_INPUTS = (
 @pytest.mark.parametrize("inputs", CONTAINMENT_INPUTS)
 @pytest.mark.parametrize("noise", [0.0, 0.1])
 def test_combined_interval_contains_sampling_interval_and_bracket(inputs: dict[str, Any], noise: float) -> None:
-    """Check the nested intervals of pairs with and without noise; a fraction of the value lies well inside each."""
+    """Check the nested intervals of pairs with and without noise; the value must not be close to an end."""
     random = np.random.default_rng(7)
     roughness = {"hurst_exponent": 0.7, "rms": 0.01, "shape": (48, 48), "spacing": 0.1, "shortest_wavelength": 0.5}
     heights = [self_affine_surface(5, side=side, **roughness).heights for side in ("upper", "lower")]

@@ -597,7 +597,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
 def test_predictions_from_ball_tests_cover_true_friction() -> None:
     assert (
         simulate_coverage("ball", 40)[:, 1].sum() >= 34
-    )  # At a coverage of 95 %, fewer than 34 of 40 have a probability of 0.4 %.
+    )  # At a coverage of 95 %, the probability of fewer than 34 of 40 is 0.4 %.
 
 
 @pytest.mark.soak

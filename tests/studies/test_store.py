@@ -422,7 +422,7 @@ def test_units_in_the_files_of_blocks_are_ignored_when_reading(folder_copy, unin
 
 
 def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_dataset, monkeypatch):
-    """Let the disk fill up after 0, 1, 2 and 1 more files; each run reports the error, and the next one resumes."""
+    """Let the disk fill up after 0, 1, 2 and 1 more files; each run reports the error, and the next run resumes."""
     write, num_writes = _files.Path.write_bytes, 0
 
     def write_until_full(self, content):
@@ -570,7 +570,7 @@ for step in range(1, 1000):
 
 
 def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, uninterrupted_dataset):
-    """Kill a run at its first, second, ... disk operation, with half of the file written; each run resumes the last."""
+    """Kill successive runs at their first, second, ... disk operation, with half of the file written; each resumes."""
     (tmp_path / "s.toml").write_text(TINY_STUDY.to_toml())
     completed = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", SCRIPT_WITH_KILLS],

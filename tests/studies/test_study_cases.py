@@ -1,4 +1,4 @@
-"""Test which keys belong to which kind of study, and studies that earlier versions have stored."""
+"""Test the keys of each kind of study, and studies stored by earlier versions."""
 
 import pickle
 from pathlib import Path

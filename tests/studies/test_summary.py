@@ -1,4 +1,4 @@
-"""Test the summary of a result, which command, function and methods compute once and share."""
+"""Test the summary of a result, which the command, the function and the methods share."""
 
 import json
 import sys

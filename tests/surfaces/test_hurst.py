@@ -25,7 +25,7 @@ specified."""
 
 
 class TestProfileExponent:
-    # A 95 % interval misses 3 of 60 cases on average. More than 8 misses have a probability of 1 in 500.
+    # A 95 % interval misses 3 of 60 cases on average. The probability of more than 8 misses is 1 in 500.
     NUM_CASES, MAX_MISSES = 60, 8
 
     @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_hurst_caution_reports_wide_interval_and_exponents_outside_0_to_1():
 
 
 class TestSurfaceExponent:
-    # A 95 % interval misses 3 of 60 cases on average. More than 8 misses have a probability of 1 in 500.
+    # A 95 % interval misses 3 of 60 cases on average. The probability of more than 8 misses is 1 in 500.
     NUM_CASES, MAX_MISSES = 60, 8
 
     @pytest.mark.parametrize(

@@ -304,7 +304,7 @@ def noise_slope_fraction(noise, heights):
 
 
 class TestNoiseOfAnisotropicMap:
-    """Grooves along y: along them the spectrum reaches the noise at longer wavelengths than across them."""
+    """Grooves along y; noise limits the spectrum at longer wavelengths along the grooves than across them."""
 
     @pytest.fixture(params=[1, 2, 3])
     def grooves(self, request):

@@ -333,14 +333,6 @@ def test_bracket_extends_from_the_plastic_limit_to_the_scaled_upper_end():
     assert summarize(measured_result(), measured_study()).points[0].bracket is None
     asperities = measured_study(hardness=2.0, mechanics="asperities")
     assert summarize(measured_result(), asperities).points[0].bracket is None
-    # If the value is below the plastic limit, the bracket starts at the value.
-    lower, upper = summarize(measured_result(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
-    assert lower == pytest.approx(0.22)
-    assert lower < upper
-    # A result with a fault has no bracket for finer scans.
-    point = summarize(measured_result(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
-    assert (point.verdict, point.bracket) == ("Do not quote", None)
-    assert "finer scan" not in coefficients_text([point])
 
 
 @pytest.mark.parametrize(

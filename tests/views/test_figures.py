@@ -109,7 +109,7 @@ def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
     assert contents[1].startswith(b"%PDF")
     assert contents[2].startswith(b"<?xml")
     assert draw_figures(dataset, tmp_path, formats=FORMATS) == paths
-    assert [path.read_bytes() for path in paths] == contents  # Drawing again gives equal files.
+    assert [path.read_bytes() for path in paths] == contents  # Drawing again writes identical files.
 
 
 def test_figures_do_not_overwrite_foreign_files_and_reject_empty_results(tmp_path):

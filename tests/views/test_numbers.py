@@ -25,7 +25,7 @@ MAX_RELATIVE_ERROR = 3.0  # largest error of an interpolated value as a multiple
 
 
 def create_arbitrary_sums(tangential_factor):
-    """Return a dataset of arbitrary sums, some of which no surface has.
+    """Return a dataset of arbitrary sums, some of which no surface could have.
 
     Loads rise and fall with the approach and may be negative, and some repetitions carry no load.
     """

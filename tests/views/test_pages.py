@@ -117,7 +117,7 @@ def read_selection(driver):
 
 
 def double_click(driver, x, y):
-    """Double-click at a position; a pause between the clicks stands for a page that handles them slowly."""
+    """Double-click at a position; a pause between the clicks simulates a page that handles them slowly."""
     for count in (1, 2):
         for kind in ("mousePressed", "mouseReleased"):
             driver.execute_cdp_cmd(

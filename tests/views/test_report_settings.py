@@ -12,7 +12,7 @@ pytestmark = browser.BROWSER_MARKS
 
 MATERIALS, SETTINGS = 10, 50  # numbers of (mu0, tau0), and of settings of all controls, for each kind of result
 MAX_WIDTH_ERROR = 0.15  # largest error, relative to the width of the interval
-MAX_HIDDEN_FRACTION = 0.6  # At most at this fraction of the settings may only the library show a number.
+MAX_HIDDEN_FRACTION = 0.6  # largest fraction of the settings at which the library has a number and the report has none
 HALF_PLANES = {
     "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
     "contact.sliding": ["opposing", "all"], "surfaces.points": 512, "surfaces.extent": "5 um",

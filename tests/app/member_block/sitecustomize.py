@@ -20,7 +20,7 @@ if BLOCKING_FILE.exists():
             return False
 
     def member_sums(study, member):
-        """Return the sums of a member once the file does not block it."""
+        """Return the sums of a member once the file no longer blocks it."""
         while is_blocked(member):
             time.sleep(0.02)
         return compute_sums(study, member)
