@@ -104,7 +104,7 @@ def test_command_line_module_imports_nothing_before_the_command_starts():
     assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
 
 
-def test_help_and_version_load_no_numeric_packages():
+def test_help_and_version_options_load_no_numeric_packages():
     for option in ("--help", "--version"):
         assert loaded_dependencies(
             f"sys.argv[1:] = ['{option}']; from stiction.cli.application import run_command_line; run_command_line()"

@@ -298,7 +298,7 @@ def test_contacts_of_a_result_default_to_the_typical_member(function_result):
         function_result.contacts("10 nm")
 
 
-def test_contacts_of_a_generated_result_equal_a_direct_call_of_contacts():
+def test_contacts_of_a_generated_result_equal_those_computed_directly():
     small = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
     study = stiction.Study.named("quick").with_changes(small)
     result = stiction.run(study).contacts(1e-3, members=[0, 1])
@@ -347,7 +347,7 @@ def test_surface_from_a_surfalize_object_preserves_heights(lower):
     assert converted.spacing == (0.1, 0.2)
 
 
-def test_surface_from_function_rejects_other_objects(lower):
+def test_conversion_to_a_surface_rejects_other_objects(lower):
     array = lower.to_xarray()
     missing, uneven = array.copy(), array.copy()
     missing[0, 0] = np.nan

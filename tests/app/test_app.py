@@ -209,7 +209,7 @@ def test_form_has_a_field_for_each_option_of_the_pair_command(empty_page):
     assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
 
 
-def test_accept_field_removes_the_caveat_about_a_scan_file(empty_page, tmp_path):
+def test_caveats_about_a_scan_disappear_after_setting_options_in_the_form(empty_page, tmp_path):
     heights = np.round(np.random.default_rng(0).standard_normal((32, 32)) * 20)
     heights[3, 4:20] = -9999
     np.savetxt(tmp_path / "map.txt", heights, fmt="%d")

@@ -64,7 +64,7 @@ def test_requests_from_other_origins_are_rejected(app, origin):
         assert app.request(method, path, b"{}", Origin=origin.format(port=app.port))[0] == 403
 
 
-def test_post_requests_require_an_origin_and_get_requests_the_same_site(app):
+def test_cross_site_get_requests_and_post_requests_without_origin_are_rejected(app):
     assert app.request("POST", "/demo", b"", Origin=None)[0] == 403
     assert app.request("GET", "/", Sec_Fetch_Site="cross-site")[0] == 403
     assert app.request("GET", "/", Sec_Fetch_Site="same-site")[0] == 403
@@ -79,7 +79,7 @@ def test_content_security_policy_blocks_external_and_unsafe_resources(app):
     assert headers["x-content-type-options"] == "nosniff"
 
 
-def test_server_listens_on_loopback_only(app):
+def test_server_listens_on_the_loopback_interface_only(app):
     with socket.socket() as client:
         client.settimeout(2)
         assert client.connect_ex(("127.0.0.1", int(app.port))) == 0
@@ -327,7 +327,7 @@ def test_job_is_marked_as_stopped_before_its_partial_result_is_read(tmp_path, mo
     asyncio.run(check())
 
 
-def test_cancelled_task_ends_only_after_its_subprocess(monkeypatch):
+def test_cancelled_task_ends_only_after_its_subprocess_has_ended(monkeypatch):
     async def check():
         processes, create = [], asyncio.create_subprocess_exec
 

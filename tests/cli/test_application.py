@@ -153,7 +153,7 @@ def test_error_message_prints_any_file_name_on_one_printable_line(tmp_path):
         assert completed.stderr.strip().isprintable()
 
 
-def test_report_and_export_accept_long_file_names(tmp_path):
+def test_report_and_export_commands_accept_long_file_names(tmp_path):
     check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "-o", ".", cwd=tmp_path)
     long_name = "x" * 240
     for command, option, file_ending in (

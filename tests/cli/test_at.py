@@ -191,7 +191,7 @@ def test_info_command_writes_the_same_schema_for_every_result(results_folder, na
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
 
-def test_scale_heights_option_requires_compute_and_prints_table_or_json(results_folder, tmp_path):
+def test_scale_heights_option_requires_compute_option_and_prints_table_or_json(results_folder, tmp_path):
     shutil.copytree(results_folder / "maps", tmp_path / "maps")
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
     assert_rejected(

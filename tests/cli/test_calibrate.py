@@ -197,7 +197,7 @@ def test_line_numbers_in_error_messages_count_quoted_line_breaks(tmp_path):
     ]
 
 
-def test_friction_test_file_units_are_converted(tmp_path):
+def test_units_in_a_friction_test_file_are_converted(tmp_path):
     (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
     (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")
     for name in ("a.csv", "b.csv"):

@@ -87,7 +87,7 @@ def test_characterise_command_prints_library_results_of_a_profile(scans_folder, 
 
 
 @pytest.mark.parametrize("file_name", ["scan.csv", "map.npy"])
-def test_characterise_command_prints_at_most_40_lines_without_verbose(scans_folder, file_name):
+def test_characterise_command_prints_at_most_40_lines_without_verbose_option(scans_folder, file_name):
     options = ("--unit", "um", "--spacing", "50 nm,100 nm") if file_name == "map.npy" else ()
     short_lines, all_lines = (
         check_stiction(
@@ -344,7 +344,7 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert json.loads(completed.stdout)["limit_um"] == comparison.limit
 
 
-def test_dry_run_prints_layout_points_and_units_of_files(scans_folder):
+def test_dry_run_option_prints_layout_points_and_units_of_files(scans_folder):
     completed = check_stiction(
         "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=scans_folder
     )

@@ -163,7 +163,7 @@ def test_pair_option_sets_its_key_in_the_study(scans_folder, files, options, val
         assert read_key(study, key) == value
 
 
-def test_gap_map_is_pressed_as_given_at_one_position_and_only_levelled(scans_folder):
+def test_gap_map_is_pressed_on_a_flat_after_levelling_only(scans_folder):
     study = parse_study(scans_folder, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "fixed")
     assert study.surfaces.level == "mean"
     study = parse_study(
@@ -574,7 +574,7 @@ def test_friction_value_and_assessment_are_bold_on_terminals_only(capsys, monkey
     assert "\x1b[1mQuote with care\x1b[0m; measure" in terminal_output
 
 
-def test_import_of_slow_reader_is_announced_once(scans_folder, monkeypatch):
+def test_slow_import_of_a_reader_package_is_announced_once(scans_folder, monkeypatch):
     monkeypatch.setattr("stiction.cli.application.has_terminal", lambda: True)
     (scans_folder / "scan.di").write_text("nothing")
     monkeypatch.delitem(sys.modules, "SurfaceTopography", raising=False)
@@ -630,7 +630,7 @@ def result_of_maps(scans_folder):
     return completed
 
 
-def test_pair_command_stores_results_files_and_model_check_for_reuse(scans_folder, run_with_check, result_of_maps):
+def test_pair_command_stores_the_result_its_files_and_the_model_check(scans_folder, run_with_check, result_of_maps):
     for folder in ("pair", "pair/half-space", "areas"):
         stored = store.read(scans_folder / folder)
         result = run(Study.from_toml(scans_folder / folder / "study.toml")).dataset
@@ -858,7 +858,7 @@ def create_noisy_and_clean_profiles():
     return stiction.Profile(clean.heights + 5e-5 * noise, spacing=0.0167), clean
 
 
-def test_noise_floor_is_filtered_from_noisy_scan_only():
+def test_noise_floor_is_filtered_from_the_noisy_scan_only():
     noisy, clean = create_noisy_and_clean_profiles()
     limit = stiction.instrument_limit(noisy)
     assert (limit.origin, limit.matters) == ("instrument", True)
@@ -916,7 +916,7 @@ def test_profiles_of_metals_use_the_half_space_model_by_default(scans_folder):
         assert parse_study(scans_folder, *PROFILE_FILES, *options, *asperity_options).contact.mechanics == "asperities"
 
 
-def test_width_option_converts_the_load_to_the_load_on_one_strip(scans_folder):
+def test_width_option_scales_the_load_to_one_strip(scans_folder):
     arguments = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
     study = parse_study(scans_folder, *PROFILE_FILES, *arguments, "--load", "5 N", "--width", "5 mm")
     assert [float(load) for load in study.friction.load] == [1.0]

@@ -185,7 +185,7 @@ def test_adhesive_cylinder_equals_barquins_solution():
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.6])
-def test_adhesive_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
+def test_adhesive_contact_of_sinusoid_equals_johnson_and_jumps_to_full_contact(alpha):
     """Check p/p* = sin²s - α (tan s)^(1/2), s = πa/λ (Johnson, Int. J. Solids Structures 32 (1995) 423).
 
     Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it at a smaller

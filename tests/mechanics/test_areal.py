@@ -150,7 +150,7 @@ def hertz_contact(k, longer, overlap, modulus):
 
 class TestArealExact:
     @pytest.mark.parametrize(("k", "angle"), [(1.0, 0.0), (0.5, 25.0), (0.02, 25.0)])
-    def test_ellipsoid_on_flat_equals_hertz(self, k, angle):
+    def test_contact_of_an_ellipsoid_on_a_flat_equals_hertz(self, k, angle):
         modulus, overlap = 7.0, 1e-5
         force, area, axes, shorter = hertz_contact(k, 2.0, overlap, modulus)
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
@@ -202,7 +202,7 @@ class TestArealExact:
         coefficient = curve.friction_coefficient(mu0=mu0, tau0=0.05)[0]
         assert_close(coefficient, np.tan(theta + np.arctan(m)), ROUND_OFF)
 
-    def test_motion_across_slope_needs_lateral_force(self):
+    def test_motion_across_a_slope_requires_a_lateral_force(self):
         upper = surface_from_function(lambda x, y: 0.4 * x + ((x - 0.807) ** 2 + (y - 0.604) ** 2))
         lower = surface_from_function(lambda x, _y: 0.4 * x)
         curve = press(upper, lower, [1e-3], direction=90, sliding="all")
@@ -213,7 +213,7 @@ class TestArealExact:
         # The lateral load is positive to the left of the motion. Left of +y is -x, so the sign changes.
         assert_close(curve.lateral_load(mu0=0.3), -force * math.sin(theta), ROUND_OFF)
 
-    def test_extruded_profiles_have_contacts_of_the_profiles(self):
+    def test_extruded_profiles_have_the_same_contacts_as_the_profiles(self):
         upper, lower = (
             self_affine(
                 5, hurst_exponent=0.8, rms=0.02, points=200, spacing=0.05, shortest_wavelength=0.5, periodic=True,
@@ -243,7 +243,7 @@ class TestArealExact:
         same = np.abs(other.centre[:, 0] - lines.position[0, 0]).argmin()
         assert np.allclose(other.normal[same], one.normal[nearest], atol=1e-8)
 
-    def test_level_contacts_give_half_friction_if_opposing_and_full_if_all(self):
+    def test_level_contacts_have_friction_only_under_the_rule_of_all_contacts(self):
         # Level contacts do not oppose the motion. A rough body on a flat has therefore no friction under the opposing
         # rule.
         upper, _ = rough_pair()
@@ -488,7 +488,7 @@ class TestBadInput:
             ({"direction": 10.0, "shear": "-x"}, "shear"),
         ],
     )
-    def test_press_rejects_bad_contact_models_of_maps(self, changes, match):
+    def test_press_rejects_bad_contact_models_for_maps(self, changes, match):
         with pytest.raises(ValueError, match=match):
             press(*rough_pair(), [0.1], **changes)
 

@@ -9,7 +9,7 @@ SPLINE_TOLERANCE = 1e-12
 
 @pytest.mark.parametrize("side", ["lower", "upper"])
 @pytest.mark.parametrize("dimension", [1.0, 1.7])
-def test_slope_and_curvature_equal_scipy_natural_spline(rough_pair, dimension, side):
+def test_slope_and_curvature_of_asperities_equal_scipy_natural_spline(rough_pair, dimension, side):
     profile = rough_pair(dimension)[0]
     slope, curvature, normal, radius = pressing.fit_spheres(profile.heights, profile.spacing, upper=side == "upper")
     ours = asperities(profile, side)
@@ -29,7 +29,7 @@ def test_asperities_of_a_circle_have_the_radius_and_centre_of_the_circle(circula
         assert np.allclose(arc.centre[inner], [apex, 0, height], atol=4e-6)
 
 
-def test_asperities_have_no_curvature_at_the_ends_and_read_only_arrays():
+def test_asperities_have_zero_end_curvature_and_read_only_arrays():
     profile = Profile(np.sin(np.arange(30.0)), spacing=0.1)
     lower = asperities(profile, "lower")
     assert lower.curvature[[0, -1]].tolist() == [0, 0]

@@ -42,7 +42,7 @@ def pair():
 
 class TestCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
-    def test_pressing_candidates_equals_pressing_their_surfaces(self, pair, curvature):
+    def test_loads_of_pressed_candidates_equal_loads_of_their_surfaces(self, pair, curvature):
         points = candidates(*pair, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
         ours = press(points, steps, shear="-x")
@@ -71,7 +71,7 @@ class TestCandidates:
         assert (points.radii[:, 0] == points.radii[:, 1]).all()
         assert not points.gap.flags.writeable
 
-    def test_pressing_candidates_rejects_options_that_differ_from_their_search(self, pair):
+    def test_pressing_candidates_rejects_options_that_contradict_their_search(self, pair):
         points = candidates(*pair, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
@@ -90,7 +90,7 @@ class TestCandidates:
 
 
 class TestContactModel:
-    def test_keywords_override_contact_model(self, pair):
+    def test_keywords_override_the_contact_model(self, pair):
         assert set(ContactKeywords.__annotations__) == {"model"} | {
             field.name for field in dataclasses.fields(ContactModel)
         }

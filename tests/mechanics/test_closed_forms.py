@@ -47,7 +47,7 @@ def test_contact_laws_of_core_equal_closed_forms(overlap, radius, modulus):
 @given(
     ratio=st.floats(1e-2, 1e3), radius=lengths, modulus=moduli, strain=st.floats(1e-4, 0.05), poisson=st.floats(0, 0.5)
 )
-def test_jackson_green_equals_published_fit(ratio, radius, modulus, strain, poisson):
+def test_jackson_green_law_equals_the_published_fit(ratio, radius, modulus, strain, poisson):
     strength = strain * modulus
     critical, force, area = elastic_plastic.jackson_green(ratio, radius, modulus, strength, poisson)
     law = JacksonGreen(yield_strength=strength, poisson_ratio=poisson)

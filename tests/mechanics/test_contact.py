@@ -84,7 +84,7 @@ class TestProfileReference:
 
 
 class TestProfileExact:
-    def test_two_circles_equal_hertz(self, circular_arc):
+    def test_contact_of_two_circles_equals_hertz(self, circular_arc):
         spacing, points, modulus = 0.002, 1000, 7.0
         for apexes, radii in (
             ((1.0005, 1.0005), (2.0, 3.0)),
@@ -106,7 +106,7 @@ class TestProfileExact:
                 assert_close(table.area, math.pi * radius * overlap, CIRCLE_TOLERANCE)
                 assert np.allclose(table.normal[0, [0, 2]], apart / np.hypot(*apart), atol=CIRCLE_TOLERANCE)
 
-    def test_ball_in_cup_equals_hertz(self, circular_arc):
+    def test_contact_of_a_ball_in_a_cup_equals_hertz(self, circular_arc):
         spacing, points = 0.002, 1000
         ball = circular_arc(1.0307, 2.0, spacing, points, "upper")
         cup = Profile(-circular_arc(0.9811, 5.0, spacing, points, "lower").heights, spacing=spacing)
@@ -160,7 +160,7 @@ class TestProfileExact:
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
     @pytest.mark.parametrize("below", [True, False])
     @pytest.mark.parametrize("slope", [0.0, 1e-3, 0.1, 0.3])
-    def test_ball_on_tilted_plane_equals_hertz(self, circular_arc, slope, below, detection):
+    def test_contact_of_a_ball_on_a_tilted_plane_equals_hertz(self, circular_arc, slope, below, detection):
         radius, spacing, points = 12.0, 0.01, 2001
         ball = circular_arc(10.003, radius, spacing, points, "lower" if below else "upper")
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
@@ -176,7 +176,7 @@ class TestProfileExact:
         assert np.allclose(table.normal[0], np.array([-slope, 0, 1]) / math.hypot(1, slope), atol=1e-12)
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-    def test_nearly_flat_surface_equals_flat_surface(self, circular_arc, detection):
+    def test_loads_on_a_nearly_flat_surface_equal_loads_on_a_flat(self, circular_arc, detection):
         # The radius is 5e7 to 5e13 µm. A difference of such lengths would lose an overlap of 10 pm.
         ball = circular_arc(10.003, 12.0, 0.01, 2001, "lower")
         approaches = [1e-5, 1e-4, 1e-3]
@@ -375,7 +375,7 @@ class TestGapMinimum:
             assert_close(curves_by_points[points][:, 1:], finest[:, 1:], self.PAIR_TOLERANCE)
             assert_close(curves_by_points[points][:, 1:].sum(axis=0), finest[:, 1:].sum(axis=0), self.SUM_TOLERANCE)
 
-    def test_load_sums_converge_with_second_order_in_spacing(self, curves_by_points):
+    def test_load_sums_have_second_order_convergence_in_the_spacing(self, curves_by_points):
         # The position of first contact within a cell is random. Therefore mean errors over the pairs are compared.
         finest, coarser = curves_by_points[self.POINT_COUNTS[-1]], self.POINT_COUNTS[:-1]
         errors = [np.abs(curves_by_points[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]
@@ -403,7 +403,7 @@ class TestGapMinimum:
 
 
 class TestInterface:
-    def test_friction_parameters_are_broadcast_before_the_axis_of_approaches(self, rough_pair):
+    def test_axes_of_friction_parameters_precede_the_axis_of_approaches(self, rough_pair):
         curve = press(*rough_pair(1.2), [0.005, 0.01, 0.02])
         assert curve.normal_load(mu0=0.1).shape == (3,)
         assert curve.normal_load(mu0=[0.1, 0.2], tau0=0.1).shape == (2, 3)
@@ -441,7 +441,7 @@ class TestInterface:
         with pytest.raises(ValueError, match=message):
             call(upper, lower, arguments.pop("approach"), **arguments)
 
-    def test_press_rejects_different_grids(self, rough_pair):
+    def test_press_rejects_profiles_on_different_grids(self, rough_pair):
         upper, lower = rough_pair(1.2)
         with pytest.raises(ValueError, match="equally many points"):
             press(Profile(upper.heights[:-1], spacing=upper.spacing), lower, [0.01])

@@ -244,7 +244,7 @@ def test_half_space_solution_of_point_contact_equals_hertz(radii):
     assert curve.contact_count[0] == 1
 
 
-def test_hertz_ellipse_tends_to_sphere_and_line():
+def test_hertz_ellipse_tends_to_sphere_and_line_contact():
     force, area, (a, b) = hertz_ellipse(0.01, 3.0, 3.0, MODULUS)
     np.testing.assert_allclose((force, area), hertz_sphere(0.01, 3.0, MODULUS), rtol=ROUND_OFF)
     np.testing.assert_allclose(a, b, rtol=ROUND_OFF)
@@ -412,7 +412,7 @@ def test_random_half_space_problems_with_hardness_are_solved():
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("shape", [(256,), (40, 40)])
 @pytest.mark.parametrize("ratio", [0.5, 10, 1000])
-def test_half_space_accepts_any_low_hardness(shape, boundary, ratio):
+def test_half_space_accepts_arbitrarily_low_hardness(shape, boundary, ratio):
     """Solve pairs with E* h'/H from 0.5 to 1000 at loads up to the largest that the hardness permits."""
     lower = rough(shape)
     hardness = MODULUS * 0.1 / ratio
@@ -734,7 +734,7 @@ def test_half_space_problems_on_equal_grids_share_kernels():
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_half_space_of_several_loads_equals_single_loads(boundary):
+def test_half_space_solutions_for_several_loads_equal_those_for_single_loads(boundary):
     """Check that starting from the solution at a nearby load changes a solution by less than the tolerance."""
     body = rough((48, 40))
     upper = flat_like(body)
@@ -803,7 +803,7 @@ def test_half_space_rejects_bad_spacing(spacing):
         half_space(Surface(0 * heights, spacing=spacing), Surface(heights, spacing=spacing), [1e-3])
 
 
-def test_progress_callback_reports_iterations_and_can_cancel():
+def test_progress_callback_reports_iterations_and_can_cancel_the_solution():
     body = rough((32, 32))
     events = []
     half_space(

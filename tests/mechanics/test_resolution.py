@@ -63,7 +63,7 @@ def test_resolution_equals_half_space_solution_of_filtered_surfaces(resolved_pai
     assert abs(smooth.sel(sliding="all")).max() < 0.02  # The slopes in both directions cancel.
 
 
-def test_bracket_with_hardness_contains_results_of_finer_scans(resolved_pair):
+def test_finer_results_lie_between_the_plastic_limit_and_coarser_results(resolved_pair):
     *_, load, result = resolved_pair
     area = result.contact_area_fraction[:, 0].values
     mu = result.friction_coefficient.sel(sliding="all")[:, 0].values
@@ -81,7 +81,7 @@ def test_bracket_with_hardness_contains_results_of_finer_scans(resolved_pair):
         assert (mu[finer] <= mu[finer:] * (1 + 0.02)).all()
 
 
-def test_bracket_of_elastic_contact_contains_results_of_finer_scans(resolved_pair):
+def test_bracket_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
     result = resolved_pair[3]
     stretch = 1 + np.square(result.rms_gradient.values) / 8
     for name, of in (("area_fraction", "contact_area_fraction"), ("friction_coefficient", "friction_coefficient")):
@@ -131,7 +131,7 @@ def test_resolution_without_hardness_lists_plastic_wavelength_by_hardness(resolv
     assert harder < at_four < softer
 
 
-def test_plastic_wavelength_is_where_slope_reaches_hardness(resolved_pair):
+def test_rms_slope_at_the_plastic_wavelength_corresponds_to_the_hardness(resolved_pair):
     upper, lower, load, result = resolved_pair
     kappa = float(result.elastic_kappa[0])
     assert kappa == pytest.approx(

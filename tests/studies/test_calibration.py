@@ -89,7 +89,7 @@ def test_common_error_of_all_tests_widens_the_identified_interval() -> None:
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
 
 
-def test_tests_on_one_rough_pair_identify_only_the_sum_of_mu0_and_tau0_terms() -> None:
+def test_friction_tests_on_one_rough_pair_identify_only_the_sum_of_both_terms() -> None:
     curve = compute_rough_curve(0.02, 1)
     tests = [
         FrictionTest(curve, load, coefficient=float(y), uncertainty=0.03 * float(y))
@@ -116,7 +116,7 @@ def test_calibration_advice_predicts_errors_of_ball_tests_over_two_load_decades(
     assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
 
 
-def test_tests_on_two_finishes_separate_mu0_from_tau0_and_predict_a_third_finish() -> None:
+def test_friction_tests_on_two_finishes_predict_a_third_finish() -> None:
     curves = [compute_rough_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
     random = np.random.default_rng(1)
     tests = [
@@ -198,7 +198,7 @@ def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) ->
     assert result_in_other_unit.interval == pytest.approx(shared_result.interval, rel=1e-6)
 
 
-def test_tests_at_several_dwell_times_separate_mu0_from_tau0_of_a_plastic_pair() -> None:
+def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
     rough = pair(*rough_faces(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PAIR_OPTIONS)
     table, tests = rough.at("20 MPa"), []
     ratio = (table["contact_area"].sel(statistic="mean") / table["load"]).item()
@@ -319,7 +319,7 @@ def test_missing_errors_of_tests_are_estimated_from_the_scatter() -> None:
     assert 0.5 < ratio < 2.5
 
 
-def test_tests_without_sliding_count_as_lower_bounds() -> None:
+def test_friction_tests_without_sliding_count_as_lower_bounds() -> None:
     sliding_tests = simulate_ball_tests()
     identified = calibrate(sliding_tests[:2], sliding="all").identified
     level = sliding_tests[0].coefficient * 1.05
@@ -403,7 +403,7 @@ def test_calibration_with_junction_growth_agrees_with_brute_force() -> None:
         assert computed == pytest.approx(expected, abs=2 * SAMPLING_TOLERANCE * np.ptp(expected[1:]))
 
 
-def test_tests_on_ball_and_plastic_pair_determine_junction_growth() -> None:
+def test_friction_tests_on_ball_and_plastic_pair_determine_junction_growth() -> None:
     interface = calibrate(simulate_tests_with_growth("0..27", 9.0), common=0.0, sliding="all")
     low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     assert low < 9.0 < high
@@ -411,7 +411,7 @@ def test_tests_on_ball_and_plastic_pair_determine_junction_growth() -> None:
     assert high - low < 8.0  # The given range of α alone would have a width of 25.7.
 
 
-def test_tests_on_one_plastic_pair_do_not_determine_junction_growth() -> None:
+def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -> None:
     interface = calibrate(simulate_tests_with_growth("0..27", 9.0, balls=False), sliding="all")
     low, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
     assert low < 1.5

@@ -27,7 +27,7 @@ def profile_contact(tmp_path_factory):
     return study, run(study).dataset
 
 
-def test_values_at_a_load_of_profiles_equal_press_at_single_positions(profile_contact):
+def test_friction_of_profiles_at_a_load_equals_press_at_each_position(profile_contact):
     study, result = profile_contact
     pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
     order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
@@ -59,7 +59,7 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_con
     }  # fmt: skip
 
 
-def test_values_at_a_load_of_generated_profiles_equal_friction_map():
+def test_friction_of_generated_profiles_at_a_load_equals_friction_map():
     study = Study.named("quick").with_changes({
         "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],
     })  # fmt: skip
@@ -75,7 +75,7 @@ def test_values_at_a_load_of_generated_profiles_equal_friction_map():
     )  # fmt: skip
 
 
-def test_values_of_one_quantity_at_a_load_equal_values_of_all_quantities(areal_contact):
+def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(areal_contact):
     study, result = areal_contact
     loads = study.contact.steps()[1:3]
     complete = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])

@@ -128,7 +128,7 @@ COMMAND_OPTIONS = [
 ]  # fmt: skip
 
 
-def test_table_command_writes_the_table_of_the_library(tmp_path):
+def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     check_stiction("table", *COMMAND_OPTIONS, cwd=tmp_path)
     study = table_study(
         hurst_exponents=[0.8], rms=[0.02], pressures=[0.003, 0.01, 0.03], points=32, shortest_wavelength=0.625,
@@ -176,13 +176,13 @@ def test_table_command_rejects_bad_options(tmp_path, changes, message):
         ({"shortest_wavelength": 100}, "must be below the longest wavelength"),
     ],
 )  # fmt: skip
-def test_table_study_rejects_impossible_values_in_plain_words(arguments, message):
+def test_friction_table_study_rejects_impossible_values_in_plain_words(arguments, message):
     with pytest.raises(ValueError, match=message) as error:
         table_study(**arguments)
     assert "pydantic" not in str(error.value)
 
 
-def test_table_study_accepts_single_numbers():
+def test_friction_table_study_accepts_single_numbers():
     assert table_study(rms=0.03, mu0=0.3, hurst_exponents=0.8) == table_study(
         rms=[0.03], mu0=[0.3], hurst_exponents=[0.8]
     )

@@ -31,7 +31,7 @@ DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # The other cases run only i
     ],
 )
 @pytest.mark.parametrize("quantity", ["half zeros", "bounded", "lognormal 0.5"])
-def test_neighbors_mean_interval_covers_with_nearly_the_smallest_width(quantity, positions, correlation):
+def test_neighbors_mean_interval_covers_the_mean_with_nearly_minimal_width(quantity, positions, correlation):
     random = np.random.default_rng([positions, int(10 * correlation)])
     truth, smallest_width = estimate_truth(quantity, positions, correlation, random)
     coverage, width_ratio, defined_fraction = measure_coverage(
@@ -81,7 +81,7 @@ def test_neighbors_mean_is_equivariant_under_scaling_shift_and_reversal(quantity
     np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
-def test_neighbors_mean_interval_of_independent_values_is_student_t():
+def test_neighbors_mean_interval_of_independent_values_is_a_student_t_interval():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
     _, lower, upper = neighbors_mean(values)
@@ -122,7 +122,7 @@ def test_sample_mean_of_values_of_both_signs_has_symmetric_interval():
 
 
 @pytest.mark.parametrize("count", [4, 8, 16])
-def test_sample_mean_interval_of_exponential_values_covers_and_is_positive(count):
+def test_sample_mean_interval_of_exponential_values_is_positive_and_covers(count):
     mean, lower, upper = sample_mean(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
     symmetric_upper = mean + (mean - lower)  # the interval is skewed towards large values

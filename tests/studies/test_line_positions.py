@@ -67,7 +67,7 @@ def result(profile_pair):
 
 @pytest.mark.parametrize("shear", ["+x", "-x"])
 @pytest.mark.parametrize("offset", [0.0, 4.0, 10.0])
-def test_pair_of_profiles_equals_press_at_each_position(profile_pair, result, shear, offset):
+def test_result_of_pair_for_profiles_equals_press_at_each_position(profile_pair, result, shear, offset):
     upper, lower = profile_pair
     counterface = cropped(lower, offset, offset + 20)
     model = {"detection": "gap-minimum", "shear": shear}
@@ -192,7 +192,7 @@ def test_nondimensional_values_are_invariant_under_scaling(profile_pair):
     assert original["load"].attrs["long_name"].endswith("/ (E* L²)")
 
 
-def test_nondimensional_requires_modulus_and_known_units(result):
+def test_nondimensional_values_require_a_modulus_and_known_units(result):
     members = result.at(per_member=True)[["contact_area"]]
     with pytest.raises(ValueError, match="length must be given"):
         nondimensional(members)
@@ -274,7 +274,7 @@ def test_paired_lines_returns_half_of_the_slider_and_the_whole_track():
     assert (slider.spacing, track.spacing, len(track)) == (0.01, 0.01, 3000)
 
 
-def test_paired_lines_shortens_the_slider_by_travel():
+def test_paired_lines_shortens_the_slider_by_the_travel():
     (slider,), (track,) = paired_lines(rough_profile("upper"), rough_profile("lower"), travel=10.0, level=None)
     assert (len(slider), len(track)) == (2000, 3000)
     np.testing.assert_array_equal(slider.heights, -rough_profile("upper").heights[:2000])
@@ -415,7 +415,7 @@ def small_pair():
 
 
 @pytest.mark.parametrize("sliding", ["opposing", "all"])
-def test_pair_of_half_planes_at_positions_equals_half_space(small_pair, sliding):
+def test_half_plane_values_at_positions_equal_half_space_solutions(small_pair, sliding):
     upper, lower = small_pair
     model = {"mechanics": "half-space", "effective_modulus": 8.0}
     result = run_pair(upper, lower, LOADS, positions=[0.0, 2.5], **INTERFACE, **model)

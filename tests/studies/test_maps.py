@@ -205,7 +205,7 @@ def test_friction_map_intervals_have_nominal_coverage(repetitions, spread, scatt
     assert MIN_COVERAGE[spread, scatter][repetitions] <= coverage <= MAX_COVERAGE, coverage
 
 
-def test_friction_map_intervals_cover_if_half_of_the_members_have_no_contact():
+def test_friction_map_intervals_have_coverage_if_half_of_the_members_lack_contact():
     load = APPROACHES[5] ** 1.5
     truth = 0.3 * APPROACHES[5] ** 1.35 / load
     result = simulate_ensembles(24, NUM_ENSEMBLES, spread=0.5, scatter=0.3, seed=5, touching=0.5)

@@ -77,7 +77,7 @@ def test_profile_member_equals_direct_computation(tmp_path, mechanics):
     assert np.isnan(values["approach"]).all() == (mechanics == "half-space")
 
 
-def test_built_dataset_has_the_variables_of_the_study(tmp_path):
+def test_built_dataset_has_the_variables_declared_by_its_study(tmp_path):
     study = study_of_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
     parts = [member_sums(study, index) for index in range(3)]
     dataset = build_dataset(study, range(3), stack_members(study, parts), body_attributes(study))

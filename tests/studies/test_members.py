@@ -34,7 +34,7 @@ def test_pairs_generated_for_several_dimensions_equal_single_pairs(monkeypatch, 
             assert body.spacing == expected.spacing
 
 
-def test_pair_of_function_generates_the_two_profiles_of_a_member():
+def test_profiles_returned_by_pair_of_equal_generated_profiles():
     upper, lower = pair_of(STUDY, 7, fractal_dimension=1.25, amplitude=0.1)
     for body, side in ((upper, "upper"), (lower, "lower")):
         phases = random_phases(2016, repetition=7, side=side, directions=30, frequencies=20)
@@ -58,6 +58,6 @@ def test_pair_of_function_generates_the_two_profiles_of_a_member():
         (0, 1.2, 0.0, "amplitude must be"),
     ],
 )
-def test_pair_of_function_rejects_bad_arguments(repetition, dimension, amplitude, pattern):
+def test_generation_of_a_pair_rejects_bad_arguments(repetition, dimension, amplitude, pattern):
     with pytest.raises(ValueError, match=pattern):
         pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)

@@ -96,18 +96,18 @@ def test_uncertain_input_is_also_a_pair_option(name):
         ({"hardnes": 1}, "--hardnes is no option of a pair; is it hardness?"),
     ],
 )
-def test_read_options_names_the_command_line_option_of_a_wrong_value(values, message):
+def test_error_about_a_wrong_value_names_the_command_line_option(values, message):
     with pytest.raises(ArgumentError) as caught:
         read_options({"load": "1 mN", **values})
     assert caught.value.with_names(format_command_line_name).startswith(message)
 
 
-def test_read_options_treats_none_and_false_as_not_given():
+def test_none_and_false_count_as_options_that_are_not_given():
     options = read_options({"load": 1.0, "shifts": None, "check": False})
     assert all(options.given(name) is None for name in PAIR_OPTIONS if name != "load")
 
 
-def test_short_help_of_pair_lists_twelve_options_and_no_cutoff(monkeypatch):
+def test_short_help_of_pair_command_lists_twelve_options_without_cutoff(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     pair = pair_command()
     help_text = pair.get_help(pair.context_class(pair, info_name="stiction pair"))

@@ -216,7 +216,7 @@ def test_progress_is_printed_as_text_in_a_notebook(capfd, monkeypatch):
     assert "2/2" in capfd.readouterr().err
 
 
-def test_compute_missing_announces_the_estimated_time_once(tmp_path):
+def test_computation_of_missing_members_announces_the_estimated_time_once(tmp_path):
     announcements = []
     for _ in range(2):
         runner.compute_missing(RUNNER_STUDY, tmp_path, announce=announcements.append)

@@ -87,7 +87,7 @@ def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):
     assert block_states(folder_copy).keys() == block_states(tmp_path / "again").keys()
 
 
-def test_xarray_can_open_blocks(folder_copy, uninterrupted_dataset):
+def test_xarray_can_open_blocks_of_a_stored_result(folder_copy, uninterrupted_dataset):
     pytest.importorskip("dask")
     find_block(folder_copy, 8).unlink()
     with xarray.open_mfdataset(str(folder_copy / BLOCKS_FOLDER / "*.nc")) as opened:

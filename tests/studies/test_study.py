@@ -58,7 +58,7 @@ class TestQuantityConversion:
         assert quantity(exact_text(value, "mN"), "force") == value
 
     @given(st.text(max_size=30))
-    def test_random_text_is_either_a_finite_quantity_or_rejected(self, text):
+    def test_random_quantity_text_is_read_as_a_finite_value_or_rejected(self, text):
         with contextlib.suppress(ValueError):
             assert np.isfinite(quantity(text, "length"))
 
@@ -110,7 +110,7 @@ class TestBuiltInStudies:
 class TestStudyChanges:
     """Test `Study.with_changes`."""
 
-    def test_with_changes_replaces_values_of_dotted_keys(self):
+    def test_changes_of_a_study_replace_values_of_dotted_keys(self):
         study = Study().with_changes(
             {
                 "ensemble.repetitions": 3, "surfaces.fractal_dimension": [1.2, 1.5], "contact.approach.count": 7,
@@ -158,7 +158,7 @@ class TestStudyChanges:
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],
     )
-    def test_with_changes_error_names_the_bad_key(self, key, value, message):
+    def test_error_about_changes_of_a_study_names_the_bad_key(self, key, value, message):
         with pytest.raises(StudyError, match=message):
             Study().with_changes({key: value})
 

@@ -70,7 +70,7 @@ def test_key_of_another_kind_of_study_is_reported_with_that_kind(changes, key, m
         (JacksonGreen(0.5, 0.3), JacksonGreenTable(name="jackson-green", yield_strength="0.5 GPa", poisson_ratio=0.3)),
     ],
 )
-def test_contact_law_equals_its_table_in_a_study(law, entry):
+def test_contact_law_is_stored_as_a_table_in_a_study(law, entry):
     study = Study().with_changes({"contact.law": entry if isinstance(entry, str) else entry.model_dump()})
     assert study.contact.law == entry
     assert type(study.contact.model().law) in (str, type(law))

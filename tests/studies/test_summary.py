@@ -98,7 +98,7 @@ def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surfac
     assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
 
 
-def test_means_over_values_per_member_equal_means_of_the_result(surface_folder, call_counts):
+def test_means_of_member_values_equal_means_of_the_result(surface_folder, call_counts):
     result = open_result(surface_folder / "pair")
     members = result.at("20 MPa", per_member=True)
     means = result.at("20 MPa")

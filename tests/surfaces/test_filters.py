@@ -51,7 +51,7 @@ class TestGaussian:
         for body in (Profile(3 + 2 * x, spacing=0.1), Surface(3 + 2 * x + x[:, np.newaxis], spacing=0.1)):
             assert np.abs(filtered(body, cutoff=5.0, kind="L").heights).max() < ROUND_OFF * 100
 
-    def test_cut_off_function_equals_the_s_filter(self):
+    def test_cut_off_filter_equals_the_s_filter(self):
         for body in (rough_profile(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
             cutoff = 9 * min(body.spacings)
             assert np.array_equal(cut_off(body, cutoff).heights, filtered(body, cutoff=cutoff).heights)
@@ -78,7 +78,7 @@ class TestMissingPoints:
         result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
         assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(surface)
 
-    def test_filter_preserves_heights_without_measured_points_in_reach(self):
+    def test_filter_preserves_heights_that_have_no_measured_points_in_reach(self):
         missing = np.zeros(400, bool)
         missing[100:300] = True
         profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)
@@ -129,7 +129,7 @@ class TestRobust:
         ({"cutoff": 1.0, "robust": True, "periodic": True}, "periodic must be False for a robust filter"),
     ],
 )
-def test_filtered_function_rejects_bad_arguments(options, message):
+def test_filter_rejects_bad_arguments(options, message):
     with pytest.raises(ValueError, match=message):
         filtered(rough_profile(points=300), **options)
 
@@ -140,7 +140,7 @@ def test_filter_accepts_the_complete_length_as_cutoff():
 
 @pytest.mark.parametrize("points", [0.5, 1.0, 2.0, 3.9])
 @pytest.mark.parametrize("has_missing", [False, True])
-def test_short_cutoff_attenuates_noise_at_ends_and_missing_points(points, has_missing):
+def test_filter_with_a_short_cutoff_attenuates_noise_at_edges_and_gaps(points, has_missing):
     heights = np.random.default_rng(1).normal(size=(48, 40))
     missing = np.zeros(heights.shape, dtype=bool)
     missing[20:26, 10:13] = missing[:3, 5] = has_missing

@@ -39,7 +39,7 @@ class TestFloorFit:
         assert fit.ratios == pytest.approx((level / end_density[0], 0.5 * level / end_density[1]), rel=0.02)
         assert fit.is_significant
 
-    def test_power_law_without_floor_has_no_significant_floor(self):
+    def test_fit_of_a_pure_power_law_has_no_significant_noise_floor(self):
         fit = fit_floor([self.spectrum(2.2, 0.0)], exponents=(1.0, 5.0))
         assert not fit.is_significant
         assert fit.gain == pytest.approx(0.0, abs=1e-3)
@@ -68,7 +68,7 @@ def test_surface_without_noise_has_no_hidden_noise(hurst):
 
 
 @pytest.mark.parametrize(("hurst", "level"), [(0.6, 0.15), (0.7, 0.1), (0.8, 0.08)])
-def test_hidden_white_noise_without_flat_spectrum_end_is_estimated(hurst, level):
+def test_hidden_white_noise_is_estimated_if_the_spectrum_has_no_flat_end(hurst, level):
     for seed in range(NUM_SURFACES):
         heights, rng = rough_heights(seed, hurst)
         clean, noisy = (

@@ -514,7 +514,7 @@ def test_height_factor_and_pixel_size_of_a_header_are_applied(tmp_path):
         read_measurement(path, unit="nm")
 
 
-def test_report_of_reading_contains_layout_units_and_points(tmp_path):
+def test_reading_report_contains_layout_units_and_points(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
         "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS)) + "\nend\n"
@@ -700,7 +700,7 @@ def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
         read_measurement(path, unit="um")
 
 
-def test_short_row_above_a_matrix_is_rejected_unless_it_is_its_size(tmp_path):
+def test_short_row_above_a_matrix_is_rejected_unless_it_states_the_size(tmp_path):
     path = tmp_path / "a.txt"
     for count in (1, 2):
         lines = format_rows(HEIGHTS)

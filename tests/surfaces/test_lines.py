@@ -78,7 +78,7 @@ def test_line_roughness_fits_exponents_of_all_lines_in_a_common_band():
     assert spread < 0.1
 
 
-def test_flat_lines_contribute_to_mean_height_but_have_no_exponent():
+def test_flat_lines_contribute_to_the_rms_height_but_have_no_exponent():
     heights = np.array(stacked_rows(0.6, lines=40).heights)
     heights[::2] = 3.0 + 0.01 * np.arange(600)  # These lines are flat, apart from a different height of each column.
     result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))

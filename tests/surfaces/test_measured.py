@@ -88,7 +88,7 @@ TEXT_FORMATS = {
 
 @pytest.mark.parametrize("text", TEXT_FORMATS.values(), ids=TEXT_FORMATS.keys())
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
-def test_profile_read_from_any_text_format_is_equal(file, text, encoding):
+def test_profile_is_equal_when_read_from_any_text_format(file, text, encoding):
     if encoding == "latin-1":
         text = text.replace("μ", "µ")
     profile = read_profile(file(text, encoding=encoding))
@@ -769,7 +769,7 @@ def test_x3p_heights_agree_with_another_reader(file):
     assert surface.spacing == pytest.approx(tuple(factor * item for item in reversed(other.pixel_size)))
 
 
-def test_x3p_missing_points_are_masked(file):
+def test_x3p_missing_points_are_reported_and_can_be_interpolated(file):
     valid = np.ones(HEIGHTS_IN_METRES.shape, dtype=bool)
     valid[2, 4] = False
     path = file(x3p_bytes(HEIGHTS_IN_METRES, valid=valid.ravel()), "a.x3p")

@@ -35,7 +35,7 @@ def test_heights_of_a_profile_are_a_read_only_copy(body):
 @pytest.mark.parametrize(
     ("measure", "size"), [("height", np.ptp), ("Ra", lambda y: np.abs(y - y.mean()).mean()), ("Rq", np.std)]
 )
-def test_with_amplitude_scales_heights_to_the_given_measure(measure, size):
+def test_scaling_a_profile_to_an_amplitude_sets_the_given_measure(measure, size):
     scaled = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)
     assert size(scaled.heights) == pytest.approx(0.3, abs=ROUND_OFF)
     assert scaled.heights.mean() == pytest.approx(0, abs=ROUND_OFF)
@@ -71,7 +71,7 @@ def test_profile_rejects_bad_spacings(spacing):
         Profile(HEIGHTS, spacing=spacing)
 
 
-def test_with_amplitude_rejects_bad_amplitudes():
+def test_scaling_a_profile_rejects_bad_amplitudes():
     profile = Profile(HEIGHTS, spacing=1.0)
     with pytest.raises(ValueError, match="amplitude must be a finite number above 0"):
         profile.with_amplitude(0)

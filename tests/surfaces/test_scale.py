@@ -128,14 +128,14 @@ def test_extrapolation_is_continuous_at_a_hurst_exponent_of_1():
 
 
 class TestInstrument:
-    def test_instrument_limit_of_the_smallest_surface_is_its_pixels(self):
+    def test_instrument_limit_of_the_smallest_surface_is_set_by_pixels(self):
         small = Surface([[0.0, 1.0], [2.0, 0.0]], spacing=1.0)
         assert instrument_limit(small).reason == "pixels"
         with pytest.raises(ValueError, match=r"surface must have more than \(2, 2\) points"):
             surface_spectrum(small).radial()
 
     @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
-    def test_instrument_limit_of_a_noise_free_surface_is_its_pixels(self, hurst):
+    def test_instrument_limit_of_a_noise_free_surface_is_set_by_pixels(self, hurst):
         for repetition in range(5):
             profile = self_affine(1, hurst_exponent=hurst, rms=0.1, points=8192, spacing=0.01, repetition=repetition)
             assert instrument_limit(profile).reason == "pixels"
@@ -146,7 +146,7 @@ class TestInstrument:
         assert instrument_limit(folded).reason == "pixels"
 
     @pytest.mark.parametrize("noise", [0.3e-3, 1e-3, 1e-2])
-    def test_noise_floor_begins_at_a_multiple_of_its_power(self, noise):
+    def test_spectrum_at_the_noise_limit_is_a_small_multiple_of_the_noise_power(self, noise):
         profile = self_affine(
             1, hurst_exponent=0.9, rms=0.1, points=2**14, spacing=0.01, periodic=True, amplitudes="fixed"
         )
@@ -254,7 +254,7 @@ class TestTexture:
             heights = filtered_noise(np.random.default_rng(seed), (2048,), hurst)
             assert math.isnan(instrument_limit(make_body(heights)).period)
 
-    def test_noise_on_turned_profile_is_attributed_if_texture_is_declared(self):
+    def test_noise_on_a_turned_profile_is_attributed_only_if_texture_is_declared(self):
         rng = np.random.default_rng(3)
         heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
         noisy = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
@@ -270,7 +270,7 @@ class TestTexture:
         assert (result.reason, result.origin, result.matters) == ("line", "unknown", True)
         assert instrument_limit(humming, texture=True).reason == "pixels"
 
-    def test_white_noise_of_a_map_with_declared_texture_comes_from_the_instrument(self):
+    def test_white_noise_of_a_map_with_declared_texture_is_instrument_noise(self):
         rng = np.random.default_rng(2)
         smooth = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
         noisy = make_body(smooth + 0.05 * rng.normal(size=smooth.shape))
@@ -365,7 +365,7 @@ def test_instrument_limit_rejects_bad_arguments(function, arguments, message):
         function(**arguments)
 
 
-def test_gradient_at_and_wavelength_of_reject_bad_arguments():
+def test_interpolation_of_gradient_and_wavelength_rejects_bad_arguments():
     result = scale_dependent_roughness(sinusoid(16))
     with pytest.raises(ValueError, match="wavelength must be above 0"):
         result.gradient_at(0.0)

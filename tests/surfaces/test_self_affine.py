@@ -197,7 +197,7 @@ class TestAmplitude:
             assert scaled.history == ("made", f"scaled to {measure} 0.3 µm")
             assert np.corrcoef(scaled.heights.ravel(), created.heights.ravel())[0, 1] == pytest.approx(1, rel=ROUND_OFF)
 
-    def test_with_amplitude_rejects_flat_surfaces_and_bad_arguments(self):
+    def test_scaling_a_surface_rejects_flat_surfaces_and_bad_arguments(self):
         flat = Surface(np.full((5, 5), 2.0), spacing=1.0)
         assert flat.is_flat
         assert not surface().is_flat

@@ -301,7 +301,7 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
     assert summary_of_all.headlines == list(summary_of_all.points)
 
 
-def test_filtered_result_keeps_faults_of_the_unfiltered_result():
+def test_filtered_result_retains_faults_of_the_unfiltered_result():
     dataset = measured_result(cut_offs=(0.5, 0.0), half=0.02, all_rub=0.25)
     dataset["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
         2.0  # The interval of the unfiltered scan is too wide.

@@ -99,7 +99,7 @@ def test_interval_in_report_is_unbounded_next_to_a_node_without_upper_end(report
     assert report_numbers(script, 1.01) == [np.inf, "2.0 [1.0, ∞)"]
 
 
-def test_status_in_report_is_not_ok_nearest_to_a_node_without_value(report_numbers):
+def test_status_in_report_is_not_ok_next_to_a_node_without_value(report_numbers):
     script = """(mu0) => statusAt([0, 0, 0, 0, 1, 1], 0, placeAt({mu0: {rising: [0, 1, 2], bounds: []},
       tau0: {rising: [0, 1], bounds: []}}, mu0, 0), [{isOk: true}, {isOk: false}])"""
     assert [report_numbers(script, mu0) for mu0 in (0.9, 1.0, 1.1, 2.0)] == [0, 0, 1, 1]

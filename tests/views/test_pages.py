@@ -540,7 +540,7 @@ def test_printed_report_contains_complete_figures_and_parameters(driver, pages):
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
-def test_report_is_readable_at_double_size_and_on_a_phone(driver, pages):
+def test_report_is_readable_at_double_font_size_and_on_a_phone(driver, pages):
     for page_name, path in pages.items():
         browser.open_page(driver, path, width=360, height=740)
         assert driver.execute_script("return [innerWidth, document.documentElement.scrollWidth]") == [360, 360]

@@ -132,7 +132,7 @@ def test_wrapped_text_keeps_number_and_unit_together():
     assert "τ0 = 50 MPa" in text.splitlines()[1]
 
 
-def test_verbose_text_prints_values_of_the_dataset():
+def test_verbose_text_contains_values_of_the_dataset():
     dataset = measured_result(contact_count=123.0, share_on_largest=0.0421)
     text = quantities_text(dataset.isel(cut_off=0), measured_study(), verbose=True)
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
