@@ -1,5 +1,6 @@
-// Fuzz test of the core functions with arbitrary numbers. The functions must either throw std::invalid_argument or
-// return results that satisfy the invariants below. The sanitizers detect all other faults.
+// Fuzz test of the core functions with arbitrary numbers.
+// Each function must either throw std::invalid_argument or return results that satisfy the invariants below.
+// The sanitizers detect all other faults.
 #include "stiction/amplitude.hpp"
 #include "stiction/areal.hpp"
 #include "stiction/asperity.hpp"
@@ -26,7 +27,7 @@ void require(bool condition, const char* invariant) {
   }
 }
 
-// Source of numbers from the bytes of the fuzzer: mostly moderate numbers, sometimes arbitrary doubles.
+// Converter from the fuzzer's bytes to numbers: mostly moderate numbers, sometimes arbitrary doubles.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -118,7 +119,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Two maps of equal shape with heights of any scale, some of which are equal, and with some level parts.
+// Two maps of equal shape with heights at any scale. Some heights are equal, and some areas are level.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;
@@ -184,8 +185,8 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // The projected ellipse of a contact on a steep wall is so narrow that round-off decides which part is inside the
-  // map.
+  // The projected ellipse of a contact on a steep wall is extremely narrow.
+  // Round-off then decides which part of it lies inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;

@@ -39,8 +39,8 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// Result for a row: range of the gap, largest |height| of both surfaces, and `zero`, which is 0, or NaN if a height is
-// not finite.
+// Result for a row: range of the gap, largest |height| of both surfaces, and `zero`.
+// `zero` is 0, or NaN if a height is not finite.
 struct RowRange {
   double lowest;
   double highest;
@@ -87,8 +87,9 @@ void subtract(const double* upper, const double* lower, Index size, double offse
   }
 }
 
-// Mark the points of a row, except both ends, whose gap is at most `deepest` and which have no neighbour, out of eight,
-// that is lower by more than round-off.
+// Mark the points of a row that are grid minima and whose gap is at most `deepest`.
+// A grid minimum has no neighbour, out of eight, that is lower by more than round-off.
+// Both ends of the row are excluded.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
@@ -109,8 +110,8 @@ void mark_grid_minima(const double* above, const double* at, const double* below
   }
 }
 
-// Tile of a map, small enough for its arrays to fit into the processor cache: its cells, and the surrounding points
-// that influence the spline in them.
+// Tile of a map: its cells, and the surrounding points that influence the spline in them.
+// The arrays of a tile fit into the processor cache.
 struct Tile {
   CellRange cells;  // cells of the tile, with indices in the map
   Index row;        // row of the first point in the map
@@ -121,7 +122,7 @@ struct Tile {
 
 std::vector<Tile> make_tiles(Index rows, Index columns) {
   constexpr Index size = 256;  // number of cells along each side of a tile
-  // number of points around a tile, beyond which the spline has decayed to 0.268^32 = 5e-19
+  // Number of points around a tile, beyond which the spline has decayed to 0.268^32 = 5e-19.
   constexpr Index margin = 32;
   std::vector<Tile> tiles;
   for (Index row = 0; row < rows - 1; row += size) {
@@ -136,8 +137,8 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
   return tiles;
 }
 
-// Return sqrt(a² + b²) without intermediate overflow. std::hypot would require a newer C library than all other
-// functions.
+// Return sqrt(a² + b²) without intermediate overflow.
+// std::hypot would require a newer C library than any other function.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
@@ -195,8 +196,8 @@ void add_candidate(const SurfacePair& pair, const SplineMinimum& spline_minimum,
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy) {
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
-  // The metric to the power -1/2 is I - p pᵀ / (q (q + 1)). Multiplied from both sides, it turns the Hessian into the
-  // matrix (a, b; b, c) of an ordinary eigenvalue problem.
+  // The metric to the power -1/2 is I - p pᵀ / (q (q + 1)).
+  // Multiplied from both sides, it turns the Hessian into the matrix (a, b; b, c) of an ordinary eigenvalue problem.
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();
   const double r01 = -factor * slope.x() * slope.y();
@@ -285,8 +286,8 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     natural_bicubic(spline);
     for (const Minimum& minimum : minima_in_tile) {
       spline_minima.push_back({minimum, at_minimum(spline, minimum)});
-      // Slopes within round-off count as zero. Otherwise they would decide by chance whether a contact opposes the
-      // motion.
+      // Slopes within round-off count as zero.
+      // Otherwise, round-off would decide by chance whether a contact opposes the motion.
       for (double* slope : {&spline_minima.back().lower.x, &spline_minima.back().lower.y}) {
         *slope = std::abs(*slope) > level_limit ? *slope : 0.0;
       }

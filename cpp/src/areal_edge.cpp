@@ -22,7 +22,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   const double sine = std::sqrt(candidate.ellipse.major) * std::sqrt(candidate.ellipse.minor) * candidate.normal.z() /
                       (half_width * half_height);
   for (std::size_t i = 0; i < 4; ++i) {
-    // The angle between the normals of neighbouring sides is alternately the angle with this cosine and its supplement.
+    // The angles between normals of neighbouring sides alternate between the angle with this cosine and its supplement.
     const double to_next = i % 2 == 0 ? cosine : -cosine;
     const double next = distance_[(i + 1) % 4] - distance_[i] * to_next;
     const double previous = distance_[(i + 3) % 4] + distance_[i] * to_next;
@@ -30,11 +30,12 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   }
 }
 
-// Let h be the distance of a side from the centre of the unit circle. The sector between the angles φ₁ and φ₂
-// contributes (1/2π) ∫ h²/cos²φ dφ of the area inside, and (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ of the force, since the
-// pressure varies as (1 - r²)^(1/2). Where the circle is closer than the side, |tan φ| > (1 - h²)^(1/2)/h, the whole
-// sector counts. The closed forms below avoid cancellation if the map is a small part of the ellipse. Check: a single
-// side leaves (2 + 3 h - h³)/4 of the force.
+// Let h be the distance of a side from the centre of the unit circle.
+// The sector between the angles φ₁ and φ₂ contributes (1/2π) ∫ h²/cos²φ dφ of the area inside.
+// It contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ of the force, since the pressure varies as (1 - r²)^(1/2).
+// Where the circle is closer than the side, |tan φ| > (1 - h²)^(1/2)/h, the whole sector counts.
+// The closed forms below avoid cancellation if the map is a small part of the ellipse.
+// Check: a single side leaves (2 + 3 h - h³)/4 of the force.
 InsideFractions MapEdges::fractions_inside(double overlap) const {
   InsideFractions sum{0.0, 0.0};
   const double radius = std::sqrt(overlap);

@@ -8,9 +8,11 @@
 namespace stiction {
 namespace {
 
-// Return whether two ellipses overlap if their centres are r apart. The ellipses are separate if, for some t in (0, 1),
-// t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 (Perram & Wertheim, J. Comput. Phys. 58 (1985) 409). After multiplication by
-// the determinant of the bracket, the condition is that a cubic with negative end values becomes positive.
+// Return whether two ellipses overlap if their centres are r apart.
+// The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
+// Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
+// Multiplied by the determinant of the bracket, the condition is that a cubic becomes positive.
+// Both end values of the cubic are negative.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {
   const auto a_form = a_size * (a.yy * r.x() * r.x() - 2.0 * a.xy * r.x() * r.y() + a.xx * r.y() * r.y());
@@ -88,7 +90,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // From the later of the two known first overlaps on, the pair adds no new overlap.
+      // A pair cannot change the result beyond the larger of the first overlaps already found for its two contacts.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

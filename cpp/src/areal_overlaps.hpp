@@ -20,8 +20,8 @@ ProjectedEllipse projected_ellipse(const ArealCandidate& candidate);
 // Return the index of the first approach at which a candidate is a contact.
 std::size_t first_contact_step(const ArealCandidate& candidate, Values approaches);
 
-// Return, for each candidate, the index of the first approach at which its ellipse overlaps another ellipse;
-// approaches.size() if there is none.
+// Return for each candidate the index of the first approach at which its ellipse overlaps another ellipse.
+// The index is approaches.size() if there is no overlap.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation);
 

@@ -32,8 +32,8 @@ ForceArea force_and_area(const HertzSphere& law, const ArealCandidate& candidate
           elastic_area(candidate.ellipse, overlap)};
 }
 
-// Return the contact area relative to the area of the elastic ellipse. A yielding contact keeps the shape of this
-// ellipse.
+// Return the contact area relative to the area of the elastic ellipse.
+// A yielding contact keeps the shape of this ellipse.
 template <class AnyLaw>
 double relative_area(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
   return area / elastic_area(candidate.ellipse, overlap);
@@ -44,19 +44,19 @@ double relative_area(const HertzSphere&, const ArealCandidate&, double, double) 
 void reject_cylinders(const Law& law) {
   if (std::holds_alternative<HertzCylinder>(law)) {
     throw std::invalid_argument(
-        "law must be one of spheres, because contacts of surfaces are ellipses, got hertz-cylinder; use hertz-sphere");
+        "law must be a sphere law, got hertz-cylinder; use hertz-sphere, because contacts of surfaces are ellipses");
   }
 }
 
 // ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
-// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, where c is the lateral direction. All five multiply the
-// force; the three factors with the tangent t also multiply the area.
+// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, where c is the lateral direction.
+// All five multiply the force. The three factors with the tangent t also multiply the area.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
 
-// Compute the factors of `sliding_factors` for all directions; 0 if the contact does not slide.
+// Compute the factors of `sliding_factors` for all directions. The factors are 0 if the contact does not slide.
 STICTION_MULTIVERSION
 void compute_factors(const Vector3& normal, const double* directions_xy, std::size_t direction_count, bool all,
                      double* factors) {
@@ -79,9 +79,9 @@ void compute_factors(const Vector3& normal, const double* directions_xy, std::si
 
 constexpr std::size_t contacts_per_block = 16;  // number of contacts whose sums are accumulated together
 
-// sums(d, m, k) += Σ_i factors(i, m, d) values(i, k) over the contacts i of a block, for the steps k from `begin` to
-// `steps`, both of which are multiples of every SIMD width. The values are forces for the first sums m and areas for
-// the others.
+// sums(d, m, k) += Σ_i factors(i, m, d) values(i, k) over the contacts i of a block.
+// The steps k run from `begin` to `steps`, both of which are multiples of every SIMD width.
+// The values are forces for the first sums m, and areas for the others.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,
                                       std::size_t contacts, std::size_t direction_count, std::size_t begin,

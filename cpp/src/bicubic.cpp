@@ -14,13 +14,14 @@ namespace {
 
 // ---- Tridiagonal system along one direction -------------------------------------------------------------------------
 //
-// c_(i-1) + 4 c_i + c_(i+1) = 6 z_i at inner points. With zero second derivative at the ends, c = z there, and the
-// coefficient beyond an end is 2 c less that of the inner neighbour.
+// c_(i-1) + 4 c_i + c_(i+1) = 6 z_i at inner points. With zero second derivative at the ends, c = z at the ends.
+// The coefficient beyond an end is then 2 c minus the coefficient of the inner neighbour.
 
-// Along a row, elimination would be sequential. Instead the inverse is applied: -6 a / ((1 - a s) (1 - a / s)), where s
-// is the shift by one point and a = sqrt(3) - 2. The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴
-// s⁴ and so on. Each of these factors is a pass without dependences between points. Beyond its ends the row is
-// continued by point reflection, as its spline is.
+// Along a row, elimination would be sequential.
+// The inverse is therefore applied: -6 a / ((1 - a s) (1 - a / s)), with the shift s by one point and a = sqrt(3) - 2.
+// The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on.
+// Each of these factors is a pass without dependences between points.
+// Beyond its ends, the row is continued by point reflection, like its spline.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
 constexpr Index reach = 32;  // points, beyond which the inverse is truncated; the error is 0.268^32 = 5e-19 of a height
 
@@ -43,8 +44,8 @@ constexpr std::array<PassFactors, shifts.size()> row_passes() {
   return result;
 }
 
-// Solve along one row in place, including one coefficient beyond each end. `work` holds 2 `length` values, with
-// `length` from `work_length`.
+// Solve along one row in place, including one coefficient beyond each end.
+// `work` holds 2 `length` values; `work_length` computes `length`.
 template <std::size_t Width>
 STICTION_INLINE void solve_row_kernel(double* row, Index points, Index length, double* work) {
   constexpr std::array<PassFactors, shifts.size()> passes = row_passes();
@@ -86,8 +87,8 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// Solve `lines` systems of `points` values in parallel. The values of one point are adjacent in memory; the next point
-// follows after `stride` values.
+// Solve `lines` systems of `points` values in parallel. The values of one point are adjacent in memory.
+// The next point is `stride` values further on.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {
@@ -117,7 +118,7 @@ void solve_columns(double* values, Index points, Index lines, Index stride, cons
   }
 }
 
-// Compute factor (after - before). The result is the slope from the coefficients on both sides of a point.
+// Compute factor (after - before): the slope from the coefficients on both sides of a point.
 STICTION_MULTIVERSION
 void scaled_differences(const double* before, const double* after, Index size, double factor, double* result) {
   for (Index i = 0; i < size; ++i) {
@@ -125,7 +126,7 @@ void scaled_differences(const double* before, const double* after, Index size, d
   }
 }
 
-// number of columns that stay in the processor cache during elimination and back substitution
+// Number of columns that stay in the processor cache during elimination and back substitution.
 constexpr Index columns_per_strip = 64;
 
 // ---- One cell -------------------------------------------------------------------------------------------------------

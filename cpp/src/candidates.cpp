@@ -16,8 +16,8 @@
 namespace stiction {
 namespace {
 
-// A profile, and its spline derivatives in an index range. The derivatives are those of the spline of the whole
-// profile.
+// A profile, and its spline derivatives in an index range.
+// The derivatives are those of the spline of the whole profile.
 class SplinedProfile {
  public:
   SplinedProfile(Values heights, double max_abs, double spacing, Side side)
@@ -87,7 +87,7 @@ std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile&
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-// Set the asperity pair at a site. Returns false if the asperities of the pair cannot touch.
+// Store the asperity pair of a site. Returns false if the asperities of the pair cannot touch.
 bool set_asperity_pair(const SplinedProfile& upper, const SplinedProfile& lower, const Site& site, Curvature curvature,
                        AsperityPair& asperity_pair) {
   const Asperity upper_asperity = upper.asperity(site.index, site.offset);
@@ -149,7 +149,7 @@ Curvature curvature(std::string_view name) {
 
 Prefilter run_prefilter(const ProfilePair& pair) {
   if (pair.upper.size() != pair.lower.size()) {
-    fail("upper and lower must have equally many points, got " + std::to_string(pair.upper.size()) + " and " +
+    fail("upper and lower must have equal numbers of points, got " + std::to_string(pair.upper.size()) + " and " +
          std::to_string(pair.lower.size()));
   }
   return run_prefilter(pair.upper, pair.lower);
@@ -175,8 +175,8 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
   const bool by_cell = detection == Detection::cell;
   const bool two_convex_spheres = curvature == Curvature::convex && !upper.is_flat() && !lower.is_flat();
 
-  // A cell belongs to a grid point. A minimum belongs to the interval on the right of a grid point, and may lie below
-  // both ends of this interval.
+  // A cell belongs to a grid point.
+  // A minimum belongs to the interval on the right of a grid point, and may lie below both ends of this interval.
   const double dip = by_cell ? 0.0 : max_dip(pair.upper, pair.lower);
   constexpr std::size_t chunk_size = 254;  // number of points in a chunk of derivatives
   std::array<unsigned char, chunk_size> marks;

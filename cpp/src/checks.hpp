@@ -10,8 +10,8 @@ namespace stiction {
 /// Throw std::invalid_argument with a message about the argument.
 [[noreturn]] void fail(const std::string& message);
 
-/// Check approaches: at least one, >= 0, finite, strictly increasing, and at most `deepest`, the limit of the
-/// candidates. Throws std::invalid_argument.
+/// Check approaches: at least one, >= 0, finite, strictly increasing, and at most `deepest`.
+/// `deepest` is the limit of the candidates. Throws std::invalid_argument.
 void check_approaches(Values approaches, double deepest);
 
 /// Check that a direction is a horizontal unit vector. Throws std::invalid_argument.

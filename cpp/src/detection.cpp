@@ -167,9 +167,10 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double half_excess = 0.5 * (upper_radius - lower_radius);
     const double middle = lower_x + 0.5 * separation_x;
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
-    // The contact centre is at middle - half_excess separation_x / distance, where the distance of the sphere centres
-    // lies between `min_distance` and `max_distance`. To avoid a division, both sides of the comparison are multiplied
-    // by the distance. Points with NaN are marked, so that the exact rules decide.
+    // The contact centre is at middle - half_excess separation_x / distance.
+    // The distance of the sphere centres lies between `min_distance` and `max_distance`.
+    // Both sides of the comparison are multiplied by the distance, which avoids a division.
+    // Points with NaN are marked, so that the exact rules decide.
     const double shift = half_excess * separation_x;
     const double left_edge = middle - limit;
     const double right_edge = middle + limit;
@@ -181,8 +182,8 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
   }
 }
 
-// There are three cases. The slope increases through zero between the ends; or it falls to zero and increases again; or
-// it increases through zero and falls again.
+// There are three cases. The slope increases through zero between the ends.
+// The slope falls to zero and increases again. The slope increases through zero and falls again.
 STICTION_MULTIVERSION
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks) {
   for (std::size_t i = 0; i < size; ++i) {

@@ -20,25 +20,26 @@ using std::numbers::pi;
 
 // Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// Number of values per task of a thread, and between two cancellation checks. Smaller areas are not split, because the
-// threads would wait for each other.
+// Number of values per task of a thread, and between two cancellation checks.
+// Smaller areas are not split, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
-// Sum of the stencil weights relative to the weight of the centre. The sum is small because contact patches are many
-// points wide.
+// Sum of the stencil weights relative to the weight of the centre.
+// The sum is small because contact patches are many points wide.
 constexpr double stencil_sum = 0.04;
 // Number of points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
 
-// Return the stride of rows in memory. Rows start on cache-line boundaries, an odd number of lines apart, so that a
-// column is spread over all cache sets.
+// Return the stride of rows in memory. Rows start on cache-line boundaries, an odd number of lines apart.
+// A column is thereby spread over all cache sets.
 template <class Real>
 std::size_t padded_stride(std::size_t count) {
   constexpr std::size_t numbers_per_line = alignment / sizeof(std::complex<Real>);
   return ((count + numbers_per_line - 1) / numbers_per_line | 1) * numbers_per_line;
 }
 
-// Two real numbers are transformed as one complex number. Let z be the Fourier coefficients of the packed numbers, h
-// the real even factors, m half the number of points and θ = πk/m. The packed result has the coefficients
+// Two real numbers are transformed as one complex number.
+// Let z be the Fourier coefficients of the packed numbers, and h the real even factors.
+// m is half the number of points, and θ = πk/m. The packed result has the coefficients
 //
 //     (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),    a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
 //
@@ -65,8 +66,9 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
   }
 }
 
-// Multiply two columns k and m - k of an area by their factors. The first column is read upwards from a wavenumber
-// along y, and the second, mirrored column downwards. Each factor is repeated for the real and the imaginary part.
+// Multiply two columns k and m - k of an area by their factors.
+// The first column is read upwards from a wavenumber along y, and the second, mirrored column downwards.
+// Each factor is repeated for the real and the imaginary part.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
                                        const Real* second_factors, const Real* mixing_factors, std::size_t size) {
@@ -81,9 +83,9 @@ STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict 
 // Number of wavenumbers along y whose factors are computed together.
 constexpr std::size_t wavenumbers_per_block = 64;
 
-// Multiply columns k and m - k by their factors `factors` and `mirrored_factors`, given at wavenumbers along y up to
-// half of `size`; θ = πk/m. Coefficient i of one column mixes with coefficient size - i of the other column, which has
-// the same factors.
+// Multiply columns k and m - k by their factors `factors` and `mirrored_factors`, with θ = πk/m.
+// The factors are given at wavenumbers along y up to half of `size`.
+// Coefficient i of one column mixes with coefficient size - i of the other column, which has the same factors.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
                                         const Real* mirrored_factors, Real sine, Real cosine, std::size_t size) {
@@ -193,8 +195,8 @@ struct Scratch {
   std::vector<std::array<AlignedBuffer, 5>> threads;
 };
 
-// Multiply each Fourier coefficient by a real factor that is the same for k and -k. Factors are stored by wavenumber
-// along x and, for each of these, by wavenumber along y.
+// Multiply each Fourier coefficient by a real factor that is the same for k and -k.
+// The factors are stored by wavenumber along x and then by wavenumber along y.
 template <class Real>
 class Filter {
  public:
@@ -290,7 +292,7 @@ class Filter {
     const std::size_t count = shape_.coefficient_count();
     const std::size_t stride = padded_stride<Real>(count);
     Complex* area = scratch.coefficients.get<Real>(shape_.rows * stride);
-    // Rows of zeros, which are common if the contact area is small, need no transform along x.
+    // Rows of zeros are common if the contact area is small. They need no transform along x.
     std::vector<std::size_t> filled;
     for (std::size_t row = 0; row < shape_.rows; ++row) {
       const auto* from = values.data() + row * shape_.columns;
@@ -306,8 +308,8 @@ class Filter {
         along_x_->forward(packed, area + filled[i] * stride);
       }
     });
-    // Transform columns k and m - k together, because packing mixes them. Column 0 and, for even m, the middle column
-    // pair with themselves.
+    // Transform columns k and m - k together, because packing mixes them.
+    // Column 0 and, for even m, the middle column pair with themselves.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
     const std::size_t blocks = std::max<std::size_t>(values_per_task / shape_.padded_rows / columns_per_block, 1);
     const std::size_t columns_per_task = blocks * columns_per_block;
@@ -326,7 +328,7 @@ class Filter {
     });
   }
 
-  // Filter the columns from `first` to below `last`, and their mirrored columns.
+  // Filter the columns from `first` to just before `last`, and their mirrored columns.
   void filter_columns(Complex* area, std::size_t stride, const std::vector<std::size_t>& filled, std::size_t first,
                       std::size_t last, std::array<AlignedBuffer, 5>& buffers) const {
     const std::size_t size = shape_.padded_rows;
@@ -340,7 +342,7 @@ class Filter {
     const std::size_t begin = std::max<std::size_t>(first, 1);
     const std::size_t end = 2 * (last - 1) == count ? last - 1 : last;
     const std::size_t mirrored_count = shape_.packed() && end > begin ? end - begin : 0;
-    // Mirrored columns count - end + 1 to count - begin; the last of them pairs with `begin`.
+    // Mirrored columns run from count - end + 1 to count - begin; the last of them pairs with `begin`.
     const std::array<std::pair<std::size_t, std::size_t>, 2> blocks = {
         {{first, column_count}, {count - end + 1, mirrored_count}}};
     for (std::size_t block = 0; block < 2; ++block) {
@@ -401,7 +403,7 @@ class Filter {
   std::vector<Real> mirrored_;
 };
 
-// Fourier transform of an even sequence of 2m real numbers, from its first m + 1 values, in place.
+// Compute the Fourier transform of an even sequence of 2m real numbers in place, from its first m + 1 values.
 class EvenFft {
  public:
   EvenFft(std::size_t half, FftPlans& plans) : half_(half), fft_(plans.get<double>(half)), twiddles_(half + 1) {
@@ -435,7 +437,7 @@ class EvenFft {
 
 std::size_t padded_length(std::size_t points) { return 2 * fast_length(points); }
 
-// Return E*|k|/2 by wavenumber along x and, for each of these, along y.
+// Return E*|k|/2 by wavenumber along x and then by wavenumber along y.
 std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, double effective_modulus) {
   std::vector<double> factors;
   factors.reserve(shape.factors_along_x() * shape.factors_along_y());
@@ -451,8 +453,9 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
   return factors;
 }
 
-// Return the displacement of the origin under a pressure of 1 GPa. On a line, the pressure acts between the origin and
-// x; in the overload below, it acts on the rectangle between the origin and the corner (x, y).
+// Return the displacement of the origin under a pressure of 1 GPa.
+// On a line, the pressure acts between the origin and x.
+// In the overload below, it acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
   // Integral of -2/(π E*) ln|x|. The length unit in the logarithm shifts all displacements by the same amount.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
@@ -464,8 +467,8 @@ double corner_integral(double x, double y, double effective_modulus) {
 
 double cell_edge(std::size_t i, double spacing) { return (static_cast<double>(i) - 0.5) * spacing; }
 
-// Compute the displacements that a pressure of 1 GPa on one cell causes in the row of cells at a distance of `row`
-// rows, by column. On a line the distance is 0.
+// Compute the displacements, by column, in the row of cells at a distance of `row` rows from a loaded cell.
+// The pressure on the cell is 1 GPa. On a line the distance is 0.
 void compute_influence_row(const Grid& grid, double effective_modulus, std::size_t row, std::span<double> influence) {
   const std::size_t count = influence.size();
   const auto corner = [&](std::size_t i, std::size_t j) {
@@ -489,8 +492,7 @@ TransformShape transform_shape(const Grid& grid) {
   return {grid.rows, grid.columns, grid.line ? 1 : padded_length(grid.rows), padded_length(grid.columns)};
 }
 
-// Return the Fourier coefficients of the displacement per pressure, by wavenumber along x and, for each of these, along
-// y.
+// Return the Fourier coefficients of the displacement per pressure, by wavenumber along x and then along y.
 std::vector<double> compliance(const TransformShape& shape, const Grid& grid, double effective_modulus, FftPlans& plans,
                                Scratch& scratch, const ThreadPool& pool) {
   if (grid.periodic) {
@@ -499,9 +501,9 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
                    [](double factor) { return factor > 0.0 ? 1.0 / factor : 0.0; });
     return factors;
   }
-  // The influence coefficients are even along both axes, and so are the padded sizes. Therefore one quadrant of the
-  // coefficients determines the transform. Beyond the grid the values of its last points are repeated; no result
-  // depends on them.
+  // The influence coefficients are even along both axes, and so are the padded sizes.
+  // Therefore one quadrant of the coefficients determines the transform.
+  // Beyond the grid, the values of its last points are repeated. No result depends on them.
   const std::size_t width = shape.factors_along_x();
   const std::size_t height = shape.factors_along_y();
   std::vector<double> factors(width * height);
@@ -537,8 +539,8 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
   return factors;
 }
 
-// Return the stencil: the periodic stiffness operator of a small area at the origin and its neighbours, by direct
-// summation over its wavenumbers.
+// Return the stencil: the periodic stiffness operator of a small area at the origin and its neighbours.
+// The operator is summed directly over the wavenumbers of this area.
 std::array<double, 9> compute_stencil(const Grid& grid, double effective_modulus) {
   Grid small = grid;
   small.rows = small.columns = stencil_points;
@@ -591,8 +593,8 @@ struct Workspace::Buffers {
 Workspace::Workspace() : buffers_(std::make_unique<Buffers>()) {}
 Workspace::~Workspace() = default;
 
-// Filters are computed on first use, because coarse grids need no displacements in double precision, and areas with
-// little contact need no preconditioner.
+// Filters are computed on first use.
+// Coarse grids need no displacements in double precision, and areas with little contact need no preconditioner.
 struct ElasticKernel::Transforms {
   TransformShape shape;
   double effective_modulus;
@@ -601,7 +603,7 @@ struct ElasticKernel::Transforms {
   FftPlans plans;
   std::unique_ptr<const Filter<double>> double_displacement;
   std::unique_ptr<const Filter<float>> single_displacement;
-  // filters by foundation stiffness; stiffness 0 is the half-space alone
+  // Filters by foundation stiffness. Stiffness 0 is the half-space alone.
   std::map<double, const Filter<float>> foundation_filters;
 
   // Return the filter E*|k|/2 or, with a foundation, the inverse of their sum.
@@ -674,8 +676,8 @@ void ElasticKernel::apply_foundation_compliance(std::span<const float> loads, do
 }
 
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus) {
-  // The displacement of a point follows from the integrals up to the four corners of the grid. By symmetry a quarter of
-  // the points is enough.
+  // The displacement of a point is a combination of the integrals up to the four corners of the grid.
+  // By symmetry, a quarter of the points is enough.
   const auto displacement = [&](std::size_t row, std::size_t column) {
     double sum = 0.0;
     for (const std::size_t j : {column + 1, grid.columns - column}) {

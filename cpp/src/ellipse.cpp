@@ -8,16 +8,17 @@
 namespace stiction {
 namespace {
 
-// The arithmetic-geometric mean of 1 and k gives both elliptic integrals without cancellation: K = π / (2 mean), and
-// ratio = (K - E) / (e² K), whose limits are 1/2 at k = 1 and 1 - 1/K for k -> 0. Abramowitz & Stegun (1964), 17.6.
+// The arithmetic-geometric mean of 1 and k gives both elliptic integrals without cancellation.
+// K = π / (2 mean), and ratio = (K - E) / (e² K), which tends to 1/2 at k = 1 and to 1 - 1/K for k -> 0.
+// Abramowitz & Stegun (1964), 17.6.
 struct Integrals {
   double mean;
   double ratio;
 };
 
 Integrals integrals(double k) {
-  // ratio = Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)). The term c_1² / e² is written
-  // without e.
+  // ratio = Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)).
+  // The term c_1² / e² is written without e.
   double a = 0.5 * (1.0 + k);
   double b = std::sqrt(k);
   double square = 0.25 * (1.0 - k) * (1.0 - k);  // c_n²
@@ -40,7 +41,7 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // This is the limit for e -> 0. Its error, about e², does not slow the iteration noticeably.
+    // This is the limit for e -> 0. Its error, about e², barely slows the iteration.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);
@@ -50,12 +51,12 @@ double log_slope(double k, double ratio) {
 
 Ellipse hertz_ellipse(double longer, double shorter) {
   if (!(shorter > 0.0) || !(longer >= shorter) || !std::isfinite(longer)) {
-    throw std::invalid_argument("hertz_ellipse: radii must be above 0 and finite, the longer first, got " +
+    throw std::invalid_argument("hertz_ellipse: radii must be positive and finite, with the longer radius first, got " +
                                 format_number(longer) + " and " + format_number(shorter) + " µm");
   }
   const double target = shorter / longer;
-  // Newton's method in logarithms, between which the relation is almost linear: the slope is 1.5 at k = 1 and 2 at
-  // k = 0.
+  // Newton's method is applied to logarithms, between which the relation is almost linear.
+  // The slope is 1.5 at k = 1 and 2 at k = 0.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);
   for (int i = 0; i < 20; ++i) {

@@ -17,10 +17,10 @@ std::mutex& unguarded_planner_mutex() {
   return mutex;
 }
 
-// FFTW's planner is not thread-safe, unlike the execution of plans.
+// Executing FFTW plans is thread-safe, but creating them is not.
 std::mutex& planner_mutex() {
 #if defined(__unix__) || defined(__APPLE__)
-  // A child process forked while another thread is planning would otherwise inherit a locked mutex without an owner.
+  // A child process forked while another thread creates a plan would otherwise inherit a locked mutex without an owner.
   [[maybe_unused]] static const int fork_handlers =
       pthread_atfork([] { unguarded_planner_mutex().lock(); }, [] { unguarded_planner_mutex().unlock(); },
                      [] { unguarded_planner_mutex().unlock(); });
@@ -77,7 +77,7 @@ void* make_plan(std::size_t points, int sign) {
 template <class Real>
 ComplexFft<Real>::ComplexFft(std::size_t points) : points_(points) {
   if (points == 0 || points > (std::size_t{1} << 30)) {
-    throw std::invalid_argument("ComplexFft: points must be from 1 to 2^30");
+    throw std::invalid_argument("ComplexFft: points must be between 1 and 2^30");
   }
 }
 

@@ -1,13 +1,13 @@
-// Interface to GSL. Only this file and gsl.cpp use GSL. Status codes become exceptions, and no exception passes through
-// GSL's frames.
+// Interface to GSL. Only this file and gsl.cpp use GSL.
+// Status codes become exceptions, and no exception passes through GSL's stack frames.
 #pragma once
 
 #include "stiction/array.hpp"
 
 namespace stiction::gsl {
 
-/// Solve the symmetric tridiagonal system with constant diagonal and off-diagonal. `solution` must not alias
-/// `right_side`. Throws std::runtime_error with GSL's message.
+/// Solve the symmetric tridiagonal system with constant diagonal and off-diagonal.
+/// `solution` must not alias `right_side`. Throws std::runtime_error with GSL's message.
 void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, std::span<double> solution);
 
 }  // namespace stiction::gsl

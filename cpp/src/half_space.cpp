@@ -17,35 +17,35 @@ namespace {
 
 // Minimum number of points along an axis of the coarsest grid.
 constexpr std::size_t min_points_per_axis = 16;
-// Maximum number of points of a coarser grid whose kernels are cached, and of a grid whose influence coefficients are
-// stored.
+// Maximum number of points of a coarser grid whose kernels are cached,
+// and of a grid whose influence coefficients are stored.
 constexpr std::size_t max_cached_points = std::size_t{1} << 20;
 // Tolerance on the coarser grids. It can be loose, because their discretisation error is larger.
 constexpr double coarse_tolerance = 3e-3;
 // Largest ratio of two loads on an area at which the solution for one load is a good starting point for the other.
 constexpr double max_load_ratio = 1.3;
-// Maximum number of iterations on the finest grid, and on coarser grids. A hundred iterations on the finest grid are
-// many. The solutions on coarser grids are only starting points.
+// Maximum number of iterations on the finest grid, and on coarser grids.
+// The finest grid rarely needs a hundred iterations. The solutions on coarser grids are only starting points.
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
-// Maximum number of evaluations in double precision. More evaluations are needed only if round-off prevents
-// convergence.
+// Maximum number of evaluations in double precision.
+// More evaluations are needed only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
-// Relative deviation allowed between displacements that should be equal. The error of the compliance is the square of
-// this deviation, about 1e-7.
+// Allowed relative deviation between displacements that should be equal.
+// The error of the compliance is the square of this deviation, about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Factor that makes the deviation smaller in problems in which only differences of displacements are defined, because
-// there the compliance is not an energy.
+// Factor that tightens the deviation in problems that define only differences of displacements.
+// In such problems, the compliance is not an energy.
 constexpr double difference_tolerance = 0.03;
-// Maximum number of contact points whose dense matrix is solved directly. Up to this number, the direct solution is
-// faster than transforms of the grid.
+// Maximum number of contact points whose dense matrix is solved directly.
+// Up to this number, the direct solution is faster than transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
-// Deviation of displacements that counts as round-off, relative to the displacement of one cell under the same
-// pressure.
+// Deviation of displacements that counts as round-off,
+// relative to the displacement of one cell under the same pressure.
 constexpr double round_off = 1e-9;
-// Limits of the search for the load of an approach: maximum number of loads, although more than six are rarely needed;
-// largest ratio of successive loads; and smallest distance of a new load from the ends of the bracket, as a fraction of
-// the bracket.
+// Limits of the search for the load of an approach:
+// maximum number of loads (more than six are rarely needed), largest ratio of successive loads,
+// and smallest distance of a new load from the ends of the bracket, as a fraction of the bracket.
 constexpr int max_loads = 60;
 constexpr double max_load_step = 30.0;
 constexpr double min_bracket_fraction = 1e-3;
@@ -94,8 +94,8 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Interpolate values, or whole rows of `width` values, linearly along one axis to a grid of another number of points
-// over the same length.
+// Interpolate values linearly along one axis to a grid of another number of points over the same length.
+// Whole rows of `width` values can be interpolated at a time.
 std::vector<double> interpolate_along(Values values, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                                       std::size_t width, bool periodic) {
   std::vector<double> result(blocks * new_points * width);
@@ -148,8 +148,8 @@ std::vector<double> interpolate(std::vector<double> values, const Grid& from, co
   return values;
 }
 
-// Solver on one level of the grids, with its elastic kernel and preconditioner. The starting pressure is scaled to a
-// mean [GPa].
+// Solver on one level of the grids, with its elastic kernel and preconditioner.
+// The starting pressure is scaled to a mean [GPa].
 class LevelSolver {
  public:
   LevelSolver(const HalfSpaceGrids::Kernels& kernels, std::vector<double> start, double mean, Values bound,
@@ -167,7 +167,8 @@ class LevelSolver {
   ProjectedCgSolver& cg() { return cg_; }
   double update_free_points() { return cg_.update_free_points(pool_); }
 
-  // Recompute the potential. Single precision is enough if the potential is recomputed later, or need not be exact.
+  // Recompute the potential.
+  // Single precision is enough if the potential will be recomputed later, or need not be exact.
   void recompute_potential(Values gap, bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
@@ -184,7 +185,7 @@ class LevelSolver {
     has_response_ = false;
   }
 
-  // Take one step; `update_free_points` must come before it.
+  // Take one step. `update_free_points` must be called before it.
   void iterate() {
     std::span<const float> residual = cg_.residual(pool_);
     if (!cg_.is_steepest_descent()) {
@@ -237,8 +238,9 @@ double product(const double* left, const double* right, std::size_t size) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// Return the pressures at some points under which all of these points move by 1, by conjugate gradients with the dense
-// matrix of the points. Empty if a pressure is negative, which is round-off at contacts of single points.
+// Return the pressures at some points under which all of these points move by 1.
+// Conjugate gradients with the dense matrix of the points compute the pressures.
+// The result is empty if a pressure is negative, which is round-off at contacts of single points.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {
   const std::size_t size = points.size();
@@ -344,7 +346,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   const std::vector<Grid>& levels = grids_->levels();
   if (gap.size() != levels[0].size() || (bound.size() != 1 && bound.size() != gap.size())) {
     throw std::invalid_argument(
-        "HalfSpaceSolver: gap must be on the grid, and bound must have one value for all points or one for each");
+        "HalfSpaceSolver: gap must have one value for each grid point, and bound one value or one for each grid point");
   }
   if (!(tolerance > 0.0)) {
     throw std::invalid_argument("HalfSpaceSolver: tolerance must be above 0");
@@ -358,8 +360,8 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   displacement_scale_ = unit_load_deviation(pool);
 }
 
-// Return the root-mean-square deviation [µm/GPa] of the displacements per mean pressure. The pressure is uniform, or
-// proportional to the bounds.
+// Return the root-mean-square deviation [µm/GPa] of the displacements per mean pressure.
+// The pressure is uniform, or proportional to the bounds.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
   const double cell_displacement =
@@ -372,7 +374,7 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     Workspace workspace;
     grids_->kernels(0, pool).points->displacement(load, displacements, workspace, pool);
     const double deviation = standard_deviation(displacements);
-    // The bounds may be pressures that move all points of a flat punch equally, to a tolerance.
+    // The bounds may be the pressures that move all points of a flat punch equally, within a tolerance.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
@@ -388,13 +390,14 @@ double HalfSpaceSolver::scale(double mean_pressure) const {
   return std::max(gap_scale_, displacement_scale_ * mean_pressure);
 }
 
-// Return whether the solution at another load is a better start than a coarse grid. On lines it never is.
+// Return whether the solution at another load is a better start than a coarse grid.
+// On lines, the coarse grid is always better.
 bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
   if (near.empty()) {
     return false;
   }
   if (near.size() != gap_.size()) {
-    throw std::invalid_argument("HalfSpaceSolver: near must be on the grid");
+    throw std::invalid_argument("HalfSpaceSolver: near must have one value for each grid point");
   }
   const double ratio = mean_pressure / mean_value(near);
   return bound_.size() > 1 || (!grids_->levels()[0].line && ratio >= 1 / max_load_ratio && ratio <= max_load_ratio);
@@ -422,15 +425,16 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
   return solve_finest(std::move(start), mean_pressure, workspace, pool, progress);
 }
 
-// Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois). On
-// periodic surfaces, which are in full contact at the mean gap, the excess includes the remaining distance to full
-// contact.
+// Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois).
+// Periodic surfaces are in full contact at the mean gap.
+// On these, the excess includes the remaining distance to full contact.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // First guess of the load: a tenth of E* approach / length, the mean pressure of a contact as large as the grid. No
-  // rough contact exceeds this pressure.
+  // First guess of the load: a tenth of E* approach / length.
+  // E* approach / length is the mean pressure of a contact as large as the grid.
+  // No rough contact exceeds this pressure.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);
@@ -452,7 +456,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    // the other end of the bracket has not moved in two successive steps
+    // The other end of the bracket has not moved in two successive steps.
     if (previous_above == above && other) {
       other->excess *= 0.5;
     }
@@ -524,7 +528,7 @@ HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<do
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact, const ThreadPool& pool) {
   const Grid& grid = grids.levels()[0];
   if (in_contact.size() != grid.size()) {
-    throw std::invalid_argument("linear_response: in_contact must be on the grid");
+    throw std::invalid_argument("linear_response: in_contact must have one value for each grid point");
   }
   std::vector<std::size_t> points;
   for (std::size_t i = 0; i < in_contact.size(); ++i) {
@@ -535,8 +539,8 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   if (points.empty()) {
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
-  // The pressures are positive at all points, like charges on a conductor. A uniform start is as good as the given
-  // pressures, which vanish at the edges, where the solution is largest.
+  // The pressures are positive at all points, like charges on a conductor.
+  // A uniform start is as good as the given pressures, which vanish at the edges, where the solution is largest.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());

@@ -28,16 +28,16 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// Largest number of turns of a phase over the grid, as a power of two. With more turns, fewer than 20 binary digits
-// (1e-6) would remain for the fraction of a turn. The exponent is 44 if a long double has 64 digits, and 33 if a long
-// double is a double.
+// Largest number of turns of a phase over the grid, as a power of two.
+// With more turns, fewer than 20 binary digits (1e-6) would remain for the fraction of a turn.
+// The exponent is 44 if a long double has 64 binary digits, and 33 if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
-// Number of points per block, chosen so that the group profiles of one block stay in the second-level cache.
+// Number of points per block. The group profiles of one block must fit into the second-level cache.
 constexpr Index block = 1024;
 // Number of blocks after which a harmonic is restarted from its phase.
 constexpr Index blocks_per_restart = 8;
-// Number of points by which a harmonic advances at a time. Each lane has its own recurrence.
+// Number of points by which a harmonic advances at a time. Each SIMD lane has its own recurrence.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
@@ -59,7 +59,7 @@ double to_radians(Turns turns) {
 Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 
 // Re[amplitude e^(i k x)], advanced along the grid by the recurrence d += -4 sin²(θ/2) z, z += d with θ = `lanes` k Δx.
-// The error of the recurrence grows only with the number of steps, however small θ is.
+// The error of the recurrence grows only with the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
   alignas(cache_line) std::array<double, lanes> d;  // difference from the values `lanes` points before
@@ -78,8 +78,7 @@ struct Harmonic {
     rate = 4.0 * std::sin(half_angle) * std::sin(half_angle);
   }
 
-  // Start from the phase at a point. The first `lanes` values are built by doubling: a run of values is followed by the
-  // same run, rotated.
+  // Start from the phase at a point. Doubling yields the first `lanes` values: a run of values is copied and rotated.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -105,8 +104,9 @@ struct Group {
   double constant = 0.0;
 };
 
-// Directions m and M - m have opposite wavenumbers. Since cos(-k x + φ') = cos(k x - φ'), they form one harmonic with
-// amplitude e^(i φ) + e^(-i φ'). For m = M/2 the wavenumber is 0 and the harmonic cancels; m = M has no partner.
+// Directions m and M - m have opposite wavenumbers.
+// Since cos(-k x + φ') = cos(k x - φ'), they form one harmonic with amplitude e^(i φ) + e^(-i φ').
+// For m = M/2 the wavenumber is 0 and the harmonic cancels. m = M has no partner.
 std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   const long double max_turns = std::ldexp(1.0L, max_turns_exponent);
   const Index directions = phases.rows();
@@ -142,8 +142,8 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   return result;
 }
 
-// Subtract the next block of `count` harmonics from the values, with one load and one store of each value. The number
-// of lanes processed together is chosen so that z and d stay in registers.
+// Subtract the next block of `count` harmonics from the values, with one load and one store of each value.
+// The number of lanes processed together is chosen so that z and d stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;
@@ -209,8 +209,8 @@ void next_block(Group& group, Index first, double* values) {
   }
 }
 
-// sums(row, j) = Σ_n weights(row, n) values[n][j] for `rows` rows and j < block. A tile of sums stays in registers over
-// all n. The order of additions does not depend on the tile.
+// sums(row, j) = Σ_n weights(row, n) values[n][j] for `rows` rows and j < block.
+// A tile of sums stays in registers over all n. The order of additions does not depend on the tile.
 template <std::size_t Width, std::size_t rows, std::size_t packs>
 STICTION_INLINE void tile_product(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                   std::size_t stride) {
@@ -264,8 +264,8 @@ STICTION_KERNEL(one_row,
                  std::size_t stride),
                 (weights, values, frequencies, sums, stride))
 
-// Compute all rows of one complete block; `sums` points to its first column. Calls after(begin, end) while the finished
-// rows from begin to end, excluding end, are still in the cache.
+// Compute all rows of one complete block; `sums` points to its first column.
+// Calls after(begin, end) while the finished rows from `begin` to just before `end` are still in the cache.
 template <class After>
 void product(const Eigen::Map<const Matrix>& weights, const double* values, double* sums, Index stride,
              const After& after) {
@@ -293,12 +293,12 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
 
 // ---- Surfaces -------------------------------------------------------------------------------------------------------
 
-// Number of points along an axis that are computed from the phase at the first of them.
+// Number of points along an axis that are computed from the phase at the first of these points.
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
-// Compute cosines and sines for a run of points by angle addition. The table is rotated once by the phase of the first
-// point, so that errors do not grow.
+// Compute cosines and sines for a run of points by angle addition.
+// The table is rotated once by the phase of the first point, so that errors do not grow.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {
@@ -328,9 +328,9 @@ struct Rotations {
   }
 };
 
-// Directions m and M - m have opposite wavenumbers along x and equal ones along y. Together they are
-// -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X with even, odd = e^(i φ) ± e^(i φ'). A direction without a
-// partner has even = odd = e^(i φ).
+// Directions m and M - m have opposite wavenumbers along x and equal ones along y.
+// Together they are -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X, with even, odd = e^(i φ) ± e^(i φ').
+// A direction without a partner has even = odd = e^(i φ).
 struct ArealHarmonic {
   Complex even;
   Complex odd;

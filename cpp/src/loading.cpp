@@ -14,8 +14,8 @@ struct Point {
   double f;
 };
 
-// Bracketing search for one root. `latest` is the latest estimate, `opposite` is on the other side of the root, and
-// `previous` is the estimate before the latest one.
+// Bracketing search for one root. `latest` is the latest estimate, and `previous` is the estimate before it.
+// `opposite` is on the other side of the root.
 struct RootSearch {
   Point latest;
   Point opposite;
@@ -93,7 +93,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
   if (left.size() != levels.size() || right.size() != levels.size()) {
     throw std::invalid_argument("find_crossings: left and right must be as long as levels");
   }
-  // Evaluate the function at arguments in any order, possibly repeated.
+  // Evaluate the function at arguments in any order. Arguments may be repeated.
   const auto values_at = [&](const std::vector<double>& arguments) {
     std::vector<double> distinct = arguments;
     std::sort(distinct.begin(), distinct.end());

@@ -14,22 +14,24 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-// Tolerances in units of a cell. A minimum that lies outside its cell by at most `max_overshoot` is accepted, so that
-// round-off loses no minimum between two cells. Two minima within `merge_distance` count as one minimum.
+// Tolerances in units of a cell.
+// A minimum that lies outside its cell by at most `max_overshoot` is accepted,
+// so that round-off loses no minimum between two cells.
+// Two minima within `merge_distance` count as one minimum.
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
 
 // ---- Prefilter: vectorised exclusion of cells -----------------------------------------------------------------------
 
-// The spline in a cell lies within the range of its 16 coefficients, and each derivative within the range of their
-// differences. A minimum is possible only if the lowest coefficient is low enough and both ranges of differences
-// contain zero.
+// The spline in a cell lies within the range of its 16 coefficients.
+// Each derivative lies within the range of the differences of these coefficients.
+// A minimum is possible only if the lowest coefficient is low enough and both ranges of differences contain zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
-// Number of cells of a row that are excluded together if no coefficient is low enough. The cells depend on three more
-// columns of coefficients than there are cells.
+// Number of cells of a row that are excluded together if no coefficient is low enough.
+// The cells depend on their own columns of coefficients and on three more.
 constexpr Index cells_per_block = 29;
 
 // Mark the blocks in a row of coefficients that contain a low enough coefficient.
@@ -50,8 +52,8 @@ void mark_low(const double* coefficients, Index cells, double max_value, unsigne
   }
 }
 
-// Ranges of a column of four coefficients, of the differences within the column (y), and of the differences to the next
-// column (x).
+// Ranges of a column of four coefficients, of the differences within the column (y),
+// and of the differences from the next column (x).
 struct Ranges {
   explicit Ranges(Index columns) : buffer(static_cast<std::size_t>(5 * columns)), size(columns) {}
   double* lowest() { return buffer.data(); }
@@ -106,7 +108,7 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
 // Bernstein coefficients of a bicubic on a square, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
-// Bernstein coefficients of several squares, with the number of the square as the innermost index.
+// Bernstein coefficients of several squares. The index of the square is the innermost one.
 template <std::size_t lanes>
 using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 
@@ -167,7 +169,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   const P max_abs_xy = xy_high > -xy_low ? xy_high : -xy_low;
   const auto zero_slope = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
   const auto curved_up = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
-  // exclude parts that are a saddle everywhere
+  // Exclude parts that are a saddle everywhere.
   const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * min_abs_xy * min_abs_xy;
   const auto possible = zero_slope & curved_up & no_saddle & (low <= zero + max_value);
   const auto convex = (xx_low > zero) & (yy_low > zero) & (36.0 * xx_low * yy_low > 81.0 * max_abs_xy * max_abs_xy);
@@ -191,8 +193,8 @@ STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
   c3 = d;
 }
 
-// Convert B-spline coefficients to Bernstein coefficients in place, and classify the cells. Also returns the round-off
-// of the values in each cell.
+// Convert B-spline coefficients to Bernstein coefficients in place, and classify the cells.
+// Also returns the round-off of the values in each cell.
 template <std::size_t Width>
 STICTION_INLINE void classify_cells_kernel(double* coefficients, double max_value, double* round_off,
                                            CellClass* classes) {
@@ -299,8 +301,8 @@ class Cell {
   Cell(const MatrixView& coefficients, Index row, Index column, double max_value)
       : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
-  // Call visit(minimum) for each minimum. The value and the derivatives of the minimum are not set, and u and v may lie
-  // slightly outside the cell.
+  // Call visit(minimum) for each minimum.
+  // The value and the derivatives of the minimum are undefined, and u and v may lie slightly outside the cell.
   template <class Visit>
   void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
     search_part(net, 0.0, 0.0, 1.0, round_off, cell_class, visit);
@@ -473,8 +475,8 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
     }
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
-  // Remove duplicates that were found from two cells or from two parts of a cell. Such duplicates are in the same cell
-  // now.
+  // Remove minima that were found twice, from two cells or from two parts of a cell.
+  // Both copies of a minimum are in the same cell at this stage.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());
   for (const Minimum& minimum : all_minima) {

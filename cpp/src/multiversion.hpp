@@ -1,12 +1,13 @@
-// Function multiversioning: hot loops are compiled for several instruction sets, and the loader selects the widest one
-// that the machine supports. STICTION_MULTIVERSION is for loops that the compiler vectorises itself; STICTION_KERNEL is
-// for loops written in SIMD registers, where it matters which values stay in registers.
+// Function multiversioning: hot loops are compiled for several instruction sets.
+// The loader selects the widest instruction set that the machine supports.
+// STICTION_MULTIVERSION is for loops that the compiler vectorises itself.
+// STICTION_KERNEL is for loops that are written in SIMD registers, because it matters which values stay in registers.
 #pragma once
 
 #include <cstddef>
 
-// Multiversioning is disabled if the loader does not support it (other platforms and C libraries), and under
-// sanitizers, whose start-up is incompatible with resolver functions.
+// Multiversioning is disabled if the loader does not support it (other platforms and C libraries).
+// It is also disabled under sanitizers, whose start-up is incompatible with resolver functions.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define STICTION_SANITIZED
 #elif defined(__has_feature)
@@ -26,21 +27,22 @@
 #endif
 #endif
 
-/// The macro goes before a function of plain loops. It is not used with Clang, because some versions of Clang drop
-/// functions that such a function calls.
+/// The macro goes before a function of plain loops.
+/// It is not used with Clang, because some versions of Clang drop functions that such a function calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
 #else
 #define STICTION_MULTIVERSION
 #endif
 
-// Clang reports functions that only the loader selects as unused.
+// Clang reports functions as unused if only the loader selects them.
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wunused-function"
 #endif
 
-/// Define void name(parameters) from a template name_kernel<Width>(arguments), whose Width is the number of doubles in
-/// a register of the instruction set. GCC keeps wider SIMD types in memory, which is 20 times slower.
+/// Define void name(parameters) from a template name_kernel<Width>(arguments).
+/// Width is the number of doubles in a register of the instruction set.
+/// GCC keeps wider SIMD types in memory, which is 20 times slower.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
   __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
@@ -56,8 +58,8 @@
 
 namespace stiction {
 
-// SIMD types of GCC and Clang, and their unaligned versions. The types are written out for each width, because
-// attributes of types that depend on a template parameter are ignored.
+// SIMD types of GCC and Clang, and their unaligned versions.
+// Each width has its own definition, because attributes of types that depend on a template parameter are ignored.
 template <std::size_t Width>
 struct PackOf;
 template <>
@@ -88,7 +90,8 @@ using Pack = typename PackOf<Width>::Type;
 
 inline constexpr std::size_t widest_pack = 8;
 
-// Load a register from unaligned memory. GCC would split a memcpy before it knows the instruction set.
+// Load a register from unaligned memory.
+// A memcpy is not used, because GCC would split it before it knows the instruction set.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

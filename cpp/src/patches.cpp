@@ -9,8 +9,8 @@
 namespace stiction {
 namespace {
 
-// Fraction of a cell by which the points under pressure extend beyond the contact at each open side. On lines the
-// fraction is half of 0.38 +- 0.03 points per contact, measured on Westergaard's sinusoid.
+// Fraction of a cell by which the points under pressure extend beyond the contact at each open side.
+// On lines, the fraction is half of 0.38 +- 0.03 points per contact, measured on Westergaard's sinusoid.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 
@@ -49,7 +49,7 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
     throw std::invalid_argument("patches_of: pressure must have as many elements as the grid has points");
   }
   Patches result;
-  // Number of a point among the points under pressure, counted from 1; 0 for points without pressure.
+  // Number of a point among the points under pressure, counted from 1. Points without pressure have the number 0.
   std::vector<std::int32_t> numbers(pressure.size(), 0);
   for (std::size_t i = 0; i < pressure.size(); ++i) {
     if (pressure[i] != 0.0) {
@@ -61,7 +61,7 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
   const auto rows = static_cast<std::int64_t>(grid.rows);
   const auto columns = static_cast<std::int64_t>(grid.columns);
   const double side_fraction = grid.line ? line_side_fraction : area_side_fraction;
-  // Beyond the edges the number is 0. On periodic grids it is the number at the opposite side.
+  // Beyond the edges, the number is 0. On periodic grids, it is the number at the opposite side.
   const auto at = [&](std::int64_t row, std::int64_t column) -> std::int32_t {
     if (row < 0 || row >= rows || column < 0 || column >= columns) {
       if (!grid.periodic) {

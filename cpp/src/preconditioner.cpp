@@ -161,8 +161,8 @@ void Preconditioner::sum_on_blocks(std::span<const std::int32_t> free_points, st
   }
 }
 
-// Solve the block system by conjugate gradients. The preconditioner is a half-space on a uniform foundation. The
-// stiffness of this foundation is rounded to a power of two, so that few different filters are needed.
+// Solve the block system by conjugate gradients. The preconditioner is a half-space on a uniform foundation.
+// The stiffness of this foundation is rounded to a power of two, so that few different filters are needed.
 void Preconditioner::solve_blocks(Workspace& workspace, const ThreadPool& pool) {
   const std::size_t size = loads_.size();
   const double mean = std::accumulate(foundation_.begin(), foundation_.end(), 0.0) / static_cast<double>(size);

@@ -21,7 +21,7 @@ Scaling find_scaling_or_throw(Values heights, const HeightStatistics& statistics
   return *scaling;
 }
 
-// Scale both profiles and run the prefilter on one chunk after another, so that each chunk is still in the cache.
+// Scale both profiles and run the prefilter chunk by chunk, so that each chunk is still in the cache.
 Prefilter scale_and_prefilter(Values upper, const Scaling& upper_scaling, Values lower, const Scaling& lower_scaling,
                               std::span<double> scaled_upper, std::span<double> scaled_lower) {
   constexpr std::size_t chunk = 4 * Prefilter::block;
@@ -47,14 +47,14 @@ std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, 
   const Index rows = upper.heights.rows();
   const Index points = upper.heights.cols();
   if (lower.heights.rows() != rows || lower.heights.cols() != points) {
-    throw std::invalid_argument("press_profile_batches: upper and lower must have equally many rows and points");
+    throw std::invalid_argument("press_profile_batches: upper and lower must have equal numbers of rows and points");
   }
   if (upper.statistics.size() != static_cast<std::size_t>(rows) ||
       lower.statistics.size() != static_cast<std::size_t>(rows)) {
     throw std::invalid_argument("press_profile_batches: statistics must have one element for each row");
   }
   if (scratch.rows() != 2 || scratch.cols() != points) {
-    throw std::invalid_argument("press_profile_batches: scratch must have two rows of as many points");
+    throw std::invalid_argument("press_profile_batches: scratch must have two rows with as many points as upper");
   }
   std::vector<Sums> result;
   result.reserve(static_cast<std::size_t>(rows) * amplitudes.values.size() * models.size() * approaches.size());

@@ -15,17 +15,17 @@
 namespace stiction {
 namespace {
 
-// Limits of the optimal step length over the trial length. Beyond these factors, this step is shortened, or the next
-// step is lengthened.
+// Limits of the ratio of the optimal step length to the trial length.
+// Outside these limits, this step is shortened, or the next step is lengthened.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
 constexpr double max_recovery_factor = 100.0;  // limit of the factor by which steps are lengthened after failed steps
 constexpr int max_failed_steps = 6;
 // Factor by which the step length is reduced after a failed step.
 constexpr double failure_factor = 0.25;
-// Upper limit of the ratio of the change at a free point to the load of all free points, beyond which round-off would
-// be visible in the load. Steps that hit a bound are always too short, so the step length would grow without end
-// otherwise.
+// Upper limit of the ratio of the change at a free point to the load of all free points.
+// Above this limit, round-off would be visible in the load.
+// Steps that hit a bound are always too short, so the step length would otherwise grow without end.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t lanes = 8;
@@ -41,8 +41,9 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
   }
 }
 
-// Mark the free points of a block: points between 0 and their bound, and points at a bound whose gap drives the
-// pressure away from it (or is NaN). Returns whether there are any.
+// Mark the free points of a block.
+// Free points have a pressure between 0 and their bound, or a gap that drives the pressure away from the bound.
+// Points at a bound with a NaN gap are also free. Returns whether there are any free points.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
                std::uint8_t* marks) {
@@ -129,7 +130,7 @@ struct ClippedSum {
   }
 };
 
-// Sum the pressures after a shift is subtracted and the pressures are clipped to 0 and to their bounds.
+// Subtract the shift, clip the pressures to 0 and to their bounds, and return their sum.
 STICTION_MULTIVERSION
 ClippedSum clipped_sum(const double* pressure, const double* bound, std::size_t size, double shift) {
   std::array<double, lanes> sums{};
@@ -169,8 +170,8 @@ Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
   return total;
 }
 
-// Return the shift for which the shifted and clipped pressures have the given sum. The sum is a decreasing, piecewise
-// linear function of the shift. The method is Newton's method within a bracket.
+// Return the shift for which the shifted and clipped pressures have the given sum.
+// The sum is a decreasing, piecewise linear function of the shift. The method is Newton's method within a bracket.
 double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum,
                     const ThreadPool& pool) {
   double left = -std::numeric_limits<double>::infinity();
@@ -215,7 +216,7 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
   if ((bound.size() != 1 && bound.size() != size) ||
       !std::all_of(bound.begin(), bound.end(), [](double value) { return value >= 0.0; })) {
     throw std::invalid_argument(
-        "ProjectedCgSolver: bound must have one value for all points or one for each, and none below 0");
+        "ProjectedCgSolver: bound must have one value or one for each point, and no value below 0");
   }
   if (bound.size() == size) {
     bounds_.assign(bound.begin(), bound.end());
@@ -373,9 +374,10 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
   }
 }
 
-// Return the approach if no pressure lies strictly between the bounds. Points at their bound must not have a gap, and
-// points without pressure must not overlap. If both conditions can be met, the approach is the highest potential under
-// pressure. Otherwise the approach lies midway, so that points of both kinds become free.
+// Return the approach if no pressure lies strictly between the bounds.
+// Points at their bound must not have a gap, and points without pressure must not overlap.
+// If both conditions can be met, the approach is the highest potential under pressure.
+// Otherwise, the approach lies midway, so that points of both kinds become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -389,9 +391,10 @@ double ProjectedCgSolver::approach_from_bounds() const {
   return max_loaded <= min_unloaded ? max_loaded : min_unloaded + 0.5 * (max_loaded - min_unloaded);
 }
 
-// Visit each run of constrained points. A visit receives the positions of the neighbouring free points in their list,
-// the number of constrained points, and the segments of the run before and after the edge of the grid. A segment
-// consists of its first point, its length, and its offset in the run.
+// Visit each run of constrained points.
+// A visit receives the list positions of the neighbouring free points, and the number of constrained points.
+// It also receives the segments of the run before and after the edge of the grid.
+// A segment consists of its first point, its length, and its offset in the run.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
   const auto size = static_cast<std::int32_t>(pressure_.size());
@@ -460,7 +463,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   restrict_to_free_points(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   struct Products {
-    // Load of the free points. A step must keep this load, because an error would grow with longer steps.
+    // Load of the free points. Each step must conserve this load; otherwise its error would grow from step to step.
     double load = 0.0;
     double value = 0.0;
     double step = 0.0;
@@ -607,8 +610,8 @@ bool ProjectedCgSolver::advance(std::span<const float> response, const ThreadPoo
     conjugate_ = false;
     return false;
   }
-  // A full step that hits bounds is accepted if it lowers the energy. A fraction of the step would leave some pressure
-  // on points where the full step removes all pressure.
+  // A full step that hits bounds is accepted if it lowers the energy.
+  // A fraction of the step would leave some pressure on points where the full step removes all pressure.
   const double fraction = clipped_
                               ? (optimum >= min_length_factor ? 1.0 : optimum)
                               : (optimum <= 1.0 ? optimum : std::min(optimum, std::max(max_feasible_fraction(), 1.0)));

@@ -39,8 +39,9 @@ void right_sides(const double* heights, Index size, double scale, double* result
   }
 }
 
-// Compute the slope at a point as the mean of the slopes of the two adjacent cubics, which agree except for round-off.
-// The expression is symmetric in x, so that a mirrored profile has bit-identical mirrored slopes.
+// Compute the slope at a point as the mean of the slopes of the two adjacent cubics.
+// Both slopes agree except for round-off.
+// The expression is symmetric in x, so a mirrored profile has bit-identical mirrored slopes.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
   const double height_factor = 0.5 / spacing;
@@ -87,7 +88,7 @@ const Kernel& unit_load() {
   return kernel;
 }
 
-// result[i] = Σ_k kernel[|k|] values[i + k] for i = 0, 1, ..., size - 1; `size` is a multiple of `stride`.
+// result[i] = Σ_k kernel[|k|] values[i + k] for i = 0, 1, ..., size - 1. `size` is a multiple of `stride`.
 template <std::size_t Width>
 STICTION_INLINE void superpose_kernel(const double* values, const double* kernel, std::size_t size, double* result) {
   constexpr std::size_t packs = 4;
@@ -139,8 +140,8 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
-  // At an end without curvature the load has odd symmetry. Beyond the end, the load is the mirror image with opposite
-  // sign.
+  // At an end without curvature, the load has odd symmetry.
+  // Beyond the end, the load is its mirror image with opposite sign.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);
     const Index image = i > last ? 2 * last - i : i;

@@ -11,8 +11,9 @@
 
 namespace stiction {
 
-// A round is the set of tasks of one call. A round ends without waiting for threads that have not started on one of its
-// tasks. A thread that wakes up late finds that the round is over, and waits for the next round.
+// A round is the set of tasks of one call.
+// A round ends without waiting for threads that have not started any of its tasks.
+// A thread that wakes up late finds that the round is over, and waits for the next round.
 struct ThreadPool::Workers {
   using Work = std::function<void(std::size_t, std::size_t)>;
 
@@ -26,7 +27,7 @@ struct ThreadPool::Workers {
   std::condition_variable round_started;
   std::condition_variable round_finished;
   Round round;
-  // number of the round in the upper 32 bits, and next task in the lower 32 bits
+  // Number of the round in the upper 32 bits, and next task in the lower 32 bits.
   std::atomic<std::uint64_t> next_task{0};
   std::atomic<std::uint32_t> finished_tasks{0};
   std::atomic<bool> stopped{false};
@@ -80,7 +81,7 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Run tasks of a round until no task is left. After an exception the remaining tasks are only counted.
+  // Run tasks of a round until no task is left. After an exception, the remaining tasks are only counted.
   void run_tasks(const Round& current, std::size_t thread, const CancellationCheck& check_cancellation) {
     std::uint64_t ticket = next_task;
     while (ticket >> 32 == current.number && static_cast<std::uint32_t>(ticket) < current.tasks) {

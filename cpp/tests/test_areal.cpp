@@ -55,8 +55,8 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 }
 
 TEST_CASE("areal press: a paraboloid on a flat is one elliptic contact for all directions and sliding rules") {
-  // The spline has zero curvature at the edges, which are 15 points away. This changes the result by a fraction of
-  // 0.268^15.
+  // The spline has zero curvature at the edges, which are 15 points away.
+  // The edges change the result by a fraction of 0.268^15.
   constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);
@@ -84,8 +84,8 @@ TEST_CASE("areal press: a paraboloid on a flat is one elliptic contact for all d
 }
 
 TEST_CASE("tangent: consistent with the contact sums, also at walls along the motion") {
-  // Walls that lean by 1e-12, and are rotated by `turn` relative to the motion. The tangent t is almost perpendicular
-  // to the motion, so that (s·n) n - s cancels.
+  // Nearly vertical walls that lean by 1e-12, rotated by `turn` relative to the motion.
+  // The tangent t is almost perpendicular to the motion, so (s·n) n - s cancels.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
     for (const double up : {1e-12, 1e-3, 0.5}) {
       const double level = std::sqrt(1.0 - up * up);
@@ -102,7 +102,7 @@ TEST_CASE("tangent: consistent with the contact sums, also at walls along the mo
 }
 
 TEST_CASE("areal press: an ellipse much larger than the map contributes the area of the map") {
-  // The fractions have full relative accuracy, however small the part of the ellipse inside the map is.
+  // The fractions have full relative accuracy, even if the part of the ellipse inside the map is very small.
   const Matrix upper = paraboloid(31, 41, 1e4, 1e4);
   const Matrix lower = Matrix::Zero(31, 41);
   const ArealCandidates all_candidates = candidates({upper, lower, {spacing, spacing}}, 1e9, Curvature::signed_);
@@ -110,7 +110,7 @@ TEST_CASE("areal press: an ellipse much larger than the map contributes the area
   for (const double approach : {1e3, 1e6, 1e9}) {
     const auto table = stiction::contacts(all_candidates, approach, stiction::HertzSphere{10.0}, {1.0, 0.0});
     REQUIRE(table.size() == 1);
-    // Expected are the area of the map, and this area times the pressure at the centre, 2 E* (d / R)^(1/2) / π.
+    // The expected values are the area of the map, and this area times the central pressure 2 E* (d / R)^(1/2) / π.
     const double area = 40.0 * 30.0 * spacing * spacing;
     CHECK(table[0].area == doctest::Approx(area).epsilon(1e-12));
     const double radius = std::sqrt(table[0].radii.major * table[0].radii.minor);

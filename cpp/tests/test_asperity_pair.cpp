@@ -22,7 +22,7 @@ Asperity inclined_asperity(double angle, double radius, Side side) {
 }
 }  // namespace
 
-TEST_CASE("SpherePair: overlap, normal and centre follow from the sphere centres (Eq. 4)") {
+TEST_CASE("SpherePair: overlap, normal and centre match the vector between the sphere centres (Eq. 4)") {
   const double gap = 0.01;
   for (const double upper_radius : {2.0, -5.0}) {
     const Asperity above = inclined_asperity(0.02, upper_radius, Side::upper);

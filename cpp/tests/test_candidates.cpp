@@ -31,10 +31,10 @@ TEST_CASE("gap_minimum: finds the minimum of a parabola and no other stationary 
   // The gap has the slope g' = 2 (t - 0.3), which is -0.6 and 1.4 at the ends of [0, 1).
   CHECK(*stiction::gap_minimum(-0.6, 2.0, 1.4, 2.0, 1.0) == doctest::Approx(0.3).epsilon(1e-15));
   CHECK_FALSE(stiction::gap_minimum(0.6, -2.0, -1.4, -2.0, 1.0).has_value());  // a maximum
-  // the minimum lies to the left of the interval
+  // The minimum lies to the left of the interval.
   CHECK_FALSE(stiction::gap_minimum(0.6, 2.0, 2.6, 2.0, 1.0).has_value());
   CHECK(*stiction::gap_minimum(0.0, 2.0, 2.0, 2.0, 1.0) == 0.0);
-  // the first point of a profile is never a minimum
+  // The first point of a profile is never a minimum.
   CHECK_FALSE(stiction::gap_minimum(0.0, 2.0, 2.0, 2.0, 1.0, true).has_value());
 }
 
@@ -108,12 +108,12 @@ TEST_CASE("tangent: opposes the motion, in the plane of the motion and the norma
     CHECK(tangent.norm() == doctest::Approx(1.0).epsilon(1e-15));
     CHECK(tangent.head<2>().dot(direction) < 0.0);
   }
-  // The tangent of a profile is σ (-n_z, n_x), bit by bit.
+  // The tangent of a profile equals σ (-n_z, n_x) bit by bit.
   const stiction::Vector3 lean(0.28, 0.0, 0.96);
   CHECK(stiction::tangent(lean, {-1.0, 0.0}) == stiction::Vector3(0.96, 0.0, -0.28));
 }
 
-TEST_CASE("press: a cancellation check ends it and its exception is passed on") {
+TEST_CASE("press: a cancellation check ends the calculation, and its exception is passed on") {
   const std::vector<double> lower = sinusoid(200000);
   const std::vector<double> upper(lower.size(), 0.1);
   const std::vector<double> approaches{0.05};
@@ -122,7 +122,7 @@ TEST_CASE("press: a cancellation check ends it and its exception is passed on") 
   CHECK_THROWS_AS(stiction::press({upper, lower, 0.01}, approaches, model, end), Cancelled);
 }
 
-TEST_CASE("find_crossings: returns the argument behind a jump over the level") {
+TEST_CASE("find_crossings: returns the argument just behind a jump over the level") {
   const stiction::BatchFunction step = [](stiction::Values x) {
     std::vector<double> values;
     for (const double from_pair : x) {

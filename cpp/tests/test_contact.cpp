@@ -16,7 +16,7 @@ namespace {
 
 const ContactModel hertz{HertzSphere{10.0}};
 
-// An arc of a circle. `sign` is +1 for a bump of the lower surface and -1 for a bump of the upper surface.
+// An arc of a circle. `sign` is +1 for a bump of the lower surface, and -1 for a bump of the upper surface.
 std::vector<double> arc(double apex, double radius, double spacing, std::size_t size, double sign) {
   std::vector<double> heights(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -29,7 +29,7 @@ std::vector<double> arc(double apex, double radius, double spacing, std::size_t 
 }  // namespace
 
 TEST_CASE("asperity: normals and radii point out of the solid for a slope of 3/4") {
-  // q = 5/4.
+  // The slope is 3/4, so q = 5/4.
   const auto lower = stiction::asperity(0.75, -0.5, stiction::Side::lower);
   CHECK(lower.normal.isApprox(stiction::Vector3(-0.6, 0.0, 0.8)));
   CHECK(lower.radius == doctest::Approx(2.0 * 1.25 * 1.25 * 1.25));
@@ -56,14 +56,14 @@ TEST_CASE("press and contacts: agree for a single contact") {
     const double opposing = contact.opposing ? 1.0 : 0.0;
     CHECK(sums.normal_frictional == opposing * contact.force * contact.tangent.z());
     CHECK(sums.tangential_adhesive == opposing * -shear * contact.area * contact.tangent.x());
-    // The upper arc touches with its right flank, and the lower arc with its left flank. Therefore the contact opposes
-    // a motion along -x.
+    // The upper arc touches with its right flank, and the lower arc with its left flank.
+    // Therefore the contact opposes a motion along -x.
     CHECK(contact.opposing == (shear * contact.normal.x() < 0.0));
     CHECK(contact.normal.dot(contact.tangent) == doctest::Approx(0.0));
   }
 }
 
-TEST_CASE("press: invalid arrays, approaches and models throw and are named") {
+TEST_CASE("press: invalid arrays, approaches and models throw with the name of the argument") {
   const std::vector<double> heights{0.0, 1.0, 0.0, 1.0, 0.0};
   const auto message = [&](const std::vector<double>& upper, const std::vector<double>& lower, double spacing,
                            const std::vector<double>& approaches, const ContactModel& model) -> std::string {

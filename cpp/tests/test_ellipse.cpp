@@ -15,7 +15,7 @@ using stiction::hertz_ellipse;
 TEST_CASE("hertz_ellipse: matches Johnson's equations with GSL's elliptic integrals") {
   for (const double k : {0.99, 0.9, 0.5, 0.1, 0.02, 1e-3}) {
     const double e2 = 1.0 - k * k;
-    // K - E and E - k² K cancel near k = 1. Near k = 0 the round-off of e limits the accuracy of k² = 1 - e².
+    // K - E and E - k² K cancel near k = 1. Near k = 0, the round-off of e limits the accuracy of k² = 1 - e².
     const double tolerance = 1e-14 / e2 + 1e-15 / (k * k);
     const double first = gsl_sf_ellint_Kcomp(std::sqrt(e2), GSL_PREC_DOUBLE);
     const double second = gsl_sf_ellint_Ecomp(std::sqrt(e2), GSL_PREC_DOUBLE);
@@ -35,8 +35,8 @@ TEST_CASE("hertz_ellipse: equal and nearly equal radii approach the sphere") {
   CHECK(sphere.major == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.minor == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.force_radius == doctest::Approx(2.5).epsilon(1e-15));
-  // To first order b/a = ratio^(2/3). To second order, area and force equal those of the sphere with the geometric mean
-  // radius.
+  // To first order, b/a = ratio^(2/3).
+  // To second order, area and force equal those of the sphere with the geometric mean radius.
   for (const double excess : {1e-3, 1e-6, 1e-12}) {
     const Ellipse near = hertz_ellipse(1.0 + excess, 1.0);
     CHECK(std::abs(std::sqrt(near.minor / near.major) - (1.0 - 2.0 / 3.0 * excess)) < excess * excess + 1e-15);

@@ -42,8 +42,8 @@ std::vector<double> sinusoids(const Grid& grid) {
   return heights;
 }
 
-// Check the contact conditions. Every point under pressure and below its bound is at the approach. Only points at their
-// bound overlap. No point under pressure has a gap. The pressure has the given mean.
+// Check the contact conditions. Every point under pressure and below its bound is at the approach.
+// Only points at their bound overlap. No point under pressure has a gap. The pressure has the given mean.
 void check_contact_conditions(const HalfSpaceGrids& grids, const std::vector<double>& gap,
                               const std::vector<double>& bound, double mean, double unit,
                               const HalfSpaceSolution& solution) {

@@ -69,7 +69,7 @@ TEST_CASE("natural_bicubic: interpolates the points and equals the profile splin
     }
     stiction::natural_spline(row, 1.0, slope, curvature);
     for (Index i = 0; i < columns; ++i) {
-      // Evaluation of the spline from the neighbouring cell gives the same value.
+      // Evaluating the spline in the neighbouring cell gives the same value.
       const Index column = std::min(i, columns - 2);
       const Index cell = std::min(j, rows - 2);
       const Jet at =
@@ -99,15 +99,15 @@ TEST_CASE("bicubic_at: derivatives match finite differences") {
 }
 
 TEST_CASE("minima: finds one minimum per period for any grid offset, and none on the edge") {
-  // The error of the slope of a cubic spline is of third order in the spacing. Here it is (2π/16)³ / 48 of the largest
-  // slope.
+  // The error of the slope of a cubic spline is of third order in the spacing.
+  // Here it is (2π/16)³ / 48 of the largest slope.
   constexpr double tolerance = 2e-3;
   for (const double shift : {0.0, 1e-9, 0.25, 0.5, 0.9999999999}) {
     const Matrix coefficients = coefficients_of(65, 97, [&](double x, double y) {
       return -std::cos(2 * pi * (x - shift - 8) / 16) - std::cos(2 * pi * (y + shift - 8) / 16);
     });
     const auto result = minima(coefficients, no_limit);
-    // There is one minimum every 16 points, and the first is at point 8 + shift from the left.
+    // There is one minimum every 16 points. The first minimum is at point 8 + shift from the left.
     REQUIRE(result.size() == 4 * 6);
     for (const Minimum& local_minimum : result) {
       CHECK(std::abs(std::remainder(static_cast<double>(local_minimum.column) + local_minimum.u - shift - 8, 16)) <
@@ -170,7 +170,7 @@ TEST_CASE("minima: finds exactly the minima of rough maps that multistart Newton
   }
 }
 
-TEST_CASE("minima: a level valley has none") {
+TEST_CASE("minima: a level valley has no minimum") {
   CHECK(minima(coefficients_of(40, 50, [](double x, double) { return std::sin(0.3 * x) - 7.0; }), no_limit).empty());
   CHECK(minima(coefficients_of(40, 50, [](double, double y) { return std::sin(0.3 * y) - 7.0; }), no_limit).empty());
   CHECK(minima(coefficients_of(8, 8, [](double, double) { return 3.1; }), no_limit).empty());

@@ -104,7 +104,7 @@ TEST_CASE("Preconditioner: symmetric and positive, to the tolerance of the block
 }
 
 TEST_CASE("Preconditioner: applies the stencil periodically at each free point") {
-  // With weights whose sum is 0, the block correction vanishes.
+  // The sum of the weights is 0, so the block correction vanishes.
   const Grid small{3, 4, 0.1, 0.1, false, true};
   const ElasticKernel blocks(Preconditioner::block_grid(small), modulus);
   const std::vector<double> stencil{0.0, 0.0, 0.0, -3.0, 0.0, 1.0, 0.0, 2.0, 0.0};

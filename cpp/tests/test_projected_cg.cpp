@@ -54,8 +54,7 @@ struct Springs {
 }  // namespace
 
 TEST_CASE("ProjectedCgSolver: independent springs under pressure reach the same potential") {
-  // With gaps of 0, 1, 2 and 9 and a stiffness of 2, a load of 10 requires (δ + δ - 1 + δ - 2) 2 = 10. This gives δ =
-  // 8/3.
+  // The gaps are 0, 1, 2 and 9, the stiffness is 2, and the load is 10. (δ + δ - 1 + δ - 2) 2 = 10 gives δ = 8/3.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, none, line);
     const std::array<double, 4> expected{16.0 / 3.0, 10.0 / 3.0, 4.0 / 3.0, 0.0};
@@ -78,8 +77,8 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 }
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
-  // The second spring carries nothing and the third carries 1, so (δ + δ - 4) 2 = 9. This gives δ = 4.25, and both
-  // springs overlap.
+  // The second spring carries nothing and the third carries 1, so (δ + δ - 4) 2 = 9.
+  // This gives δ = 4.25, and both of these springs overlap.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);
     const std::array<double, 4> expected{8.5, 0.0, 1.0, 0.5};
@@ -90,7 +89,7 @@ TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
   }
 }
 
-TEST_CASE("ProjectedCgSolver: moves a load that is entirely at the bounds to the right points") {
+TEST_CASE("ProjectedCgSolver: moves a load that is entirely at the bounds to the points that overlap") {
   const ProjectedCgSolver start(std::vector<double>{0.0, 1.0, 0.0}, 1.0, std::vector<double>{1.0}, false);
   ProjectedCgSolver solver = start;
   solver.restart(std::vector<double>{0.0, 5.0, 2.0});
@@ -104,8 +103,8 @@ TEST_CASE("ProjectedCgSolver: moves a load that is entirely at the bounds to the
 
 TEST_CASE("ProjectedCgSolver: steps that all hit the bounds keep the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
-  // The gap drives the pressure from one point to the other with little compliance. Therefore the optimal step length
-  // grows with each step.
+  // The gap drives the pressure from one point to the other with little compliance.
+  // Therefore the optimal step length grows with each step.
   for (int count = 0; count < 100; ++count) {
     const bool odd = count % 2 == 1;
     solver.restart(std::vector<double>{odd ? 1.0 : 0.0, odd ? 0.0 : 1.0, 3.0});

@@ -443,7 +443,7 @@ class TestInterface:
 
     def test_press_rejects_profiles_on_different_grids(self, rough_pair):
         upper, lower = rough_pair(1.2)
-        with pytest.raises(ValueError, match="equally many points"):
+        with pytest.raises(ValueError, match="equal numbers of points"):
             press(Profile(upper.heights[:-1], spacing=upper.spacing), lower, [0.01])
         with pytest.raises(ValueError, match="equal spacings"):
             press(Profile(upper.heights, spacing=1.01 * upper.spacing), lower, [0.01])

@@ -10,8 +10,8 @@
 
 namespace stiction {
 
-/// Definition of the amplitude of a profile. `height` is the highest minus the lowest point. `ra` and `rq` are the mean
-/// absolute and the root-mean-square deviation from the mean.
+/// Definition of the amplitude of a profile. `height` is the highest minus the lowest point.
+/// `ra` is the mean absolute deviation from the mean, and `rq` is the root-mean-square deviation.
 enum class AmplitudeMeasure { height, ra, rq };
 
 /// Parse a measure: "height", "Ra" or "Rq". Throws std::invalid_argument for any other name.
@@ -24,9 +24,9 @@ struct HeightStatistics {
   double max;
 };
 
-/// Accumulates the height statistics of a profile that arrives in chunks, from left to right. Each SIMD lane has its
-/// own sum and extremes. The result does not depend on the chunk sizes, provided that the length of each chunk except
-/// the last is a multiple of `lanes`.
+/// Accumulates the height statistics of a profile that arrives in chunks, from left to right.
+/// Each SIMD lane has its own sum and extremes.
+/// The result does not depend on the chunk sizes if the length of each chunk except the last is a multiple of `lanes`.
 class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;
@@ -50,16 +50,16 @@ struct Scaling {
   double factor;
 };
 
-/// Return the scaling that gives a profile with these statistics the amplitude `amplitude` [µm]. Returns nothing for a
-/// flat profile, which cannot be scaled.
+/// Return the scaling that gives a profile with these statistics the amplitude `amplitude` [µm].
+/// Returns nothing for a flat profile, because it cannot be scaled.
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);
 
 /// Write (height - mean) factor to `scaled`, which has the same length as `heights`.
 void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
-/// Scale `heights` to zero mean and the amplitude `amplitude` [µm], and write them to `scaled`. Returns false for a
-/// flat profile, which cannot be scaled. Throws std::invalid_argument if the lengths differ.
+/// Scale `heights` to zero mean and the amplitude `amplitude` [µm], and write them to `scaled`.
+/// Returns false for a flat profile, because it cannot be scaled. Throws std::invalid_argument if the lengths differ.
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled);
 
 }  // namespace stiction

@@ -1,20 +1,24 @@
 // Contact of two height maps. Contacts are the local minima of the splined gap; each is a Hertzian ellipse.
 //
-// x runs along the columns of a map and y along its rows; both maps share one grid. The approach [µm] is the
-// displacement of the upper surface towards the lower one, measured from first contact of grid points. At a minimum of
-// the gap both surfaces have the same slope, so a contact has the same normal at every approach. The rotation of the
-// normal with increasing overlap is of second order in overlap/radius and is neglected.
+// x runs along the columns of a map and y along its rows; both maps share one grid.
+// The approach [µm] is the displacement of the upper surface towards the lower one.
+// It is measured from the first contact of grid points.
+// At a minimum of the gap, both surfaces have the same slope, so a contact has the same normal at every approach.
+// As the overlap increases, the normal rotates only by a term of second order in overlap/radius, which is neglected.
 //
-// If the edge of the map cuts a contact ellipse, only the part inside the map counts: the Hertzian pressure is
-// integrated over this part. Force and area of a contact therefore grow with the approach, and a long valley
-// contributes only the part that lies on the map.
+// If the edge of the map cuts a contact ellipse, only the part inside the map counts.
+// The Hertzian pressure is integrated over this part.
+// Force and area of a contact therefore grow with the approach,
+// and a long valley contributes only the part that lies on the map.
 //
-// Rules for cases that round-off would otherwise decide; a rotated, mirrored, swapped or shifted pair gives the same
-// result. Curvatures and slopes are in units of the grid spacing, and count as zero below 2^-26 of the range of the
-// gap:
-// - A minimum that is not curved upwards in every direction is a level valley or plateau. It is not a contact, because
-//   it has no lowest point. The grid points of a level plateau count as grid minima without a spline minimum.
-// - A surface that is not concave counts as a summit, also if it is flat in one direction or in both.
+// Round-off would decide some cases by chance.
+// The rules below make these cases definite, so a rotated, mirrored, swapped or shifted pair gives the same result.
+// Curvatures and slopes are expressed in units of the grid spacing.
+// They count as zero below 2^-26 of the range of the gap.
+// - A minimum that is not curved upwards in every direction is a level valley or plateau.
+//   It is not a contact, because it has no lowest point.
+//   The grid points of a level plateau count as grid minima without a spline minimum.
+// - A surface that is not concave counts as a summit, even if it is flat in one or both directions.
 // - A surface without slope along the motion does not oppose the motion.
 #pragma once
 
@@ -40,9 +44,10 @@ struct SurfacePair {
   Vector2 spacing;  ///< (Δx, Δy): distance of columns and of rows [µm]
 };
 
-/// Contact normal and relative curvature of two surfaces that share the slope p at a point where their gap has the
-/// Hessian `xx, xy, yy` [1/µm]. The relative curvatures are the eigenvalues of the Hessian over q = sqrt(1 + p²), in
-/// the metric I + p pᵀ of the tangent plane.
+/// Contact normal and relative curvature of two surfaces with the same slope p at a point.
+/// The gap has the Hessian `xx, xy, yy` [1/µm] at this point.
+/// With q = sqrt(1 + p²), the relative curvatures are the eigenvalues of the Hessian divided by q,
+/// in the metric I + p pᵀ of the tangent plane.
 struct ContactGeometry {
   Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
   Radii radii;     ///< principal radii of the relative curvature, both > 0
@@ -52,13 +57,13 @@ struct ContactGeometry {
 /// Compute the contact geometry for a positive definite Hessian.
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
-/// A local minimum of the gap, which is in contact at approaches larger than `gap`.
+/// Local minimum of the gap. It is in contact at approaches larger than `gap`.
 struct ArealCandidate {
   Index row;         ///< row of the first grid point of the cell that contains the minimum
   Index column;      ///< column of the first grid point of the cell that contains the minimum
   Vector3 position;  ///< position of the minimum on the lower surface [µm]
-  /// Gap at the minimum above first contact of grid points [µm]. It is slightly negative if the spline dips below the
-  /// grid points.
+  /// Gap at the minimum, relative to first contact of grid points [µm].
+  /// It is slightly negative if the spline dips below the grid points.
   double gap;
   double edge_overlap;  ///< overlap [µm] at which the elastic ellipse reaches the edge of the map
   Vector3 normal;
@@ -80,21 +85,23 @@ struct ArealCandidates {
   Index columns;                    ///< number of columns of the maps
 };
 
-/// Relative tolerance for equal heights: differences below this fraction of the largest height may be round-off of the
-/// heights, of their difference, or of the spline.
+/// Relative tolerance for equal heights.
+/// Smaller differences, relative to the largest height, may be round-off of the heights or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
-/// Relative tolerance for level valleys: a rise between neighbouring points counts as zero if it is below this fraction
-/// of the range of the gap. This tolerance limits the accuracy of the position of a minimum to about 1e-8 of a spacing.
+/// Relative tolerance for level valleys.
+/// A rise between neighbouring points counts as zero below this fraction of the range of the gap.
+/// This tolerance limits the accuracy of the position of a minimum to about 1e-8 of a spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
-/// Find all contact candidates with a gap of at most `deepest` [µm] >= 0. The curvature rule `convex` requires both
-/// surfaces to be summits; `signed_` requires only a minimum of the gap. The maps must have equal shapes of at least 4
-/// by 4 finite heights, and must not be parallel. Throws std::invalid_argument.
+/// Find all contact candidates with a gap of at most `deepest` [µm] >= 0.
+/// The curvature rule `convex` requires both surfaces to be summits; `signed_` requires only a minimum of the gap.
+/// The maps must have equal shapes, at least 4 rows and 4 columns, and finite heights. They must not be parallel.
+/// Throws std::invalid_argument.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});
 
-/// Contact sums of a pair of maps. Lateral means the horizontal direction 90 degrees to the left of the motion.
+/// Contact sums of a pair of maps. "Lateral" means the horizontal direction 90 degrees to the left of the motion.
 struct ArealSums : Sums {
   double lateral_elastic = 0.0;     ///< -Σ F c·n [mN], where c is the lateral unit vector
   double lateral_frictional = 0.0;  ///< -Σ F c·t [mN] per unit mu0
@@ -129,13 +136,14 @@ inline constexpr std::array areal_quantities{
                   &ArealSums::unanswered_count},
 };
 
-/// List the contacts at one approach [µm] >= 0, in the order of the candidates; `index` is row · columns + column.
+/// List the contacts at one approach [µm] >= 0, in the order of the candidates. `index` is row · columns + column.
 std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
                               const Vector2& direction);
 
-/// Compute the contact sums for every direction and approach, as rows (directions, approaches). Approaches [µm] must be
-/// at least 0 and strictly increasing; directions are horizontal unit vectors. HertzSphere uses the contact ellipse,
-/// and other sphere laws use the sphere of the mean radius. Throws std::invalid_argument, also for HertzCylinder.
+/// Compute the contact sums for every direction and approach, as rows (directions, approaches).
+/// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
+/// HertzSphere uses the contact ellipse; other sphere laws use the sphere of the mean radius.
+/// Throws std::invalid_argument, also for HertzCylinder.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
                              std::span<const Vector2> directions, Sliding sliding,
                              const CancellationCheck& check_cancellation = {});

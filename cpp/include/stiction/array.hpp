@@ -1,11 +1,11 @@
 // Number and array types of the library: double precision, row-major, signed indices.
 //
-// Units: lengths in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm², so no conversion factors appear). Height is
-// z; a profile lies along x, at y = 0.
+// Units: lengths in µm, forces in mN, pressures in GPa. 1 GPa = 1 mN/µm², so no conversion factors appear. Height is z.
+// A profile lies along x, at y = 0.
 //
-// No compiled function passes, returns or contains an Eigen array that owns its memory. The way in which Eigen
-// allocates and aligns memory depends on compiler flags (-mavx, -fsanitize=address). These flags may differ between a
-// program and this library, but the linker keeps only one instance of each template.
+// No compiled function passes, returns or contains an Eigen array that owns its memory.
+// Eigen's allocation and alignment of memory depend on compiler flags (-mavx, -fsanitize=address).
+// A program and this library may use different flags, but the linker keeps only one instance of each template.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// Asperities of a profile: the osculating sphere at each point. Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 2
-// and 3.
+// Asperities of a profile: the osculating sphere at each point.
+// Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 2 and 3.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -15,17 +15,19 @@ enum class Side { lower, upper };
 /// Parse a side: "lower" or "upper". Throws std::invalid_argument for any other name.
 Side side(std::string_view name);
 
-/// The osculating sphere of a profile at one point.
+/// Osculating sphere of a profile at one point.
 struct Asperity {
   Vector3 normal;  ///< unit normal that points out of the solid, (n_x, 0, n_z)
   double radius;   ///< Radius R [µm], positive where the solid is convex and infinite where the curvature is zero.
 
-  /// Return the sphere centre relative to the point on the profile [µm]; not finite if the radius is infinite.
+  /// Return the sphere centre relative to the point on the profile [µm].
+  /// The centre is not finite if the radius is infinite.
   Vector3 centre_offset() const { return {-radius * normal.x(), 0.0, -radius * normal.z()}; }
 };
 
-/// Compute the asperity at a point with slope f' [-] and curvature f'' [1/µm]. With q = sqrt(1 + f'²), the lower
-/// surface has the normal (-f', 0, 1)/q and R = -q³/f''; both are negated for the upper surface.
+/// Compute the asperity at a point with slope f' [-] and curvature f'' [1/µm].
+/// With q = sqrt(1 + f'²), the lower surface has the normal (-f', 0, 1)/q and the radius R = -q³/f''.
+/// Both are negated for the upper surface.
 Asperity asperity(double slope, double curvature, Side side);
 
 /// Asperities at all points of a profile, with the spline derivatives from which they were computed.

@@ -1,8 +1,9 @@
-// Asperity pairs, and their contact point at an approach (Eqs. 4 and 5 of Hanaor, Gan & Einav, Tribol. Int. 93 (2016)
-// 229).
+// Asperity pairs, and their contact point at an approach.
+// Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 and 5.
 //
-// Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`; other code uses only
-// these two members. Positions are relative to the point of the lower surface at which the asperities face each other.
+// Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
+// Other code uses only these two members.
+// Positions are relative to the point of the lower surface at which the asperities face each other.
 // The approach [µm] is the displacement of the upper surface towards the lower one since first contact of the surfaces.
 // `gap` [µm] is the height difference of the two points at first contact.
 #pragma once
@@ -16,14 +17,14 @@
 
 namespace stiction {
 
-/// Principal radii [µm] of the relative curvature of two surfaces at a point. For two spheres both are the effective
-/// radius, 1/R = 1/R_u + 1/R_l.
+/// Principal radii [µm] of the relative curvature of two surfaces at a point.
+/// For two spheres, both are the effective radius R, with 1/R = 1/R_u + 1/R_l.
 struct Radii {
   double major;  ///< the larger radius
   double minor;
 
-  /// Return the radius of the sphere with the same Gaussian curvature. Equal radii skip the square roots, so that the
-  /// radius of a sphere is exact.
+  /// Return the radius of the sphere with the same Gaussian curvature.
+  /// Equal radii skip the square roots, which keeps the radius of a sphere exact.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
@@ -31,7 +32,7 @@ struct Radii {
 struct ContactPoint {
   Vector3 normal;  ///< unit vector from the lower to the upper surface
   Vector3 centre;  ///< position of the contact centre [µm]
-  /// Overlap of the asperities along the normal [µm]. It is not positive if the asperities are separated.
+  /// Overlap of the asperities along the normal [µm]. It is zero or negative if the asperities are separated.
   double overlap;
 };
 
@@ -39,10 +40,13 @@ struct ContactPoint {
 /// `signed_` also allows a sphere in a larger concave sphere.
 enum class Curvature { convex, signed_ };
 
-/// Two spheres, at most one of which is concave (Eq. 4). With the penetration p = δ - gap of the two surface points,
-/// the vector between the centres is X = -p e_z + R_l n_l - R_u n_u. The overlap is R_u + R_l minus the signed length
-/// of X. It is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|), because the direct difference cancels if a
-/// surface is nearly flat. For the same reason the contact centre is measured from the smaller sphere.
+/// Two spheres, at most one of which is concave (Eq. 4).
+/// The two surface points penetrate by p = δ - gap,
+/// so the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
+/// The overlap is R_u + R_l minus the signed length of X.
+/// It is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|),
+/// because the direct difference cancels for a nearly flat surface.
+/// For the same reason, the contact centre is measured from the smaller sphere.
 struct SpherePair {
   Vector3 separation;      ///< X at p = 0 [µm]
   double gap;              ///< [µm]
@@ -56,7 +60,7 @@ struct SpherePair {
 
   /// Compute the contact point at an approach [µm].
   ContactPoint contact_at(double approach) const;
-  /// Return whether contact_at(approach).overlap <= 0, without division or square root.
+  /// Return whether contact_at(approach).overlap <= 0, without a division or a square root.
   bool is_separated(double approach) const;
   /// Return (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
@@ -64,7 +68,7 @@ struct SpherePair {
   }
 };
 
-/// A sphere and a flat. This is the limit of an infinite radius, in which the contact normal is the normal of the flat.
+/// A sphere and a flat: the limit of one infinite radius. The contact normal is the normal of the flat.
 struct SphereOnFlat {
   Vector3 normal;        ///< normal of the flat, pointing upwards
   Vector3 centre;        ///< centre of the sphere, relative to its surface point [µm]
@@ -79,22 +83,23 @@ struct SphereOnFlat {
 /// Any type of asperity pair.
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
-/// Return the pair of two spheres. Returns nothing if rule 3 excludes the pair: the effective radius must be positive
-/// and finite, and the curvature rule must allow both curvatures.
+/// Return the pair of two spheres, or nothing if rule 3 excludes the pair.
+/// The effective radius must be positive and finite, and the curvature rule must allow both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 
-/// Return the pair of a sphere and a flat. Returns nothing if the sphere is not convex.
+/// Return the pair of a sphere and a flat, or nothing if the sphere is not convex.
 std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_side, const Asperity& flat, double gap);
 
 /// Return the relative radii of an asperity pair.
 Radii radii(const AsperityPair& asperity_pair);
 
-/// Class of a contact point. `crossed` means that the normal does not point upwards, because the sphere centres have
-/// passed each other.
+/// Class of a contact point.
+/// `crossed` means that the normal does not point upwards, because the sphere centres have passed each other.
 enum class ContactClass { no_contact, crossed, contact };
 
-/// Classify a contact point by rules 1, 2 and 4. In a contact the asperities overlap, and the contact centre lies in
-/// [-half_cell, half_cell) along x (Eq. 5). An infinite `half_cell` disables the rule for the centre.
+/// Classify a contact point by rules 1, 2 and 4.
+/// In a contact, the asperities overlap, and the contact centre lies in [-half_cell, half_cell) along x (Eq. 5).
+/// With an infinite `half_cell`, the position of the centre is not restricted.
 inline ContactClass classify(const ContactPoint& contact_point, double half_cell) {
   if (!(contact_point.overlap > 0.0 && contact_point.centre.x() >= -half_cell &&
         contact_point.centre.x() < half_cell)) {
@@ -122,8 +127,8 @@ inline bool SpherePair::is_separated(double approach) const { return !(overlap_n
 
 inline ContactPoint SphereOnFlat::contact_at(double approach) const {
   const double penetration = approach - gap;
-  // Height of the sphere's pole above its surface point plus the penetration of the two surface points, both measured
-  // along the normal.
+  // Height of the sphere's pole above its surface point, plus the penetration of the two surface points.
+  // Both are measured along the normal.
   const double overlap = radius + (sphere_is_lower ? 1.0 : -1.0) * centre.dot(normal) + penetration * normal.z();
   const double depth = radius - 0.5 * overlap;
   if (sphere_is_lower) {

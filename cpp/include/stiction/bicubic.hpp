@@ -5,21 +5,22 @@
 
 namespace stiction {
 
-/// Minimum number of rows and of columns of a map, because a natural cubic spline has curvature only at inner points,
-/// of which it needs two.
+/// Minimum number of rows and of columns of a map.
+/// A natural cubic spline is curved only at inner points, and needs two of them.
 constexpr Index min_map_points = 4;
 
-/// Replace heights [µm] by the B-spline coefficients [µm] of their interpolating spline. The heights are the inner
-/// elements of the array, at least 4 by 4; the outermost rows and columns are output only. Round-off is about 1e-16 of
-/// the largest height. Throws std::invalid_argument.
+/// Replace heights [µm] by the B-spline coefficients [µm] of their interpolating spline.
+/// The heights are the inner elements of the array, at least 4 by 4. The outermost rows and columns are output only.
+/// Round-off is about 1e-16 of the largest height. Throws std::invalid_argument.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
-/// Compute slopes at every point of a map from natural cubic splines along the rows (x) and, if there are several rows,
-/// along the columns (y). `spacing` is (Δx, Δy) [µm]. Throws std::invalid_argument if a row has fewer than two points.
+/// Compute slopes at every point of a map from natural cubic splines along the rows (x).
+/// If there are several rows, slopes along the columns (y) are computed too. `spacing` is (Δx, Δy) [µm].
+/// Throws std::invalid_argument if a row has fewer than two points.
 void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,
                     Eigen::Ref<Matrix> along_y);
 
-/// Value and derivatives of a spline at a point. The derivatives with respect to x and y are in units of the spacings.
+/// Value and derivatives of a spline at a point. Derivatives along x and y are per grid spacing.
 struct Jet {
   double value;  ///< [µm]
   double x;
@@ -29,9 +30,9 @@ struct Jet {
   double yy;
 };
 
-/// Evaluate the spline in the cell between rows `row`, `row + 1` and columns `column`, `column + 1`, at the fractions u
-/// along x and v along y of the cell. u and v may lie slightly outside [0, 1]; the polynomial of the cell is then
-/// extrapolated.
+/// Evaluate the spline in the cell between rows `row`, `row + 1` and columns `column`, `column + 1`.
+/// u and v are the fractions of the cell along x and along y.
+/// They may lie slightly outside [0, 1]; the polynomial of the cell is then extrapolated.
 Jet bicubic_at(const MatrixView& coefficients, Index row, Index column, double u, double v);
 
 }  // namespace stiction

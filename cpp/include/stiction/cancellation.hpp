@@ -6,8 +6,9 @@
 
 namespace stiction {
 
-/// Callback that can cancel a calculation by throwing. The library calls it between steps of a few milliseconds at
-/// most, and passes the exception on to the caller. A default-constructed check never cancels.
+/// Callback that can cancel a calculation by throwing.
+/// The library calls it at least every few milliseconds, and passes its exception on to the caller.
+/// A default-constructed check never cancels.
 class CancellationCheck {
  public:
   CancellationCheck() = default;

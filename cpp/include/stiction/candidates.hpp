@@ -1,8 +1,9 @@
 // Contact candidates of two profiles: the points where the profiles may touch, for any contact law.
 //
-// Both profiles share one grid. The approach is the displacement of the upper surface towards the lower surface,
-// measured from first contact of grid points. A profile whose points lie on a straight line, except for round-off of
-// its heights, is treated as a flat of infinite radius with the normal of that line.
+// Both profiles share one grid. The approach is the displacement of the upper surface towards the lower surface.
+// It is measured from the first contact of grid points.
+// A profile counts as a flat of infinite radius if its points lie on a straight line, except for round-off.
+// The normal of the flat is the normal of this line.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -16,9 +17,10 @@
 
 namespace stiction {
 
-/// Method of contact detection. `cell` (Eq. 5) tests grid points: a point is in contact if the contact centre lies
-/// within half a spacing of the point. `gap_minimum` tests the local minima of the splined gap, each of which is one
-/// candidate for all approaches. Its result does not depend on the grid if the grid resolves the surfaces.
+/// Method of contact detection. `cell` (Eq. 5) tests grid points.
+/// A point is in contact if the contact centre lies within half a spacing of the point.
+/// `gap_minimum` tests the local minima of the splined gap. Each minimum is one candidate for all approaches.
+/// The result of `gap_minimum` does not depend on the grid if the grid resolves the surfaces.
 enum class Detection { cell, gap_minimum };
 
 /// Parse "cell" or "gap-minimum", and "convex" or "signed". Throws std::invalid_argument for any other name.
@@ -32,24 +34,24 @@ struct ProfilePair {
   double spacing;
 };
 
-/// Two asperities that face each other. They touch at approaches of at least `gap`, provided that the rules of
-/// `classify` are met.
+/// Two asperities that face each other. They touch at approaches of at least `gap` if the rules of `classify` are met.
 struct Candidate {
   /// Index of the grid point (cell), or of the grid point to the left of the minimum (gap_minimum).
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
-  /// Gap at the candidate above first contact of grid points [µm]. It is negative if a minimum between grid points lies
-  /// lower.
+  /// Gap at the candidate, relative to first contact of grid points [µm].
+  /// It is negative if a minimum between grid points lies lower.
   double gap;
   Radii radii;                 ///< principal radii of the relative curvature
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`
 };
 
-/// Call visit(candidate) for every candidate of a pair with a gap of at most `deepest` [µm] >= 0, from left to right.
-/// With Detection::cell, the function may skip candidates that cannot touch in their cell at any approach up to
-/// `deepest`. Both profiles must have the same number of heights, at least 4 and all finite; spacing [µm] > 0. Throws
-/// std::invalid_argument.
+/// Call visit(candidate) from left to right for every candidate of a pair with a gap of at most `deepest` [µm] >= 0.
+/// With Detection::cell, the function may skip candidates
+/// that cannot touch in their cell at any approach up to `deepest`.
+/// Both profiles must have the same number of heights, at least 4, all finite. The spacing [µm] must be positive.
+/// Throws std::invalid_argument.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});

@@ -1,6 +1,6 @@
-// Contact of two rough profiles: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7. The candidates that
-// touch at an approach are the contacts; a contact law gives the force and area of each, and these are summed over the
-// pair.
+// Contact of two rough profiles: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7.
+// The candidates that touch at an approach are the contacts. A contact law gives the force and area of each contact.
+// The contact sums add up over the pair.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -38,16 +38,17 @@ struct Contact {
   bool opposing;    ///< true if the normal force opposes the motion
 };
 
-/// List the contacts at one approach [µm] >= 0, in the order of the grid. Throws std::invalid_argument for arguments
-/// out of range, as `for_each_candidate` and `check` do, and for an approach above `deepest` of the candidates.
+/// List the contacts at one approach [µm] >= 0, in the order of the grid.
+/// Throws std::invalid_argument for invalid arguments (see `for_each_candidate` and `check`).
+/// Also throws for an approach above `deepest` of the candidates.
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 
-/// Compute the contact sums at approaches [µm], which are >= 0 and strictly increasing. Throws as `contacts` does. The
-/// overload for candidates uses only the law, the direction and the sliding rule of the model, because the candidates
-/// fix the rest.
+/// Compute the contact sums at approaches [µm], which must be >= 0 and strictly increasing. Throws as `contacts` does.
+/// The overload for candidates uses only the law, the direction and the sliding rule of the model.
+/// The candidates determine everything else.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
                         const CancellationCheck& check_cancellation = {});
 std::vector<Sums> press(const ProfilePair& pair, const Prefilter& prefilter, Values approaches,

@@ -1,5 +1,5 @@
-// Vectorised passes over two profiles that select the few points at which a contact is possible. All heights [µm] must
-// be finite, and both profiles must have the same number of points.
+// Vectorised passes over two profiles that select the few points at which contact is possible.
+// All heights [µm] must be finite, and both profiles must have the same number of points.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -13,8 +13,9 @@
 
 namespace stiction {
 
-/// Results of one pass over a pair of profiles: the smallest gap on the grid, and the smallest gap of each block of
-/// points. The latter shows which blocks can come into contact.
+/// Results of one pass over a pair of profiles:
+/// the smallest gap on the grid, and the smallest gap of each block of points.
+/// The smallest gap of a block shows whether this block can come into contact.
 struct Prefilter {
   static constexpr std::size_t block = 64;
 
@@ -26,7 +27,7 @@ struct Prefilter {
   double upper_max_abs = 0.0;  ///< largest |height| [µm]
   double lower_max_abs = 0.0;
 
-  /// Add the next points of both profiles, a whole number of blocks except for the last chunk.
+  /// Add the next points of both profiles. Every chunk except the last must be a whole number of blocks.
   void add(Values upper, Values lower);
 };
 
@@ -39,17 +40,18 @@ struct IndexRange {
   std::size_t end;
 };
 
-/// Return ranges of grid points, in increasing order, that contain all points whose gap above first contact is at most
-/// `max_gap` [µm].
+/// Return ranges of grid points, in increasing order, that contain all possible contacts.
+/// The ranges contain every point whose gap above first contact is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
-/// Return an upper bound [µm] of the depth by which the splined gap dips below its values on the grid: 3/8 of the
-/// largest second difference. |f''| of a natural spline is at most 3 second differences per Δx², and a cubic dips below
-/// its end points by at most |f''| Δx² / 8.
+/// Return an upper bound [µm] of the depth by which the splined gap dips below its values on the grid.
+/// The bound is 3/8 of the largest second difference.
+/// For a natural spline, |f''| is at most 3 second differences per Δx²,
+/// and a cubic dips below its end points by at most |f''| Δx² / 8.
 double max_dip(Values upper, Values lower);
 
-/// Return whether the points of a profile lie on a straight line, except for round-off of its largest |height|
-/// `max_abs` [µm].
+/// Return whether the points of a profile lie on a straight line, except for round-off.
+/// `max_abs` is the largest |height| of the profile [µm].
 bool is_straight(Values heights, double max_abs);
 
 /// Slopes [-] and curvatures [1/µm] of both profiles at consecutive points of the grid.
@@ -60,21 +62,22 @@ struct Derivatives {
   const double* lower_curvature;
 };
 
-/// Mark the points at which both profiles are convex and the contact centre passes through the cell between first
-/// contact and `max_approach` [µm]. The marks may include further points, but do not omit any of these points. The
-/// centre moves in one direction as the distance of the sphere centres decreases, so the two end positions of the
-/// centre are sufficient for the decision. `zero` is the gap at first contact [µm].
+/// Mark the points at which contact is possible at some approach up to `max_approach` [µm].
+/// At these points both profiles are convex, and the contact centre passes through the cell.
+/// Additional points may be marked, but no such point is omitted.
+/// The centre moves in one direction as the distance of the sphere centres decreases, so its two end positions decide.
+/// `zero` is the gap at first contact [µm].
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
-/// Mark intervals [x_i, x_(i+1)) in which the splined gap may have a minimum, from the signs of its derivatives at both
-/// ends. There is one more derivative than there are intervals.
+/// Mark intervals [x_i, x_(i+1)) in which the splined gap may have a minimum.
+/// The signs of the derivatives at both ends decide. There is one more derivative than there are intervals.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
-/// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one, from
-/// the slopes [-] and curvatures [1/µm] of the gap at the ends of the interval. The slope is a quadratic; the minimum
-/// is the root of the slope at which the gap is convex. A minimum at a grid point belongs to the interval on its right;
-/// the first point of a profile is never a minimum.
+/// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one.
+/// Inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends. The slope is a quadratic.
+/// The minimum is the root of the slope at which the gap is convex.
+/// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
 
@@ -92,7 +95,7 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // The root at which the quadratic increases, in the form without cancellation.
+  // This is the root at which the quadratic increases, in the form without cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
     // The signs at the ends guarantee a root in the interval. Only round-off can place the computed root outside.

@@ -12,7 +12,7 @@
 
 namespace stiction {
 
-/// Grid on the surface of a half-space. It is either an area or a line, which is a single row of cells of 1 µm width.
+/// Grid on the surface of a half-space: either an area, or a line. A line is a single row of cells of 1 µm width.
 struct Grid {
   std::size_t rows = 1;
   std::size_t columns = 1;
@@ -43,14 +43,15 @@ class Workspace {
 
 /// Displacement [µm] of a half-space of effective modulus E* [GPa] > 0 under pressures [GPa] on a grid.
 ///
-/// On a periodic grid, each Fourier component is multiplied by 2/(E*|k|), and by 0 for k = 0. On a free grid, the
-/// displacements of uniformly loaded cells are superposed on a grid of twice the size (Love 1929; Johnson, Contact
-/// Mechanics (1985), eq. 3.25; a logarithm on lines). The approximate inverse E*|k|/2 is periodic in both cases. This
-/// halves the size of the transform. The interaction of opposite edges is harmless in a preconditioner.
+/// On a periodic grid, each Fourier component is multiplied by 2/(E*|k|), and by 0 for k = 0.
+/// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
+/// Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25. On lines, the displacement is a logarithm.
+/// The approximate inverse E*|k|/2 is periodic in both cases, which halves the size of the transform.
+/// The interaction of opposite edges is harmless in a preconditioner.
 class ElasticKernel {
  public:
-  /// Compute the influence coefficients. Throws std::invalid_argument if the grid is empty, or if a spacing or the
-  /// modulus is not positive.
+  /// Compute the influence coefficients.
+  /// Throws std::invalid_argument if the grid is empty, or if a spacing or the modulus is not positive.
   ElasticKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
   ~ElasticKernel();
   ElasticKernel(const ElasticKernel&) = delete;
@@ -58,7 +59,7 @@ class ElasticKernel {
 
   const Grid& grid() const { return grid_; }
 
-  /// Compute displacements in double precision, with errors that are round-off of the largest displacement.
+  /// Compute displacements in double precision. Errors are round-off relative to the largest displacement.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
@@ -70,13 +71,14 @@ class ElasticKernel {
   void apply_stiffness(std::span<const float> values, std::span<float> result, Workspace& workspace,
                        const ThreadPool& pool = ThreadPool()) const;
 
-  /// Apply (E*|k|/2 + foundation)⁻¹ to loads: displacements of an elastic half-space on a uniform elastic foundation of
-  /// stiffness `foundation` [GPa/µm] > 0.
+  /// Apply (E*|k|/2 + foundation)⁻¹ to loads.
+  /// This gives the displacements of an elastic half-space on a uniform elastic foundation.
+  /// `foundation` [GPa/µm] > 0 is the stiffness of the foundation.
   void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return the stiffness operator E*|k|/2 of an area, truncated to 3 x 3 points (row by row). The centre weight is
-  /// chosen so that the sum of the weights is small.
+  /// Return the stiffness operator E*|k|/2 of an area, truncated to 3 x 3 points (row by row).
+  /// The centre weight is chosen so that the sum of the weights is small.
   const std::array<double, 9>& stencil() const { return stencil_; }
 
  private:
@@ -86,8 +88,8 @@ class ElasticKernel {
   std::unique_ptr<Transforms> transforms_;
 };
 
-/// Return the root-mean-square deviation [µm/GPa] of the displacements under uniform pressure on a free grid. It is
-/// zero on a periodic grid.
+/// Return the root-mean-square deviation [µm/GPa] of the displacements under uniform pressure on a free grid.
+/// It is zero on a periodic grid.
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus);
 
 }  // namespace stiction

@@ -1,10 +1,11 @@
-// Elliptic Hertzian contact, for relative curvatures that differ with direction.
+// Elliptic Hertzian contact, for relative curvatures that depend on direction.
 #pragma once
 
 namespace stiction {
 
-/// Elliptic contact per unit overlap. For any overlap d [µm] > 0 and E* [GPa], the semi-axes are a = sqrt(major d) and
-/// b = sqrt(minor d), the area is A = π sqrt(major minor) d, and the force is F = 4/3 E* sqrt(force_radius) d^(3/2).
+/// Elliptic contact per unit overlap.
+/// For any overlap d [µm] > 0 and E* [GPa], the semi-axes are a = sqrt(major d) and b = sqrt(minor d).
+/// The area is A = π sqrt(major minor) d, and the force is F = 4/3 E* sqrt(force_radius) d^(3/2).
 /// For spheres all three members equal R.
 struct Ellipse {
   double major;         ///< a²/d [µm]
@@ -12,11 +13,12 @@ struct Ellipse {
   double force_radius;  ///< radius [µm] of the sphere with the same force at the same overlap
 };
 
-/// Compute the contact ellipse of two elastic bodies with principal relative radii of curvature `longer` >= `shorter` >
-/// 0 [µm]. Hertz 1882; Johnson, Contact Mechanics (1985), section 4.2: with k = b/a, e² = 1 - k² and the complete
-/// elliptic integrals K, E of modulus e, shorter/longer = k² (K - E) / (E - k² K), a² = 2 d longer (K - E) / (e² K) and
-/// F = 2/3 π a d E*/K. Relative error about 1e-15 for all ratios of radii that are normal numbers. Throws
-/// std::invalid_argument.
+/// Compute the contact ellipse of two elastic bodies
+/// with principal relative radii of curvature `longer` >= `shorter` > 0 [µm].
+/// Hertz 1882; Johnson, Contact Mechanics (1985), section 4.2.
+/// Let k = b/a and e² = 1 - k², with the complete elliptic integrals K and E of modulus e.
+/// Then shorter/longer = k² (K - E) / (E - k² K), a² = 2 d longer (K - E) / (e² K) and F = 2/3 π a d E*/K.
+/// The relative error is about 1e-15 for all ratios of radii that are normal numbers. Throws std::invalid_argument.
 Ellipse hertz_ellipse(double longer, double shorter);
 
 }  // namespace stiction

@@ -16,30 +16,31 @@
 
 namespace stiction {
 
-/// Grid hierarchy and elastic kernels, shared by all problems with the same grid. Each coarser grid has about half as
-/// many points along an axis, down to about 16. Several threads may use one object at the same time.
+/// Grid hierarchy and elastic kernels, shared by all problems with the same grid.
+/// Each coarser grid has about half as many points along an axis, down to about 16.
+/// Several threads may use one object at the same time.
 class HalfSpaceGrids {
  public:
-  /// Kernels of a grid, for its points and for its blocks.
+  /// Elastic kernels of one grid: the kernel of its points, and the kernel of its blocks.
   struct Kernels {
     std::shared_ptr<const ElasticKernel> points;
     std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
   };
 
-  /// Set up the grids; kernels are computed on first use. Throws std::invalid_argument as ElasticKernel does.
+  /// Create the grids. Kernels are computed on first use. Throws std::invalid_argument as ElasticKernel does.
   HalfSpaceGrids(const Grid& finest, double effective_modulus);
 
   const std::vector<Grid>& levels() const { return levels_; }
   double effective_modulus() const { return effective_modulus_; }
 
-  /// Return the kernels of a level, and compute them on first use. Large kernels of coarser grids are not cached.
+  /// Return the kernels of a level; compute them on first use. Large kernels of coarser grids are not cached.
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
   /// Return the root-mean-square deviation [µm/GPa] of the displacements under uniform pressure on a free grid.
   double uniform_pressure_deviation() const;
 
-  /// Return the displacement [µm/GPa] of each point under pressure on the first point; empty if the grid is too large
-  /// to store it.
+  /// Return the displacement [µm/GPa] of each point under pressure on the first point.
+  /// Returns an empty array if the grid is too large to store it.
   std::span<const double> influence(const ThreadPool& pool = ThreadPool()) const;
 
  private:
@@ -59,37 +60,38 @@ struct HalfSpaceSolution {
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
-/// Progress callback, called in each iteration on the finest grid with its number and the error. An exception that it
-/// throws ends the calculation.
+/// Progress callback, called in each iteration on the finest grid with the iteration number and the error.
+/// An exception that it throws ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
-/// Solver for the contact of one gap at successive loads. It minimises the energy at a given total load, with 0 <= p <=
-/// bound.
+/// Solver for the contact of one gap at successive loads.
+/// It minimises the energy at a given total load, with 0 <= p <= bound.
 ///
-/// The method is that of projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
-/// It starts from the solution on every second point. The preconditioner is an approximate inverse on the free points:
-/// E*|k|/2 on lines, Preconditioner on areas. The error is the largest remaining distance, either a gap under pressure
-/// or an overlap, relative to `scale`.
+/// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
+/// It starts from the solution on every second point.
+/// The preconditioner is an approximate inverse on the free points: E*|k|/2 on lines, Preconditioner on areas.
+/// The error is the largest remaining distance relative to `scale`: a gap under pressure, or an overlap.
 class HalfSpaceSolver {
  public:
-  /// Set up the solver. `gap` [µm] must outlive the solver; a gap of 0 everywhere defines a traction problem instead of
-  /// a contact. `bound` [GPa] has one value for all points, which may be infinite, or one value for each point. Points
-  /// with a bound of 0 carry no pressure and may overlap. Throws std::invalid_argument for wrong sizes and for a
-  /// tolerance that is not positive.
+  /// Create the solver. `gap` [µm] must outlive the solver.
+  /// A gap of 0 everywhere defines a traction problem instead of a contact.
+  /// `bound` [GPa] has one value for all points, which may be infinite, or one value for each point.
+  /// Points with a bound of 0 carry no pressure and may overlap.
+  /// Throws std::invalid_argument for wrong sizes and for a tolerance that is not positive.
   HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound, double tolerance,
                   const ThreadPool& pool = ThreadPool());
 
-  /// Return the length [µm] to which errors are relative. It is the root-mean-square deviation of the gap or, if
-  /// larger, the root-mean-square deviation of the displacements under the mean pressure [GPa].
+  /// Return the length [µm] to which errors are relative.
+  /// It is the root-mean-square deviation of the gap,
+  /// or of the displacements under the mean pressure [GPa] if that is larger.
   double scale(double mean_pressure) const;
 
-  /// Solve for a mean pressure over the grid [GPa]. `near` may be the pressure at another load, from which the solver
-  /// then starts.
+  /// Solve for a mean pressure over the grid [GPa].
+  /// `near` may be the pressure at another load; the solver then starts from it.
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),
                        const HalfSpaceProgress& progress = {}) const;
 
-  /// Solve for an approach [µm]. This takes about six solutions, because the load for the approach is found by
-  /// iteration.
+  /// Solve for an approach [µm]. This takes about six solutions, because the load is found by iteration.
   HalfSpaceSolution at_approach(double approach, Values near = {}, const ThreadPool& pool = ThreadPool(),
                                 const HalfSpaceProgress& progress = {}) const;
 
@@ -118,7 +120,7 @@ struct LinearResponse {
 };
 
 /// Compute the linear response of the contact area `in_contact`. The relative error of the compliance is about 1e-7.
-/// The compliance is an energy, so its error is the square of the error of the pressures.
+/// It is the square of the error of the pressures, because the compliance is an energy.
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact,
                                const ThreadPool& pool = ThreadPool());
 

@@ -2,8 +2,8 @@
 //
 //     y(x) = Σ_n w_n G_n(x),   G_n(x) = Σ_m { cos φ_mn - cos[ (2π γ^(n-1) x / L) cos(π m / M) + φ_mn ] }
 //
-// Only the weights w_n depend on the fractal dimension, so one evaluation of the group profiles G_n serves any number
-// of dimensions.
+// Only the weights w_n depend on the fractal dimension.
+// One evaluation of the group profiles G_n therefore serves any number of dimensions.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -24,21 +24,21 @@ struct HarmonicGrid {
   bool band_limited = false;  ///< omit harmonics (m, n) whose wavenumber exceeds π/Δx
 };
 
-/// Compute the amplitudes w_n [µm], n = 1..frequencies: L^H ln γ γ^(-(n-1) H) for the Hurst exponent H [-]. H = 4 - 2D
-/// for a dimension D as defined in the paper, and H = 2 - D for the usual definition.
+/// Compute the amplitudes w_n [µm], n = 1..frequencies: L^H ln γ γ^(-(n-1) H) for the Hurst exponent H [-].
+/// H = 4 - 2D for a dimension D as defined in the paper. H = 2 - D for the usual definition.
 std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, double gamma, double length_scale);
 
-/// Write Σ_n weights(d, n) G_n(x_j) [µm] to row d, column j of `profiles` (rows of weights, points). phases [rad] is
-/// (directions M, frequencies N), weights [µm] is (any number of rows, N). Accuracy: the phase of a harmonic is a
-/// 64-bit fraction of a turn, which wraps exactly for any number of turns. Aliased harmonics are therefore as accurate
-/// as the product of a long double wavenumber and the position. Returns the height statistics of each row, which saves
-/// another pass over the row. Throws std::invalid_argument for shapes that do not match, values out of range and phases
-/// that cannot be resolved.
+/// Write Σ_n weights(d, n) G_n(x_j) [µm] to row d, column j of `profiles` (rows of weights, points).
+/// phases [rad] is (directions M, frequencies N), and weights [µm] is (any number of rows, N).
+/// The phase of a harmonic is a 64-bit fraction of a turn, which wraps exactly for any number of turns.
+/// Aliased harmonics are therefore as accurate as the product of a long double wavenumber and the position.
+/// Returns the height statistics of each row, which saves another pass over the row.
+/// Throws std::invalid_argument for shapes that do not match, values out of range, and phases that cannot be resolved.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
                                                 Eigen::Ref<Matrix> profiles,
                                                 const CancellationCheck& check_cancellation = {});
 
-/// Return the profiles as a new array. Inline, so that the caller allocates its memory.
+/// Return the profiles as a new array. This function is inline so that the caller allocates the memory.
 inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid) {
   Matrix profiles(weights.rows(), std::max<Index>(grid.points, 0));
   harmonic_profiles(phases, weights, grid, profiles);
@@ -54,9 +54,10 @@ struct HarmonicArea {
   bool band_limited = false;  ///< omit harmonics whose wavenumber along x or y exceeds π/Δx or π/Δy
 };
 
-/// Write the areal form of Eq. 1 to `heights` [µm] (rows along y, columns along x): phases (2π γ^(n-1) / L) (x cos(π
-/// m/M) + y sin(π m/M)) + φ_mn and one weight w_n [µm] for each frequency. With cos(a + b) = cos a cos b - sin a sin b,
-/// each harmonic is two products of a row and a column. Accuracy and exceptions as for `harmonic_profiles`.
+/// Write the areal form of Eq. 1 to `heights` [µm] (rows along y, columns along x).
+/// The phases are (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn. Each frequency has one weight w_n [µm].
+/// With cos(a + b) = cos a cos b - sin a sin b, each harmonic is two products of a row and a column.
+/// Accuracy and exceptions are those of `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});
 

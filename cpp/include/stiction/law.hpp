@@ -1,8 +1,8 @@
 // Contact laws: normal force and area of one asperity contact.
 //
-// A law is one struct with its parameters as members, its name, the list of its parameters, the force and area as a
-// function of overlap and radii, and the semi-axes of the contact patch. Adding the struct to the variant `Law` below
-// makes it available everywhere.
+// A law is one struct. Its members are its parameters, its name and the list of its parameters.
+// It computes the force and area from overlap and radii, and the semi-axes of the contact patch.
+// A new struct becomes available everywhere when it is added to the variant `Law` below.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -36,8 +36,8 @@ struct Parameter {
   bool inclusive = false;
 };
 
-/// Two elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Hertz 1882; Johnson, Contact Mechanics
-/// (1985), eqs. 4.22-4.24. Exact for a << R.
+/// Two elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap.
+/// Hertz 1882; Johnson, Contact Mechanics (1985), eqs. 4.22-4.24. Exact for a << R.
 struct HertzSphere {
   double effective_modulus;  ///< E* [GPa] > 0
 
@@ -49,10 +49,10 @@ struct HertzSphere {
   Vector2 semi_axes(double overlap, const Radii& radii) const;
 };
 
-/// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). The overlap is that of
-/// the undeformed circles, a²/R. Johnson, Contact Mechanics (1985), eq. 4.45 with contact width 2a. The force at a
-/// given half-width is exact for a << R. The approach of distant points in a line contact is unbounded, so it cannot
-/// define the overlap.
+/// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
+/// The overlap is that of the undeformed circles, a²/R. Johnson, Contact Mechanics (1985), eq.
+/// 4.45 with contact width 2a. The force at a given half-width is exact for a << R.
+/// In a line contact, the approach of distant points is unbounded, so it cannot define the overlap.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0
   double width;              ///< width w [µm] > 0 along the cylinders
@@ -66,9 +66,9 @@ struct HertzCylinder {
   Vector2 semi_axes(double overlap, const Radii& radii) const;
 };
 
-/// An elastic, perfectly plastic sphere. Jackson & Green, J. Tribol. 127 (2005) 343, give the critical interference,
-/// and a fit to finite elements above 1.9 times the critical interference; below, Hertz theory applies. The fit reaches
-/// a contact radius of 0.41 R. The load jumps by less than 1 % at the transition.
+/// An elastic, perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
+/// Hertz theory applies up to 1.9 times the critical interference, and a fit to finite elements above.
+/// The fit covers contact radii up to 0.41 R. The load jumps by less than 1 % at the transition.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0
   double yield_strength;     ///< yield strength S_y [GPa] of the softer body, above 0 and below E*/10
@@ -82,23 +82,24 @@ struct JacksonGreen {
   }
   ForceArea operator()(double overlap, const Radii& radii) const;
   Vector2 semi_axes(double overlap, const Radii& radii) const;
-  /// Check the conditions that involve several parameters.
+  /// Check conditions that involve several parameters.
   void check() const;
 };
 
-/// Any contact law of the library. The call operator of a law takes an overlap [µm] > 0 and the principal radii [µm] >
-/// 0 of an asperity pair. All laws here treat the pair as spheres of the mean radius.
+/// Any contact law of the library.
+/// The call operator of a law takes an overlap [µm] > 0 and the principal radii [µm] > 0 of an asperity pair.
+/// All laws here treat the pair as spheres of the mean radius.
 using Law = std::variant<HertzSphere, HertzCylinder, JacksonGreen>;
 
-/// Return a law by name, with all of its parameters by name. Throws std::invalid_argument with the name of the unknown,
-/// missing or invalid parameter.
+/// Return a law from its name and its named parameters.
+/// Throws std::invalid_argument with the name of an unknown, missing or invalid parameter.
 Law law(std::string_view name, const std::map<std::string, double>& parameters);
 
-/// Check the parameters of a law. Throws std::invalid_argument with the name of a parameter out of range.
+/// Check the parameters of a law. Throws std::invalid_argument with the name of a parameter that is out of range.
 void check(const Law& law);
 
-// Inline, because the call operator runs for every contact and approach: an out-of-line call costs 6 % of the total
-// time.
+// The call operator runs for every contact and approach.
+// It is inline, because an out-of-line call costs 6 % of the total time.
 inline ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
   const double radius = radii.mean();
   return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, std::numbers::pi * radius * overlap};

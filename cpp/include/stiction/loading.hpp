@@ -12,20 +12,23 @@
 
 namespace stiction {
 
-/// A function that is evaluated at several increasing arguments in one call.
+/// Function that is evaluated at several increasing arguments in one call.
 using BatchFunction = std::function<std::vector<double>(Values)>;
 
-/// Find where a function crosses levels from below. For each level, returns the first argument found at which the
-/// function is not below the level. This argument lies between `left`, where the function is below the level, and
-/// `right`, where it is not. `tolerance` is relative to the argument. If the function jumps over the level, the result
-/// is the argument just behind the jump. The method combines inverse quadratic interpolation and bisection:
-/// Chandrupatla, Advances in Engineering Software 28 (1997) 145. All levels advance together, because evaluating the
-/// function at many arguments may cost little more than at one.
+/// Find where a function crosses levels from below.
+/// For each level, returns the first argument found at which the function is not below the level.
+/// This argument lies between `left`, where the function is below the level, and `right`, where it is not.
+/// `tolerance` is relative to the argument.
+/// If the function jumps over the level, the result is the argument just behind the jump.
+/// The method combines inverse quadratic interpolation and bisection.
+/// Chandrupatla, Advances in Engineering Software 28 (1997) 145.
+/// All levels advance together,
+/// because one call with many arguments may cost little more than one with a single argument.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 
-/// Find the approaches [µm] between `left` and `right` at which the normal load for mu0 [-] and tau0 [GPa] reaches
-/// `loads` [mN], to a relative tolerance of 1e-12. Throws as `press` does.
+/// Find the approaches [µm] between `left` and `right` at which the normal load reaches `loads` [mN].
+/// The normal load is computed for mu0 [-] and tau0 [GPa], and the relative tolerance is 1e-12. Throws as `press` does.
 std::vector<double> approaches_at(const ProfilePair& pair, Values loads, Values left, Values right, double mu0,
                                   double tau0, const ContactModel& model,
                                   const CancellationCheck& check_cancellation = {});

@@ -9,11 +9,11 @@
 
 namespace stiction {
 
-/// A local minimum of a spline in a cell of its map.
+/// Local minimum of a spline in a cell of its map.
 struct Minimum {
   Index row;     ///< row of the first grid point of the cell
   Index column;  ///< column of the first grid point of the cell
-  /// Position in the cell along x, in spacings. It ranges from -1e-6 to just below 1 - 1e-6.
+  /// Position in the cell along x, in units of the spacing. It ranges from -1e-6 to just below 1 - 1e-6.
   double u;
   double v;  ///< position in the cell along y, in spacings
   /// Value and derivatives of the spline at the minimum; the first derivatives are zero except for round-off.
@@ -28,15 +28,17 @@ struct CellRange {
   Index columns;
 };
 
-/// Find every minimum of at most `max_value` [µm] of the spline with these coefficients (see natural_bicubic) in a
-/// range of cells, in the order of the cells, row by row. Minima on the edge of the map do not count; neither do
-/// valleys whose curvature is round-off. A minimum within 1e-6 of a side belongs to the cell that has this side on its
-/// left or lower edge. This cell may be a neighbour of the given range.
+/// Find all minima of a spline in a range of cells, in the order of the cells, row by row.
+/// The spline is specified by its coefficients (see natural_bicubic).
+/// Minima above `max_value` [µm], minima on the edge of the map and valleys whose curvature is round-off do not count.
+/// A minimum within 1e-6 of a side belongs to the cell that has this side on its left or lower edge.
+/// This cell may be a neighbour of the given range.
 ///
-/// The search is exhaustive. A cell is subdivided until the signs of its Bernstein coefficients exclude a minimum in a
-/// part, or show that the spline is convex in this part, so that Newton's method finds the only possible minimum. Parts
-/// of 1/64 of a cell that remain undecided, for example where a minimum is about to vanish, are left to Newton's
-/// method.
+/// The search is exhaustive. A cell is subdivided until the signs of the Bernstein coefficients decide for each part.
+/// The signs exclude a minimum, or show that the spline is convex;
+/// Newton's method then finds the only possible minimum.
+/// Newton's method also decides in parts of 1/64 of a cell that remain undecided,
+/// for example where a minimum is about to vanish.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});
 

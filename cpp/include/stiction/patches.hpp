@@ -11,7 +11,7 @@
 
 namespace stiction {
 
-/// Points of a grid under pressure, in increasing order of their indices.
+/// Grid points under pressure, in increasing order of their indices.
 struct Patches {
   std::vector<std::int64_t> points;      ///< indices of the points on the grid
   std::vector<double> pressure;          ///< [GPa]
@@ -20,15 +20,16 @@ struct Patches {
   std::int32_t count = 0;           ///< number of patches
 };
 
-/// Find the connected patches. A point is connected with all its neighbours (eight on areas), also across the edges of
-/// a periodic grid. Each open side reduces the contact area of a cell by 0.19 of the cell on lines, and on areas by (π
-/// - 1 + ln 2)/24 (Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161). The area does not fall below
-/// pressure/hardness [GPa]; the hardness may be infinite. The edge of the grid is not an open side. Throws
-/// std::invalid_argument if the number of pressures differs from the number of grid points.
+/// Find the connected patches.
+/// A point is connected with all its neighbours (eight on areas), also across the edges of a periodic grid.
+/// Each open side reduces the contact area of a cell: by 0.19 of the cell on lines, by (π - 1 + ln 2)/24 on areas.
+/// Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
+/// The area does not fall below pressure/hardness [GPa]; the hardness may be infinite.
+/// The edge of the grid is not an open side.
+/// Throws std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
-/// Sums over each patch. The sums that depend on the direction are matrices with one row for each direction and one
-/// column for each patch.
+/// Sums over each patch. Sums that depend on the direction are matrices (directions, patches).
 struct PatchSums {
   std::vector<double> force;         ///< Σ F n_z [mN]
   std::vector<double> area;          ///< contact area along the deformed interface [µm²]
@@ -40,9 +41,11 @@ struct PatchSums {
   double steepness = 0.0;            ///< root-mean-square slope, weighted by force
 };
 
-/// Sum over the grid points of each patch. Takes forces [mN], projected contact areas [µm²], slopes of the deformed
-/// interface along y (empty for profiles) and x, patch numbers from 1, and directions as horizontal unit vectors (x,
-/// y). Throws std::invalid_argument if lengths differ or a patch number is below 1.
+/// Sum over the grid points of each patch.
+/// Takes forces [mN], projected contact areas [µm²],
+/// and slopes of the deformed interface along y (empty for profiles) and x.
+/// Also takes patch numbers from 1, and directions as horizontal unit vectors (x, y).
+/// Throws std::invalid_argument if lengths differ or a patch number is below 1.
 PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, std::span<const std::int32_t> patch,
                      std::span<const std::array<double, 2>> directions);
 

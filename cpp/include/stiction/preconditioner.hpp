@@ -13,15 +13,16 @@
 
 namespace stiction {
 
-/// Approximate inverse of the elastic kernel: pressures at the free points that produce roughly the given
-/// displacements.
+/// Approximate inverse of the elastic kernel:
+/// pressures at the free points that produce roughly the given displacements.
 ///
-/// The short range is described by a 3 x 3 stencil S on the free points, as if there were no other contact. At long
-/// range, the rest of the area adds a slowly varying displacement, which is described by a kernel K' on blocks of
-/// points. Bilinear weights P connect the blocks to the points. So K is about S⁻¹ + P'K'P, and its inverse is S -
-/// SP'(K'⁻¹ + PSP')⁻¹PS. On periodic blocks K'⁻¹ is E*|k|/2, and the system in brackets is a half-space on an elastic
-/// foundation whose stiffness on each block is PS1. A few conjugate-gradient steps solve this system. The number of
-/// solver iterations then hardly depends on the grid size.
+/// A 3 x 3 stencil S on the free points describes the short range, as if there were no other contact.
+/// At long range, the rest of the area adds a slowly varying displacement.
+/// A kernel K' on blocks of points describes this displacement. Bilinear weights P connect the blocks to the points.
+/// So K is about S⁻¹ + P'K'P, and its inverse is S - SP'(K'⁻¹ + PSP')⁻¹PS. On periodic blocks, K'⁻¹ is E*|k|/2.
+/// The system in brackets is then a half-space on an elastic foundation whose stiffness on each block is PS1.
+/// A few conjugate-gradient steps solve this system.
+/// The number of solver iterations is then almost independent of the grid size.
 class Preconditioner {
  public:
   /// Number of points along each side of a block.
@@ -30,24 +31,25 @@ class Preconditioner {
   /// Return the periodic grid of the blocks of an area.
   static Grid block_grid(const Grid& area);
 
-  /// Set up the preconditioner from the stencil of an area and the kernel of its blocks, which must outlive this
-  /// object. Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x
-  /// 3.
+  /// Create the preconditioner from the stencil of an area and the kernel of its blocks,
+  /// which must outlive this object.
+  /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
   Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks);
 
-  /// Compute pressures [GPa] at the free points (increasing indices) from displacements [µm] on the grid, which must be
-  /// 0 at all other points. Other elements of the result are unspecified. The result is valid until the next call.
+  /// Compute pressures [GPa] at the free points (increasing indices) from displacements [µm] on the grid.
+  /// Displacements must be 0 at all other points. Other elements of the result are unspecified.
+  /// The result is valid until the next call.
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());
 
  private:
   /// Apply the stencil at each free point to values on the grid, continued periodically beyond the edges.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
-  /// Add up the result on the blocks with the bilinear weights.
+  /// Add up the result over the blocks with the bilinear weights.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
   /// Compute the foundation stiffness of the blocks.
   void update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool);
-  /// Solve the system of the blocks for the loads.
+  /// Solve the block system for the loads.
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);
 
   // Weights of the linear interpolation between blocks along an axis.

@@ -1,5 +1,5 @@
-// Contact of many pairs of profiles in one call: the rows of two matrices, for example one set of phases at many
-// fractal dimensions.
+// Contact of many pairs of profiles in one call, for example of one set of phases at many fractal dimensions.
+// The pairs are the rows of two matrices.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -24,10 +24,12 @@ struct Amplitudes {
   AmplitudeMeasure measure;
 };
 
-/// Compute the contact sums of each row of `upper` with the same row of `lower`, scaled to each amplitude, for each
-/// model and approach. The result is in the order (row, amplitude, model, approach). The heights are overwritten:
-/// profiles are scaled in place for the last amplitude, which halves the memory traffic, and in the two rows of
-/// `scratch` for the others. Throws as `press` does, and for mismatched shapes and flat profiles.
+/// Compute the contact sums of each row of `upper` with the same row of `lower`.
+/// The profiles are scaled to each amplitude and pressed for each model and approach.
+/// The result has the order (row, amplitude, model, approach). The heights are overwritten.
+/// Profiles are scaled in place for the last amplitude, which halves the memory traffic.
+/// For the other amplitudes, they are scaled into the two rows of `scratch`.
+/// Throws as `press` does, and for mismatched shapes and flat profiles.
 std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,
                                         const Amplitudes& amplitudes, Values approaches,
                                         std::span<const ContactModel> models, Eigen::Ref<Matrix> scratch,

@@ -15,71 +15,77 @@ namespace stiction {
 
 /// Projected conjugate gradients for  min 1/2 p·Kp + p·g0  subject to  0 <= p <= bound at each point, sum p = total.
 ///
-/// K maps pressure [GPa] to displacement [µm]. The caller applies K and a preconditioner M that approximates its
-/// inverse. `potential` is K p + g0, so the gap at approach δ is potential - δ. A point is free if its pressure lies
-/// strictly between the bounds, or if its gap drives its pressure away from the bound. One iteration is
+/// K maps pressure [GPa] to displacement [µm].
+/// The caller applies K and a preconditioner M that approximates its inverse.
+/// `potential` is K p + g0, so the gap at approach δ is potential - δ.
+/// A point is free if its pressure lies strictly between the bounds.
+/// A point at a bound is free if its gap drives its pressure away from the bound. One iteration is
 ///
 ///     restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
 ///     ->  advance(K step)
 ///
-/// The inverse of K on the free points is the minimum of r·Mr over all continuations of the residual r to the other
-/// points. On areas, continuation by zero is close to that minimum. On lines with short contacts it is far from the
-/// minimum. There the residual is interpolated linearly between free points, and M r is collected with the transpose of
-/// the interpolation. The interpolation includes the edges of the grid, since M is periodic.
+/// The inverse of K on the free points is the minimum
+/// of r·Mr over all continuations of the residual r to the other points.
+/// On areas, continuation by zero is close to that minimum. On lines with short contacts, it is far from the minimum.
+/// On lines, the residual is therefore interpolated linearly between free points.
+/// M r is collected with the transpose of the interpolation.
+/// The interpolation includes the edges of the grid, since M is periodic.
 ///
-/// Each step leads from one feasible pressure to another. Only free points change, so that restoring the sum never puts
-/// a small pressure on other points. The scheme is that of Polonsky & Keer, Wear 231 (1999) 206; the energy never
-/// increases.
+/// Each step leads from one feasible pressure to another.
+/// Only free points change, so restoring the sum never puts a small pressure on other points.
+/// The scheme is that of Polonsky & Keer, Wear 231 (1999) 206. The energy never increases.
 class ProjectedCgSolver {
  public:
-  /// Start from `pressure` >= 0, projected onto the bounds and the sum. `line` is true if the points form a line, so
-  /// that neighbours in memory are neighbours on the grid. `bound` has one value for all points, which may be infinite,
-  /// or one value for each point; points with a bound of 0 carry no pressure. Throws std::invalid_argument for 2³¹
-  /// points or more, negative bounds, and a total that is not positive or not below the sum of the bounds.
+  /// Start from `pressure` >= 0, projected onto the bounds and the sum.
+  /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
+  /// `bound` has one value for all points, which may be infinite, or one value for each point.
+  /// Points with a bound of 0 carry no pressure.
+  /// Throws std::invalid_argument for 2³¹ points or more, and for negative bounds.
+  /// Also throws if the total is not positive, or not below the sum of the bounds.
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line);
 
-  /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points:
-  /// no point under pressure has a larger gap, and no point below its bound a larger overlap. Returns infinity if
-  /// potentials are not finite. Throws std::logic_error before the first `restart`.
+  /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
+  /// No point under pressure has a larger gap, and no point below its bound has a larger overlap.
+  /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
-  /// Return the residual [µm]. At free points it is the mean potential of the free points minus the potential. At other
-  /// points it is the continuation of the residual, which is 0 on areas.
+  /// Return the residual [µm]. At free points, it is the mean potential of the free points minus the potential.
+  /// At other points, it is the continuation of the residual, which is 0 on areas.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
   /// Return the free points found by the last `update_free_points`, in increasing order.
   std::span<const std::int32_t> free_points() const { return free_points_; }
 
-  /// Return whether the next step is a steepest-descent step. Such a step takes the residual itself instead of M
-  /// residual, and is certain to lower the energy.
+  /// Return whether the next step is a steepest-descent step.
+  /// Such a step takes the residual itself instead of M residual, and is certain to lower the energy.
   bool is_steepest_descent() const { return steepest_descent_; }
 
-  /// Compute a step of pressure [GPa], 0 at points that are not free. `response` is K times the previous step, or
-  /// empty.
+  /// Compute a step of pressure [GPa], which is 0 at points that are not free.
+  /// `response` is K times the previous step, or empty.
   std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response,
                               const ThreadPool& pool = ThreadPool());
 
-  /// Advance along the step by the length that minimises the energy, given `response` = K step. `response` must stay
-  /// valid until the next `update_free_points`. Returns whether the pressure changed.
+  /// Advance along the step by the length that minimises the energy, given `response` = K step.
+  /// `response` must stay valid until the next `update_free_points`. Returns whether the pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale the pressures below their bounds, so that their sum is exact except for round-off. The potential must then
-  /// be recomputed.
+  /// Scale the pressures below their bounds, so that their sum is exact except for round-off.
+  /// The potential must then be recomputed.
   void rescale_to_total();
 
-  /// Set a recomputed potential, and restart from steepest descent.
+  /// Replace the potential by a recomputed one, and restart from steepest descent.
   void restart(std::vector<double> potential);
 
-  /// Return Σ pressure · potential [GPa µm] after `update_free_points`. Without a gap, this is twice the elastic energy
-  /// divided by the area of a cell.
+  /// Return Σ pressure · potential [GPa µm] after `update_free_points`.
+  /// Without a gap, this is twice the elastic energy divided by the area of a cell.
   double pressure_dot_potential() const;
 
   double approach() const { return approach_; }
   Values pressure() const { return pressure_; }
   /// Move the pressure out of the solver, and return it.
   std::vector<double> take_pressure() { return std::move(pressure_); }
-  /// Move the potential out of the solver, so that its memory can be reused. `restart` must set the potential again
-  /// before `update_free_points`.
+  /// Move the potential out of the solver, so that its memory can be reused.
+  /// Call `restart` with a new potential before the next `update_free_points`.
   std::vector<double> take_potential() { return std::move(potential_); }
 
  private:

@@ -1,19 +1,22 @@
-// Natural cubic spline through equally spaced points: slope and curvature at all points, or at some of them.
+// Natural cubic spline through equally spaced points: slope and curvature at all points or at a range of points.
 #pragma once
 
 #include "stiction/array.hpp"
 
 namespace stiction {
 
-/// Compute slope f' [-] and curvature f'' [1/µm] at every point of the natural cubic spline through `heights` [µm]. At
-/// least 4 heights; spacing [µm] > 0; the outputs have as many elements as `heights`. At both ends f'' = 0. GSL solves
-/// the tridiagonal system of the spline. Throws std::invalid_argument, std::runtime_error (GSL).
+/// Compute slope f' [-] and curvature f'' [1/µm] at every point of the natural cubic spline through `heights` [µm].
+/// At least 4 heights are required, and the spacing [µm] must be positive.
+/// The outputs must have as many elements as `heights`. At both ends, f'' = 0.
+/// GSL solves the tridiagonal system of the spline.
+/// Throws std::invalid_argument, and std::runtime_error for errors of GSL.
 void natural_spline(Values heights, double spacing, std::span<double> slope, std::span<double> curvature);
 
-/// Compute slope and curvature only at the points first, first + 1, ...; the number of points is the size of
-/// the outputs. The spline is a superposition of GSL's splines of a unit load at one point. Each of these decays by a
-/// factor of 2 - sqrt(3) = 0.268 per point, so only nearby points contribute. Throws as natural_spline does, and if the
-/// points lie beyond the profile.
+/// Compute slope and curvature only at the points first, first + 1, ...
+/// The size of the outputs is the number of points.
+/// The spline is a superposition of the splines of a unit load at one point.
+/// Each unit spline decays by a factor of 2 - sqrt(3) = 0.268 per point, so only nearby points contribute.
+/// Throws as natural_spline does, and if the points lie beyond the profile.
 void natural_spline_from(Values heights, double spacing, Index first, std::span<double> slope,
                          std::span<double> curvature);
 

@@ -1,9 +1,10 @@
-// Sums over contacts, from which the normal and tangential loads follow linearly for every mu0 and tau0: Hanaor, Gan &
-// Einav, Tribol. Int. 93 (2016) 229, Eqs. 6 and 7 and section 2.5.
+// Sums over contacts that give the normal and tangential loads, linear in mu0 and tau0.
+// Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 6 and 7 and section 2.5.
 //
-// The upper surface is about to move along a horizontal unit vector s. A contact with normal n opposes the motion if
-// s·n < 0. Sliding contacts transmit friction along the tangent t = -s + (s·n) n, normalised, and contribute the
-// horizontal component of their normal force.
+// The upper surface is about to move along a horizontal unit vector s.
+// A contact with normal n opposes the motion if s·n < 0.
+// Sliding contacts transmit friction along the tangent t, which is -s + (s·n) n, normalised.
+// Sliding contacts also contribute the horizontal component of their normal force.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -17,8 +18,9 @@
 
 namespace stiction {
 
-/// Rule for the contacts that contribute friction. `opposing`: only contacts whose slope opposes the motion, as in the
-/// paper. `all`: every contact; contacts that slope the other way push the body forward.
+/// Rule for the contacts that contribute friction.
+/// `opposing`: only contacts whose slope opposes the motion, as in the paper. `all`: every contact.
+/// Contacts that slope the other way then push the body forward.
 enum class Sliding { opposing, all };
 
 /// Parse a sliding rule: "opposing" or "all". Throws std::invalid_argument for any other name.
@@ -41,8 +43,8 @@ struct Sums {
   double load_below_grid = 0.0;    ///< Σ F n_z of contacts with R < Δx         [mN]
   Index crossed_count = 0;         ///< number of overlapping pairs rejected because their sphere centres have crossed
 
-  /// Add a contact, given its geometry, its force and area, the direction of motion of the upper surface, and the grid
-  /// spacing Δx [µm].
+  /// Add a contact with its geometry, force and area.
+  /// The upper surface moves along `direction`, and the grid spacing is Δx [µm].
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
 
@@ -84,8 +86,8 @@ Vector3 tangent(const Vector3& normal, const Vector2& direction);
 /// Return whether the normal force of a contact on the upper surface points against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
-/// Force components of a sliding contact on the upper surface. The normal force is multiplied by -s·n, and the friction
-/// force by t_z and -s·t.
+/// Force components of a sliding contact on the upper surface. The normal force is multiplied by -s·n.
+/// The friction force is multiplied by t_z and -s·t.
 struct SlidingFactors {
   double push;  ///< -s·n
   double lift;  ///< t_z
@@ -95,12 +97,13 @@ struct SlidingFactors {
 /// Compute the force components for a contact normal and a direction of motion.
 SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 
-/// Return F_N [mN], upwards on the upper surface, and F_T [mN], which starts the sliding, for mu0 [-] and tau0 [GPa].
+/// Return F_N [mN], upwards on the upper surface, and F_T [mN],
+/// the force that starts sliding, for mu0 [-] and tau0 [GPa].
 double normal_load(const Sums& sums, double mu0, double tau0 = 0.0);
 double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
 
-/// Existence of a coefficient of friction. `no_contact`: there is no contact. `self_locked`: friction alone holds the
-/// surfaces together, F_N <= 0.
+/// Existence of a coefficient of friction. `no_contact`: there is no contact.
+/// `self_locked`: friction alone holds the surfaces together, F_N <= 0.
 enum class Status { ok, no_contact, self_locked };
 
 /// Return the status of the coefficient of friction for mu0 [-] and tau0 [GPa].
@@ -115,18 +118,18 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
   const double across = normal.y() * direction.x() - normal.x() * direction.y();
   if (across == 0.0) {
-    // No normalisation is needed for normals in the plane of s and z, such as those of all profiles.
+    // Normals in the plane of s and z, such as those of all profiles, need no normalisation.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
-  // Components of the tangent along s, across s and upwards. The vector form (s·n) n - s would be a difference of
-  // nearly equal vectors at a steep wall.
+  // Components of the tangent along s, across s and upwards.
+  // At a steep wall, the vector form (s·n) n - s would be a difference of nearly equal vectors.
   const double length = std::sqrt(normal.z() * normal.z() + across * across);
   const double lateral = along * (across / length);
   return {-length * direction.x() - lateral * direction.y(), -length * direction.y() + lateral * direction.x(),
           along * (normal.z() / length)};
 }
 
-/// Largest ratio overlap/radius at which Hertz theory, which assumes a << R, is trusted.
+/// Largest ratio overlap/radius at which the results of Hertz theory are trusted. Hertz theory assumes a << R.
 inline constexpr double hertz_limit = 0.1;
 
 inline SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction) {

@@ -1,5 +1,5 @@
-// Thread pool for the tasks of one calculation. It is used instead of OpenMP because tasks may throw, and because the
-// calling thread checks for cancellation between tasks.
+// Thread pool for the tasks of one calculation.
+// OpenMP is not used, because tasks may throw, and because the calling thread checks for cancellation between tasks.
 #pragma once
 
 #include "stiction/cancellation.hpp"
@@ -11,9 +11,9 @@
 
 namespace stiction {
 
-/// Pool of `threads` threads, including the caller's thread; a pool of one thread starts no other. Results must not
-/// depend on the thread that runs a task, so that they are bit-identical for any number of threads. Only one
-/// calculation may use a pool at a time.
+/// Pool of `threads` threads, including the caller's thread. A pool of one thread starts no other thread.
+/// Results must not depend on the thread that runs a task, so that they are bit-identical for any number of threads.
+/// Only one calculation may use a pool at a time.
 class ThreadPool {
  public:
   explicit ThreadPool(std::size_t threads = 1, CancellationCheck check_cancellation = {});
@@ -24,8 +24,9 @@ class ThreadPool {
   /// Return the number of threads, including the caller's thread.
   std::size_t threads() const;
 
-  /// Run `work(task, thread)` for each task, and return when all tasks are done. The calling thread is number 0 and
-  /// checks for cancellation after each of its tasks. Exceptions of a task or of the check are rethrown.
+  /// Run `work(task, thread)` for each task, and return when all tasks are done.
+  /// The calling thread is number 0 and checks for cancellation after each of its tasks.
+  /// Exceptions of a task or of the check are rethrown.
   void run(std::size_t tasks, const std::function<void(std::size_t, std::size_t)>& work) const;
 
   /// Run `work(first, last)` on consecutive chunks of at most `chunk` indices.

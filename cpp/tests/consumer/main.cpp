@@ -1,5 +1,5 @@
-// Example program. It computes the load and the coefficient of static friction of two rough profiles, and the Hertzian
-// contact of two smooth arcs.
+// Example program. It computes the load and the coefficient of static friction of two rough profiles.
+// It also computes the Hertzian contact of two smooth arcs.
 #include <stiction/amplitude.hpp>
 #include <stiction/asperity.hpp>
 #include <stiction/contact.hpp>
@@ -30,8 +30,8 @@ std::vector<double> fractal_profile(unsigned seed) {
   return heights;
 }
 
-/// Return an arc of a circle [µm] around the middle of the profile. `sign` is +1 for a bump of the lower surface and -1
-/// for a bump of the upper surface.
+/// Return an arc of a circle [µm] around the middle of the profile.
+/// `sign` is +1 for a bump of the lower surface, and -1 for a bump of the upper surface.
 std::vector<double> arc(double radius, double sign) {
   std::vector<double> heights(points);
   for (stiction::Index i = 0; i < points; ++i) {
