@@ -589,9 +589,9 @@ class TestGentleSurfaces:
 def test_press_rejects_straight_grooves():
     along = 0.01 * np.cos(np.linspace(0, 12, 40))
     grooves = [Surface(np.tile(sign * along, (30, 1)), spacing=0.1) for sign in (1.0, -0.5)]
-    with pytest.raises(ValueError, match="does not change along y"):
+    with pytest.raises(ValueError, match="must vary along y"):
         press(*grooves, [0.005])
-    with pytest.raises(ValueError, match="does not change along x"):
+    with pytest.raises(ValueError, match="must vary along x"):
         press(*(Surface(groove.heights.T.copy(), spacing=0.1) for groove in grooves), [0.005])
 
 

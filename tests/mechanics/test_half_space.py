@@ -683,7 +683,7 @@ def test_half_space_curve_is_read_only_and_checks_indices():
         curve.load[0] = 2.0
     for ask in (curve.at, curve.contact):
         for index in ("x", None, 0.5, 1):
-            with pytest.raises(ValueError, match="index must be one of the 1 loads"):
+            with pytest.raises(ValueError, match="index must be at least -1 and below 1, the number of loads"):
                 ask(index)
 
 
@@ -785,9 +785,9 @@ def test_half_space_approach_of_sphere_equals_hertz():
         ({"loads": [1.0], "approaches": [1.0]}, "half_space requires either loads or approaches"),
         ({"approaches": [0.0]}, "approaches must be above 0 µm and strictly increasing"),
         ({"approaches": [2e-3, 1e-3]}, "approaches must be above 0 µm and strictly increasing"),
-        ({"approaches": [1e-3], "boundary": "free"}, "approaches do not exist on a free half-plane"),
-        ({"approaches": [1e-3], "hardness": 1.0}, "approaches require surfaces without hardness"),
-        ({"approaches": [1.0]}, "approaches must be below .* where all points touch"),
+        ({"approaches": [1e-3], "boundary": "free"}, "approaches must not be given on a free half-plane"),
+        ({"approaches": [1e-3], "hardness": 1.0}, "approaches must not be given for surfaces with a hardness"),
+        ({"approaches": [1.0]}, "approaches must be below .* at which all points are in contact"),
     ],
 )
 def test_half_space_rejects_bad_approaches(arguments, message):

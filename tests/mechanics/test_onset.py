@@ -115,9 +115,9 @@ def test_onset_of_cylinder_equals_cattaneo():
     assert np.isnan(onset.displacement_at_sliding)
     assert np.isnan(onset.stiffness)
     assert (np.diff(onset.energy_lost(onset.tangential_load)) > 0).all()
-    with pytest.raises(ValueError, match="do not exist on a free half-plane"):
+    with pytest.raises(ValueError, match="must not be given on a free half-plane"):
         curve.onset(0, mu0=0.3, displacements=[0.1])
-    with pytest.raises(ValueError, match="a free half-plane has none"):
+    with pytest.raises(ValueError, match="a free half-plane, which has none"):
         onset.iwan()
 
 
@@ -486,7 +486,7 @@ def test_pickled_load_curve_has_equal_onset(many_asperities):
     assert again.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
     result = press(candidates(*bodies, deepest=0.04), [0.04])
     assert result.onset(0, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
-    with pytest.raises(ValueError, match="press the candidates again"):
+    with pytest.raises(ValueError, match="must be pressed again"):
         pickle.loads(pickle.dumps(result)).onset(0, mu0=0.3)
 
 
@@ -567,18 +567,18 @@ def test_onset_rejects_bad_arguments(ball, arguments, message):
 
 
 def test_onset_rejects_bad_indices_steps_and_amplitudes(ball):
-    with pytest.raises(ValueError, match="index must be one of the 1 loads"):
+    with pytest.raises(ValueError, match="index must be at least -1 and below 1, the number of loads"):
         ball[0].onset(1, mu0=0.3)
-    with pytest.raises(ValueError, match="index must be one of the 1 approaches"):
+    with pytest.raises(ValueError, match="index must be at least -1 and below 1, the number of approaches"):
         single_ball().onset(0.5, mu0=0.3)
     x = np.arange(65) / 64 - 0.5
     cup = Profile(x**2, spacing=1 / 64)
-    with pytest.raises(ValueError, match="no contact at this approach"):
+    with pytest.raises(ValueError, match="an approach without contact"):
         press(flat_like(cup), cup, [0.01]).onset(0, mu0=0.3)
     with pytest.raises(ValueError, match="tolerance must be"):
         ball[0].onset(0, mu0=0.3, tolerance=0.0)
     onset = ball[0].onset(0, mu0=0.3, steps=2)
-    with pytest.raises(ValueError, match="index must be one of the 2 tangential loads"):
+    with pytest.raises(ValueError, match="index must be at least -2 and below 2, the number of tangential loads"):
         onset.traction(2)
     for amplitude in (-1.0, 2 * onset.sliding_load):
         with pytest.raises(ValueError, match="the sliding load"):

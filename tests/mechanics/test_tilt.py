@@ -106,9 +106,12 @@ def test_free_tilt_balances_a_single_contact_point():
     ("arguments", "message"),
     [
         ({"tilt": "loose"}, "tilt must be one of 'fixed', 'free'"),
-        ({"boundary": "periodic"}, "tilt must be 'fixed' except for loads of free bodies without adhesion, got 'free'"),
-        ({"work_of_adhesion": 1e-8}, "tilt must be 'fixed' except"),
-        ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' except"),
+        (
+            {"boundary": "periodic"},
+            "tilt must be 'fixed' for periodic surfaces, for approaches and with adhesion, got 'free'",
+        ),
+        ({"work_of_adhesion": 1e-8}, "tilt must be 'fixed' for"),
+        ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' for"),
     ],
 )
 def test_half_space_rejects_bad_tilt_arguments(arguments, message):

@@ -1,4 +1,4 @@
-"""Adhesion of a half-space: an attraction that decays with the gap, as a traction in the solver without adhesion.
+"""Adhesion of a half-space: an attraction that decays with the gap, included as a traction in the solver.
 
 The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration solves the contact of the gap g0 - Kσ and evaluates σ at the new
 gap, until σ no longer changes.
@@ -22,36 +22,36 @@ import stiction._core as _core
 from stiction._checks import Floats
 from stiction.mechanics.half_space_problem import ContactSolution, Problem, State, threads, to_contact_solution
 
-# Number of plain steps between two extrapolated steps, which damp the modes that extrapolated steps overshoot.
+# Number of plain steps between two extrapolated steps. Plain steps damp the modes that extrapolated steps overshoot.
 PLAIN = 2
 MAX_STEP = 10.0  # largest extrapolated step as a multiple of the plain step
-MAX_SOLUTIONS = 2000  # maximum number of solutions for one external load, which may include jumps
-# maximum number of solutions for one contact load, and of successive solutions without a smaller residual
+MAX_SOLUTIONS = 2000  # maximum number of solutions for one external load, including jumps
+# Maximum number of solutions for one contact load, and maximum number of successive solutions without improvement.
 MAX_SETTLING, PATIENCE = 60, 20
 RESIDUAL_FACTOR = 10.0  # largest relative residual of the attraction, as a multiple of the tolerance
-MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; below it, round-off may stall the solver
-# Tolerance of a solution as a fraction of the previous residual, and its largest value.
+MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; with a smaller one, round-off may stall the solver
+# Tolerance of a solution as a fraction of the previous residual, and the upper limit of this tolerance.
 INEXACT, MAX_TOLERANCE = 0.05, 1e-3
-# Increase of the attraction during separation, as a fraction of its maximum, that is attributed to numerical errors.
+# Increase of the attraction during separation that counts as numerical error, as a fraction of the maximum attraction.
 MAX_INCREASE = 1e-3
-# Contact load, as a fraction of the attraction at first contact, below which bodies count as separate.
+# Contact load below which bodies count as separate, as a fraction of the attraction at first contact.
 MIN_CONTACT = 1e-3
 STRIDE = 0.6  # ratio of successive contact loads during separation
 NEGLECTED = 0.01  # accepted relative error of the minimum load
 FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower load that is tried
-# Smallest relative difference by which an interpolated load must be below the minimum to justify a solution.
+# Minimum gain of an additional solution: relative difference by which an interpolated load is below the minimum.
 MIN_GAIN = 0.003
-MIN_WIDTH = 0.01  # smallest relative difference of contact loads between which a load is interpolated
-MAX_REFINED = 6  # maximum number of contacts at interpolated loads
+MIN_WIDTH = 0.01  # smallest relative difference of two contact loads for interpolation
+MAX_REFINED = 6  # maximum number of additional solutions at interpolated loads
 MAX_TRIALS = 24  # maximum number of external loads that are tried during separation
 
 
 class UnsolvedError(RuntimeError):
-    """Error raised if no equilibrium of an attraction is found."""
+    """Error raised if the iteration finds no equilibrium of an attraction."""
 
 
 class Attraction:
-    """Attraction of a contact problem, and its equilibria."""
+    """Adhesive attraction of a contact problem, and methods that find its equilibria."""
 
     def __init__(self, problem: Problem, *, tolerance: float, report: Callable[[int, float], object] | None) -> None:
         self.problem, self.report, self.solver_tolerance, self.max_residual = (
@@ -60,7 +60,7 @@ class Attraction:
             tolerance,
             RESIDUAL_FACTOR * tolerance,
         )
-        # reason why the minimum load is uncertain; empty if it is certain
+        # `uncertain` is the reason why the minimum load is uncertain, and empty if the load is certain.
         self.range, self.uncertain = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
@@ -74,7 +74,7 @@ class Attraction:
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def settle(self, near: State, contact: float, *, before: State) -> State:
-        """Return the equilibrium at a mean contact pressure (GPa), iterated from a nearby state.
+        """Iterate from a nearby state to the equilibrium at a mean contact pressure (GPa), and return it.
 
         No point may be closer than in the state `before`; the bodies then support the load when they are pulled apart.
         Otherwise, or if the iteration fails, `UnsolvedError` is raised.
@@ -95,7 +95,7 @@ class Attraction:
         raise UnsolvedError("the attraction does not converge")
 
     def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
-        """Return (state, True), where the state is the equilibrium under an external load per area (GPa).
+        """Return the equilibrium under an external load per area (GPa) and True, or a state on the way and False.
 
         The iteration starts from `near`, or without contact if `near` is None.
 
@@ -111,7 +111,8 @@ class Attraction:
                 return state, True
             if count == MAX_SOLUTIONS:
                 raise UnsolvedError("the attraction does not converge")
-            if residual < min(before, least) and count > 1:  # the first states may happen to be near an equilibrium
+            # skip the first states, which may be near an equilibrium by chance
+            if residual < min(before, least) and count > 1:
                 slowest, least = state, residual
             before = residual
         assert slowest is not None
@@ -120,7 +121,7 @@ class Attraction:
     def _iterate(
         self, near: State | None, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[State, float]]:
-        """Yield the states of an iteration, each with its relative change of attraction, until the bodies separate.
+        """Yield the states of an iteration with their relative change of attraction, until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `PLAIN` plain steps, a step is extrapolated
         as a geometric series with the ratio of the last two changes, limited to `longest` times the last change.
@@ -128,7 +129,7 @@ class Attraction:
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
         pressure = None if near is None else near.pressure
-        plain: Floats | None = None  # attraction after a plain step, if the last step was extrapolated
+        plain: Floats | None = None  # attraction after the plain step, if the last step was extrapolated
         residual = least = math.inf
         inexact, slow = INEXACT, 0
         for count in itertools.count():
@@ -156,7 +157,7 @@ class Attraction:
                 yield State(pressure, attraction, mean, mean - held, *known), residual
             slow = 0 if residual < least else slow + 1
             least = min(least, residual)
-            if slow > PATIENCE:  # the residual may result from errors of the solutions
+            if slow > PATIENCE:  # the residual may be due to errors of the solutions
                 inexact, slow = inexact / 10, 0
             ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
@@ -166,7 +167,9 @@ class Attraction:
             attraction = following
 
     def at(self, load: float, near: State | None) -> State:
-        """Return the equilibrium at a mean external load (GPa), starting from the previous state or without contact."""
+        """Return the equilibrium at a mean external load (GPa),
+        starting from `near` or, if it is None, without contact.
+        """
         if near is None and load < 0:
             near = self.relax(None, 0.0)[0]
         found, holds = self.relax(near, load)
@@ -198,8 +201,8 @@ class Attraction:
         not_borne = -math.inf
         for _ in range(MAX_TRIALS):
             least = lowest(states).load
-            # Between two states, the contact load is at least that of the later state, and the attraction is at most
-            # that of the earlier state.
+            # Between two states, the contact load is at least the contact load of the later state.
+            # The attraction is at most the attraction of the earlier state.
             possible = min([b.contact - a.held for a, b in itertools.pairwise(states)] + [-states[-1].held])
             if possible >= (1 + NEGLECTED) * least:
                 return states
@@ -232,7 +235,7 @@ class Attraction:
         return states
 
     def unload(self, states: list[State]) -> list[State]:
-        """Return the states, continued to smaller contact loads until the external load rises or a state is missing."""
+        """Extend the states to smaller contact loads, until the external load rises or no equilibrium is found."""
         states = list(states)
         while states[-1].contact > self.min_contact and states[-1] is lowest(states):
             try:
@@ -242,7 +245,7 @@ class Attraction:
         return states
 
     def opening(self, state: State) -> State | None:
-        """Return the state in which complete contact opens, with a minimum pressure of 0; None if it is incomplete.
+        """Return the state in which complete contact opens (minimum pressure 0), or None if contact is incomplete.
 
         Until then all points move together, and the attraction is that of contact everywhere.
         """
@@ -256,7 +259,7 @@ class Attraction:
         return State(pressure, state.attraction, contact, contact - state.held, state.approach - part * moved)
 
     def refine(self, states: list[State]) -> list[State]:
-        """Return the states, with additional states where the interpolated load is below the minimum."""
+        """Add states where the interpolated load is below the minimum, and return all states."""
         states = list(states)
         for _ in range(MAX_REFINED):
             place = min(range(len(states)), key=lambda at: states[at].load)
@@ -275,17 +278,17 @@ class Attraction:
         return states
 
     def force(self, mean: float) -> float:
-        """Return the force (mN) that belongs to a mean pressure (GPa)."""
+        """Convert a mean pressure (GPa) to a force (mN)."""
         return mean * self.problem.cell * self.problem.gap.size
 
 
 def lowest(states: list[State]) -> State:
-    """Return the state with the minimum load."""
+    """Return the state with the smallest external load."""
     return min(states, key=lambda state: state.load)
 
 
 def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tuple[float, float]:
-    """Return the minimum interpolated load (GPa) between two of up to four states, and its contact load.
+    """Interpolate the load between states, and return its minimum (GPa) and the corresponding contact load.
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -300,7 +303,7 @@ def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tu
 def solve_with_adhesion(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
-    """Return the contact at each external load (mN); each solution starts from the previous contact."""
+    """Solve the contact at each external load (mN), starting from the contact at the previous load."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     attraction = Attraction(problem, tolerance=tolerance, report=report)
@@ -316,14 +319,14 @@ def solve_with_adhesion(
 
 
 def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
-    """Return the contacts of bodies pulled apart down to the minimum load, and the reason if this load is uncertain."""
+    """Return the contacts during separation down to the minimum load, and the reason if this load is uncertain."""
     problem, whole = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
     known = float(pressure.mean()), pressed.load / whole, pressed.approach
     start = State(pressure.ravel(), np.asarray(pressed.attraction), *known)
     ways, least = [], start.load
-    # Under a decreasing load, the bodies pass only through contacts with less load than all earlier contacts.
+    # Under a decreasing load, the bodies pass only through contacts that carry less load than all earlier contacts.
     for state in attraction.separate(start)[1:]:
         if state.load < least:
             ways.append(state)

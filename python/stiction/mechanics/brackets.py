@@ -17,14 +17,14 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Smallest spread of ln κ between two resolutions, for any number of contacts, where κ = A E* h'/F.
+# Lower limit of the spread of ln κ between two resolutions, where κ = A E* h'/F.
 MIN_LOG_SPREAD = 0.1
 # Shortest wavelengths of the extrapolation as fractions of the shortest wavelength of the scan.
 WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_spread(contact_count: Floats) -> Floats:
-    """Return the factor within which κ of a finer scan equals κ of this scan in 95 % of pairs.
+    """Return the factor within which κ of a finer scan agrees with κ of this scan in 95 % of pairs.
 
     Fitted to mean plus two standard deviations of ln κ: 0.6 with 2 contacts, 0.35 with 5, 0.2 with 16 and 0.1 with 40.
     The pairs had Hurst exponents of 0.4 and 0.8, and shortest wavelengths of 32 and of 4 points.
@@ -41,7 +41,7 @@ def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
 
 
 def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a gap; None if the spectrum of the gap has no self-affine band."""
+    """Estimate the Hurst exponent of a gap, or return None if its spectrum has no self-affine band."""
     try:
         return estimate_hurst_exponent(gap, periodic=periodic)
     except ValueError:
@@ -51,7 +51,7 @@ def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the shortest wavelength at which the gradient of the gap has a given value, with an interval.
+    """Return the shortest wavelength at which the gradient of the gap reaches a value, with its interval.
 
     The interval follows from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
     """
@@ -68,7 +68,7 @@ def plastic_wavelength(
 def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Extrapolate from this scan to the gradients of finer scans, with shape (wavelength, statistic).
+    """Extrapolate from this scan to the gradients of finer scans (wavelength, statistic).
 
     NaN is returned without a Hurst exponent.
     """
@@ -83,7 +83,7 @@ def extrapolated_gradients(
 
 
 def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Return projected area fractions (wavelength, load, statistic) from the area fractions at a gradient of 1."""
+    """Return projected area fractions from the area fractions at a gradient of 1 (wavelength, load, statistic)."""
     within = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * within / gradients[:, np.newaxis, [0, 2, 1]]
 
@@ -94,7 +94,7 @@ def interface_stretch(gradient: Floats) -> Floats:
 
 
 def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes across the motion increase mu_s, with friction at all contacts.
+    """Return the factor by which slopes across the motion increase mu_s if friction acts at all contacts.
 
     The factor is 1 + h'²/16 on areas and 1 on lines.
     """
@@ -102,7 +102,7 @@ def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
 
 
 def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Return the largest real contact area that finer scans of a yielding pair may have, in units of F/H.
+    """Return the largest real contact area of a yielding pair at finer resolution, in units of F/H.
 
     Shorter wavelengths redistribute the load between contacts, so the elastic rims of yielding contacts may grow. The
     limit does not apply to a scan without yielding, which is limited only by κ. None of 300 pairs of 256² points with 2
@@ -116,7 +116,7 @@ def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
 def friction_bracket(
     value: float, mu0: float, adhesion: float, contacts: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the range of mu_s at all finer resolutions of a yielding pair, with friction at all contacts.
+    """Return the range of mu_s of a yielding pair at all finer resolutions, with friction at all contacts.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper end is computed from `value`, or from `upper` if
     given.
@@ -128,7 +128,7 @@ def friction_bracket(
 
 
 def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """Add the plastic limit and the intervals, with friction at all contacts, to a `resolution` dataset."""
+    """Add the plastic limit and the intervals with friction at all contacts to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness

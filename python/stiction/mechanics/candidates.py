@@ -27,7 +27,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Largest change of the gap along grooves, as a fraction of the range of the gap, for which the gap counts as grooved.
+# A gap counts as grooved if it changes along the grooves by less than this fraction of its range.
 _GROOVE_TOLERANCE = 1e-9
 
 
@@ -74,7 +74,7 @@ class Candidates:
         return len(self.core)
 
     def __repr__(self) -> str:
-        """Return the number of candidates and the criteria of the search in one line."""
+        """Return one line with the number of candidates and the criteria of the search."""
         return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property
@@ -161,8 +161,8 @@ def candidates(
         for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
             if float(np.ptp(gap, axis=axis).max()) < _GROOVE_TOLERANCE * float(np.ptp(gap)):
                 raise ValueError(
-                    f"the gap between upper and lower does not change along {along}, so its minima are lines instead "
-                    f"of points: press {across} of both as profiles, or use half_space"
+                    f"the gap between upper and lower must vary along {along}, because otherwise its minima are lines "
+                    f"instead of points; press {across} of both as profiles, or use half_space"
                 )
     return Candidates(core, curvature, tuple(filter(None, map(measured_source, (upper, lower)))))
 
@@ -170,7 +170,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return candidates, if they are given instead of two surfaces, and the contact model."""
+    """Return the candidates, if given instead of two surfaces, and the contact model."""
     if not isinstance(upper, Candidates):
         return None, model_for_pair(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:
@@ -178,9 +178,7 @@ def candidates_and_model(
     model = make_model(contact)
     for name, expected in (("detection", "gap-minimum"), ("curvature", upper.curvature)):
         if getattr(model, name) not in (None, expected):
-            raise ValueError(
-                f"{name} must be equal to the value for the candidates, {expected!r}, got {getattr(model, name)!r}"
-            )
+            raise ValueError(f"{name} must be {expected!r}, as for the candidates, got {getattr(model, name)!r}")
     model = replace(model, detection="gap-minimum", curvature=upper.curvature)
     areal = isinstance(upper.core, stiction._core.ArealCandidates)
     return upper, model.for_surfaces() if areal else model.for_profiles()

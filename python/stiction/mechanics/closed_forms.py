@@ -1,4 +1,4 @@
-"""Exact solutions for single contacts and sinusoidal surfaces, which also serve as references in tests.
+"""Exact solutions for single contacts and sinusoidal surfaces, which also serve as test references.
 
 The module uses plain NumPy and is independent of the core. All arguments broadcast.
 """
@@ -17,7 +17,7 @@ from stiction.mechanics.friction import check_shear_strength, friction_parameter
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import Sliding
 
-# Number of bisections, which determine the logarithm of an aspect ratio to the last bit.
+# Number of bisections. It determines the logarithm of an aspect ratio to the last bit.
 _BISECTIONS = 64
 _SLOPE_TOLERANCE = 1e-9  # relative tolerance by which the rms slope may exceed the rms gradient
 # Standard deviation of slopes below which two terms of a series are exact to the last bit.
@@ -28,7 +28,7 @@ _R = TypeVar("_R")
 
 
 def check_positive(**arguments: ArrayLike) -> list[Floats]:
-    """Check that all arguments are above 0, and return them as arrays."""
+    """Check that all arguments are positive, and return them as arrays."""
     arrays = []
     for name, values in arguments.items():
         array = float_array(name, values)
@@ -39,16 +39,17 @@ def check_positive(**arguments: ArrayLike) -> list[Floats]:
 
 
 def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Wrap a function so that it raises a `ValueError` if an intermediate or final number exceeds double precision."""
+    """Wrap a function so that it raises a `ValueError` if a number exceeds double precision."""
 
     @functools.wraps(function)
     def checked(*args: _P.args, **kwargs: _P.kwargs) -> _R:
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
                 return function(*args, **kwargs)
-        except ArithmeticError:  # NumPy's FloatingPointError is also an ArithmeticError
+        except ArithmeticError:  # includes NumPy's FloatingPointError
             raise ValueError(
-                f"{function.__name__} exceeds the range of double precision; its arguments must be less extreme"
+                f"arguments of {function.__name__} must be less extreme, because a number exceeds the range of double "
+                "precision"
             ) from None
 
     return checked
@@ -108,9 +109,9 @@ def effective_modulus(
     """
     if isinstance(young_upper, Material) or isinstance(poisson_upper, Material):
         if not (isinstance(young_upper, Material) and isinstance(poisson_upper, Material)):
-            raise ValueError("effective_modulus requires either two materials, or two moduli and two ratios")
+            raise ValueError("effective_modulus requires two materials, or two moduli and two Poisson's ratios")
         if young_lower is not None or poisson_lower is not None:
-            raise ValueError("effective_modulus accepts no other arguments if two materials are given")
+            raise ValueError("effective_modulus must have no other arguments if two materials are given")
         return 1 / (1 / young_upper.plane_strain_modulus + 1 / poisson_upper.plane_strain_modulus)
     upper, lower = check_positive(young_upper=young_upper, young_lower=young_lower)
     ratios = []
@@ -400,7 +401,7 @@ def maugis_dugdale(
                 outer -= 1
             if (
                 _maugis_solution(outer, strength)[1] < force / unit
-            ):  # the difference between the two radii is lost in round-off
+            ):  # round-off hides the difference between the two radii
                 raise ArithmeticError
             result = brentq(lambda x, s=strength, f=force / unit: _maugis_solution(x, s)[1] - f, outer, least.x)
             radii[position] = _maugis_solution(result, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
@@ -408,7 +409,7 @@ def maugis_dugdale(
 
 
 def _maugis_solution(logarithm: float, strength: float) -> tuple[float, float]:
-    """Return radius and load in Maugis' units.
+    """Return the contact radius and the load in Maugis's dimensionless units.
 
     The argument is the logarithm of m - 1, where m is the ratio of the radii of attraction and contact.
     """
@@ -475,7 +476,7 @@ def fuller_tabor(
     left = np.empty(parameter.shape)
     for position in np.ndindex(left.shape):
         spread = float(parameter[position])
-        # Quantities are relative to the contact radius at zero load, to the load 3/2 π w R, and to the height δ.
+        # Lengths are relative to the contact radius at zero load or to the height δ; loads are relative to 3/2 π w R.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * spread), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
@@ -716,7 +717,7 @@ def slope_friction(
     theta = float_array("slope_angle", slope_angle)
     mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
     if not ((theta >= 0) & (theta < np.pi / 2)).all():
-        raise ValueError(f"slope_angle must be from 0 to below pi/2 rad, got {slope_angle!r}")
+        raise ValueError(f"slope_angle must be at least 0 and below pi/2 rad, got {slope_angle!r}")
     if mean_pressure is not None:
         mu = mu + tau / check_positive(mean_pressure=mean_pressure)[0]
     elif (tau > 0).any():
@@ -775,7 +776,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 
 
 def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
-    """Return the pressure of `hardness_under_shear` for arguments that are already checked."""
+    """Return the pressure of `hardness_under_shear` for checked arguments."""
     shear = alpha * (mu0 * tau0)
     excess = np.square(hardness) - alpha * tau0**2  # not above 0 at seizure
     with np.errstate(invalid="ignore"):
@@ -785,7 +786,7 @@ def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Flo
 
 @reject_overflow
 def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Compute the friction coefficient, after junction growth, if all contacts yield.
+    """Compute the friction coefficient after junction growth if all contacts yield.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Normal and tangential load from contact sums: F = elastic + mu0 · frictional + tau0 · adhesive.
+"""Normal and tangential loads from contact sums: F = elastic + mu0 · frictional + tau0 · adhesive.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 """
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure"]
 """Status of a point: "ok" if the point has a friction coefficient, otherwise the reason why it has none."""
 
-# the order of the statuses must not change, because files contain their numbers
+# the order of the statuses must not change, because files store their numbers
 STATUSES: tuple[Status, ...] = get_args(Status)
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
@@ -45,7 +45,7 @@ SHEAR_STRENGTH_LIMIT = 0.1
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sums:
-    """Sums over contacts that determine the normal and tangential load for any mu0 and tau0, as equal arrays."""
+    """Sums over contacts (arrays of equal shape) that determine the normal and tangential load for any mu0 and tau0."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -62,7 +62,7 @@ class Sums:
 
     @classmethod
     def from_columns(cls, columns: Mapping[str, Any]) -> Sums:
-        """Create the sums from a mapping that contains all sums by name, such as the variables of a dataset."""
+        """Create the sums from a mapping of names to arrays, such as the variables of a dataset."""
         return Sums(**{name: columns[name] for name in SUMS})
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> Sums:
@@ -107,7 +107,7 @@ class Validity(TextRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Indicators of the validity of the model on surfaces, with three indicators in addition to those of `Validity`.
+    """Indicators of the validity of the model on surfaces: those of `Validity` and three more.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -161,7 +161,7 @@ def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Float
 
 
 def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Compute the normal and the tangential load (mN), with shape (..., mu0, tau0), from sums of shape (...)."""
+    """Compute the normal and the tangential load (mN) from sums (...), with shape (..., mu0, tau0)."""
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in SIX_SUMS}
     mu0 = mu0[:, np.newaxis]
     return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)
@@ -188,7 +188,7 @@ class FrictionCurve(PlotRepr):
         return compute_load("tangential", self, *self._parameters(mu0, tau0))
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return F_T / F_N, which is NaN unless the status is "ok", with shape and arguments as for `normal_load`."""
+        """Return F_T / F_N (NaN unless the status is "ok"), with shape and arguments as for `normal_load`."""
         parameters = self._parameters(mu0, tau0)
         normal, tangential = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
         ok = status_at(self.contact_count, normal) == STATUS_OK
@@ -201,7 +201,7 @@ class FrictionCurve(PlotRepr):
         return status_at(self.contact_count, normal)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
-        """Draw the real contact area or, with a mu0, the friction coefficients as functions of the load.
+        """Draw the real contact area or, if mu0 is given, the friction coefficient as a function of the load.
 
         mu0 and tau0 (GPa) are as for `normal_load`. Draws into given axes or new ones, and returns them.
         """
@@ -215,7 +215,7 @@ class FrictionCurve(PlotRepr):
         strengths = friction_parameter("tau0", tau0)
         check_shear_strength(strengths, self.effective_modulus)
         materials = np.broadcast_arrays(friction_parameter("mu0", mu0), strengths)
-        # New axes precede the axes of the sums, which are steps, or directions and steps.
+        # New axes precede the axes of the sums (steps, or directions and steps).
         axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return materials[0][axes], materials[1][axes]
 
@@ -223,7 +223,7 @@ class FrictionCurve(PlotRepr):
 def combine_status(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Combine boolean conditions, which broadcast, into the statuses of curves, ensembles or members.
+    """Combine boolean conditions, which are broadcast, into the statuses of curves, ensembles or members.
 
     `locked` refers to the last step. `below` means that the first step already supports more than the load.
     """
@@ -240,7 +240,7 @@ def combine_status(
 
 
 def status_at(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return the status at an approach, which, unlike a load, is always reached."""
+    """Return the status at an approach. Unlike a load, an approach is always reached."""
     return combine_status(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 

@@ -1,4 +1,4 @@
-"""Contact of two rough surfaces as a single elastic half-space: boundary-element solution, and friction from it.
+"""Half-space contact of two rough surfaces: boundary-element solution, and the resulting friction.
 
 For small slopes, two elastic bodies in frictionless contact are equivalent to one gap over a half-space of modulus E*.
 Friction from half-space pressures and local slopes: Karpenko & Akay, Tribology International 34 (2001) 531.
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution, Problem, StepKind
     from stiction.mechanics.patches import PatchSums
 
-# The solver is imported where it is needed, because it imports SciPy, which takes longer than all other imports.
+# The solver is imported on demand, because it imports SciPy, which takes longer than all other imports.
 
 Boundary = Literal["free", "periodic"]
 Tilt = Literal["fixed", "free"]
@@ -39,18 +39,19 @@ Tilt = Literal["fixed", "free"]
 ADHESION_RANGE = 5e-4
 """Default decay length (µm) of the attraction between solids: one to two atomic distances."""
 
-# Minimum number of points in the process zone E* ρ²/w at an edge, below which the result depends on the grid.
+# Minimum number of grid points in the process zone E* ρ²/w at an edge.
+# With fewer points, the result depends on the grid.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 
 def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
-    """Return the smallest range (µm) that a grid resolves, from work of adhesion (mN/µm), spacing (µm) and E* (GPa)."""
+    """Return the smallest adhesion range (µm) that a grid resolves, from w (mN/µm), spacing (µm) and E* (GPa)."""
     return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotRepr):
-    """Contact of two surfaces at one load, as arrays on the grid. All arrays are read-only.
+    """Contact of two surfaces at one load, as read-only arrays on the grid.
 
     Attributes
     ----------
@@ -91,7 +92,7 @@ class HalfSpaceContact(PlotRepr):
     spacing: tuple[float, ...] = field(metadata={"unit": "µm"})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the pressure above the heights of the lower surface, as a map or as a function of x.
+        """Draw the pressure above the heights of the lower surface, as a map or as a profile along x.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -102,7 +103,7 @@ class HalfSpaceContact(PlotRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceCurve(FrictionCurve):
-    """Half-space contact of two surfaces at each load, for every mu0 and tau0. All arrays are read-only.
+    """Half-space contact of two surfaces at each load, for any mu0 and tau0. All arrays are read-only.
 
     The sums are over points under pressure, analogous to those of `LoadCurve` over asperities: n is the normal of the
     deformed interface at a point, t the tangent, s the direction. A patch opposes if its force on the upper surface
@@ -178,7 +179,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off(self) -> float:
-        """Largest tension (mN) that the surfaces support, starting from the contact at the smallest load.
+        """Largest tension (mN) that the surfaces support when they are pulled apart from the smallest load.
 
         The force is computed on first use. The surfaces separate under a tension that is 1 % larger. If separation is
         not certain, a warning contains "at least", and `pull_off_is_bound` is True.
@@ -195,7 +196,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Return `pull_off` (mN) and `pull_off_is_bound` without a warning."""
+        """Return `pull_off` (mN) and `pull_off_is_bound` without issuing a warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._apart[0][-1].load, bool(self._apart[1])
@@ -207,7 +208,7 @@ class HalfSpaceCurve(FrictionCurve):
         Raises a `ValueError` without adhesion.
         """
         if self.work_of_adhesion == 0:
-            raise ValueError("parting requires adhesion; give half_space a work_of_adhesion above 0")
+            raise ValueError("parting requires adhesion; pass half_space a work_of_adhesion above 0")
         return _make_curve(self._problem, self._model, self._apart[0], self._tolerance)
 
     @cached_property
@@ -232,7 +233,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """(k,) stiffness dF/dδ (mN/µm) with constant contact points; infinite at full contact of periodic surfaces.
+        """Stiffness dF/dδ (mN/µm) with constant contact points (k,); infinite at full contact of periodic surfaces.
 
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
         computed on first use.
@@ -241,7 +242,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """(k,) derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, in first loading.
+        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, in first loading (k,).
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -249,7 +250,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def tilt(self) -> Floats:
-        """(k, 2) slopes along y and x by which the upper surface is rotated; (k, 1) for lines.
+        """Slopes along y and x by which the upper surface is rotated (k, 2), or the slope along x for lines (k, 1).
 
         The slopes are 0 if the tilt is fixed.
         """
@@ -259,7 +260,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def unloading_stiffness(self) -> Floats:
-        """(k,) stiffness dF/dδ during unloading (ultrasonic stiffness), mN/µm.
+        """Stiffness dF/dδ (mN/µm) during unloading (ultrasonic stiffness) (k,).
 
         Yielded points respond elastically as well.
 
@@ -298,7 +299,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def hardness(self) -> float | None:
-        """Largest possible pressure, GPa; None if the bodies do not yield."""
+        """Largest possible pressure (GPa), or None if the bodies do not yield."""
         return self._problem.hardness
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
@@ -505,7 +506,7 @@ def half_space(
         problem = _with_adhesion(problem, work, length, float(model.effective_modulus))
     if tilt == "free":
         if boundary == "periodic" or work > 0 or approaches is not None:
-            raise ValueError("tilt must be 'fixed' except for loads of free bodies without adhesion, got 'free'")
+            raise ValueError("tilt must be 'fixed' for periodic surfaces, for approaches and with adhesion, got 'free'")
         problem = replace(problem, turns=True)
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
     loads = loads_to_core_units("loads", loads, problem.area)
@@ -542,7 +543,7 @@ def _solve(
 
 
 def _with_adhesion(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
-    """Add adhesion (mN/µm) with a range (µm) to a problem. Warn if the grid requires a longer range."""
+    """Add adhesion (mN/µm) with a range (µm) to a problem, and warn if the grid requires a longer range."""
     smallest = resolved_range(work, max(problem.spacing), effective_modulus)
     if smallest > length:
         warnings.warn(
@@ -553,8 +554,8 @@ def _with_adhesion(problem: Problem, work: float, length: float, effective_modul
     length = max(smallest, length)
     if problem.hardness is not None and not work / length < problem.hardness:
         raise ValueError(
-            f"hardness must be above the attraction in contact, {work / length:.3g} GPa (work_of_adhesion over "
-            f"adhesion_range), because the surfaces would yield without a load, got {problem.hardness!r}"
+            f"hardness must be above {work / length:.3g} GPa, the attraction in contact (work_of_adhesion over "
+            f"adhesion_range), got {problem.hardness!r}, because the surfaces would otherwise yield without a load"
         )
     return replace(problem, work_of_adhesion=work, adhesion_range=length)
 
@@ -582,7 +583,7 @@ def _sum_patches(
 
 
 def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """Stack rows to arrays of shape (k,), or (d, k) if they depend on several directions."""
+    """Stack rows into arrays of shape (k,), or (d, k) for quantities that depend on several directions."""
     columns = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows])
@@ -595,7 +596,7 @@ def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str,
 def solve_separately(
     solve: Callable[[Floats], HalfSpaceCurve], loads: Floats
 ) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
-    """Solve all loads together or, if this fails, each load separately.
+    """Solve all loads together or, if this fails, solve each load separately.
 
     Returns the curves and the indices of the solved loads.
     """
@@ -612,7 +613,7 @@ def solve_separately(
 
 
 def solve_at_no_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
-    """Return the contact of adhering surfaces at zero load; None if there is no solution."""
+    """Return the contact of adhering surfaces at zero load, or None if there is no solution."""
     try:
         return solve(np.zeros(1))
     except RuntimeError:

@@ -28,10 +28,10 @@ MAX_CACHED_POINTS = 2**20
 Computing the kernels takes a quarter of the time of a free solution.
 """
 
-# Displacement of an edge due to the tilt in a linear response, as a fraction of the displacement under the load.
+# Displacement of an edge due to the tilt in a linear response, relative to the displacement under the load.
 TILT_FRACTION = 0.01
 RESPONSE_TOLERANCE = 1e-7  # tolerance of linear responses
-# Upper bound of the pressure in linear responses to a mean pressure of 1, large enough for coarse grids.
+# Upper bound of the pressure in linear responses to a mean pressure of 1. It is large enough for coarse grids.
 RESPONSE_BOUND = 1e9
 MAX_CELL_RATIO = 1e6  # largest ratio of the sides of a grid cell
 
@@ -45,7 +45,7 @@ _uniform: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.Weak
 def get_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    """Return the grids of a problem with their kernels, which problems share as long as one of them is in use."""
+    """Return the grids of a problem with their kernels. Problems share the grids as long as one of them uses them."""
     key = shape, spacing, effective_modulus, periodic
     grids = _grids_by_key.get(key)
     if grids is None:
@@ -62,19 +62,19 @@ def _unpickle_grids(
     return get_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Copied grids, and grids of curves from another process, recompute their kernels if this process does not have them.
+# Copied grids and grids from another process recompute their kernels if this process does not have them.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
 
 
 def threads() -> int:
-    """Return the number of threads for a solution, as set by `scipy.fft.set_workers`."""
+    """Return the number of threads for a solution, as configured by `scipy.fft.set_workers`."""
     fft = sys.modules.get("scipy.fft")
     return 1 if fft is None else int(fft.get_workers())
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Heights and gap (µm, minimum 0) of two surfaces, with the conditions of their contact, in core units."""
+    """Two surfaces with heights and gap (µm, minimum 0), and the conditions of their contact, in core units."""
 
     upper: Floats
     lower: Floats
@@ -85,8 +85,10 @@ class Problem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    missing: NDArray[np.bool_] | None = None  # mask of points without a height in either surface, which make no contact
-    tilt: Floats | float = 0.0  # rotation of the upper surface about its centre, as slopes along y and x, or along x
+    # mask of points that lack a height in at least one surface, and so make no contact
+    missing: NDArray[np.bool_] | None = None
+    # slopes along y and x, or along x, by which the upper surface is rotated about its centre
+    tilt: Floats | float = 0.0
     turns: bool = False  # True if the upper surface rotates until the resultant force acts at the centre
 
     @property
@@ -101,12 +103,12 @@ class Problem:
 
     @cached_property
     def area(self) -> float:
-        """Nominal area of the points that were measured in both surfaces, µm²."""
+        """Nominal area (µm²) of the points that were measured on both surfaces."""
         return self.cell * (self.gap.size - (0 if self.missing is None else int(self.missing.sum())))
 
     @property
     def has_approach(self) -> bool:
-        """True if points far away have a finite displacement, which is not the case on a free half-plane."""
+        """True if distant points have a finite displacement, which is not the case on a free half-plane."""
         return self.periodic or len(self.spacing) == 2
 
     @property
@@ -116,7 +118,7 @@ class Problem:
 
     @cached_property
     def even(self) -> Floats:
-        """Displacement under a uniform pressure of 1 GPa on the measured points, µm.
+        """Displacement (µm) under a uniform pressure of 1 GPa on the measured points.
 
         It is 0 for complete periodic surfaces.
         """
@@ -128,7 +130,7 @@ class Problem:
 
     @cached_property
     def slope(self) -> list[Floats]:
-        """Slopes of the deformed interface at every point, along y and x, or along x."""
+        """Slopes of the deformed interface at every point, along y and x for maps, and along x for profiles."""
         fraction = self.compliance_share
         interface = (1 - fraction) * self.lower + fraction * self.upper
         return [along.ravel() for along in slopes(interface, self.spacing, periodic=self.periodic)]
@@ -136,7 +138,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """Contact at one load (mN), with pressure (GPa), contact fraction of the cell, and patch number of each point."""
+    """Contact at one load (mN): pressure (GPa), contact fraction of the cell, and patch number of each point."""
 
     problem: Problem
     load: float
@@ -162,19 +164,19 @@ class ContactSolution:
         return self.approach - displacement * cell / self.problem.area
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return an array over the grid with values at the points, and 0 elsewhere."""
+        """Return a grid array with the values at the points in contact, and 0 elsewhere."""
         grid = np.zeros(self.problem.gap.size, values.dtype)
         grid[self.points] = values
         return grid.reshape(self.problem.gap.shape)
 
     def sums(self, directions: Floats) -> PatchSums:
-        """Compute the sums over each patch for horizontal unit vectors `directions`, (m, 2)."""
+        """Compute the sums over each patch for horizontal unit vectors (m, 2)."""
         problem = self.problem
         slope = [along[self.points] for along in problem.slope]
         return patch_sums(self.values * problem.cell, self.share * problem.cell, slope, self.patch, directions)
 
     def row(self) -> dict[str, Any]:
-        """Return the results that do not depend on friction, which form one row of a curve."""
+        """Return the results that do not depend on friction; they form one row of a curve."""
         capped = self.values == self.problem.hardness
         return {
             "load": self.load,
@@ -211,7 +213,7 @@ class ContactSolution:
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Stiffness dp/dc (GPa/µm) with constant contact points, from nominal pressure and closure.
+        """Stiffness dp/dc (GPa/µm) of nominal pressure over closure, with constant contact points.
 
         The stiffness is infinite at full contact.
         """
@@ -229,7 +231,7 @@ class ContactSolution:
         return self._compute_response(self.free)
 
     def _compute_response(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (GPa) with a sum of 1 that displace the free points rigidly, and the displacement."""
+        """Return pressures (GPa) with a sum of 1 that displace all free points equally, and the displacement."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free), threads=threads())
         return TiltResponse.solve(self.problem, self.on_grid(free)).to_load()
@@ -242,14 +244,14 @@ class ContactSolution:
         return problem.cell / compliance if compliance > 0 else np.inf
 
 
-MAX_GAP_RATIO = 1e6  # Largest ratio of the gap to the length, because the half-space model assumes slopes far below 1.
+MAX_GAP_RATIO = 1e6  # largest ratio of the gap to the length; the model assumes slopes far below 1
 
 
 def make_problem(
     upper: Profile | Surface, lower: Profile | Surface, effective_modulus: float, *, periodic: bool,
     compliance_share: float, hardness: float | None,
 ) -> Problem:  # fmt: skip
-    """Create the problem of two surfaces on the same grid, for arguments that have been checked."""
+    """Create the contact problem of two surfaces on the same grid from checked arguments."""
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(
             f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
@@ -258,8 +260,8 @@ def make_problem(
     cell = float(np.prod(spacing))
     if not (np.finfo(np.float64).tiny <= cell < np.inf and max(spacing) <= MAX_CELL_RATIO * min(spacing)):
         raise ValueError(
-            f"spacing must give cells of {np.finfo(np.float64).tiny:.0e} µm² or more whose sides differ by a factor of "
-            f"at most {MAX_CELL_RATIO:g}, got {upper.spacing!r} µm"
+            f"spacing must give cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
+            f"factor of at most {MAX_CELL_RATIO:g}, got {upper.spacing!r} µm"
         )
     gap, missing = upper.heights - lower.heights, combine_missing(upper, lower)
     gap -= gap.min() if missing is None else gap[~missing].min()
@@ -275,7 +277,7 @@ StepKind = Literal["loads", "approaches"]
 
 
 def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | None) -> tuple[StepKind, Floats]:
-    """Check loads or approaches, and return which of them is given, and the values."""
+    """Check the loads or approaches, and return their kind and their values."""
     name: StepKind = "loads" if approaches is None else "approaches"
     given = loads if approaches is None else approaches
     if given is None or (loads is not None and approaches is not None):
@@ -283,7 +285,7 @@ def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike
     steps = float_array(name, given, ndim=1)
     if problem.work_of_adhesion > 0:
         if name == "approaches":
-            raise ValueError("approaches require surfaces without adhesion; give loads")
+            raise ValueError("approaches must not be given for surfaces with adhesion; give loads instead")
         if not (steps.size > 0 and len(set(np.sign(np.diff(steps)))) <= 1 and np.diff(steps).all()):
             raise ValueError(f"loads must be strictly increasing or strictly decreasing, got {loads!r}")
     elif not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
@@ -296,16 +298,23 @@ def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike
             raise ValueError(f"loads must be below hardness times area, {largest:g} mN, got {loads!r}")
         return name, steps
     if hardness is not None:
-        raise ValueError(f"approaches require surfaces without hardness; give loads, got hardness={hardness!r}")
+        raise ValueError(
+            f"approaches must not be given for surfaces with a hardness, got hardness={hardness!r}; give loads instead"
+        )
     if not problem.has_approach:
-        raise ValueError("approaches do not exist on a free half-plane; give loads, or boundary='periodic'")
+        raise ValueError(
+            "approaches must not be given on a free half-plane, because it has no finite approach; give loads, or "
+            "use boundary='periodic'"
+        )
     if problem.periodic and not steps[-1] < gap.mean():
-        raise ValueError(f"approaches must be below {gap.mean():g} µm, where all points touch, got {approaches!r}")
+        raise ValueError(
+            f"approaches must be below {gap.mean():g} µm, at which all points are in contact, got {approaches!r}"
+        )
     return name, steps
 
 
 def lever_arms(problem: Problem) -> list[Floats]:
-    """Return the distances (µm) of the points from the centre of the measured points along each axis.
+    """Return the distances (µm) of the grid points from the centre of the measured points along each axis.
 
     Each array has a shape for broadcasting over the grid.
     """
@@ -320,13 +329,13 @@ def lever_arms(problem: Problem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Linear responses, with constant contact points, to a mean load of 1 GPa and to slopes of the upper surface."""
+    """Linear responses to a mean load of 1 GPa and to slopes of the upper surface, with constant contact points."""
 
     pressure: Floats  # pressure under the load, GPa
     approach: float  # µm
     moments: Floats  # (n,) moments under the load, GPa µm
     slope_pressures: list[Floats]  # pressure per unit slope at constant load, GPa, for each axis
-    turning: Floats  # (n, n) moments by slope and axis, which are negative definite except for single points
+    turning: Floats  # (n, n) moments by slope and axis, a negative definite matrix except for single points
 
     @classmethod
     def solve(cls, problem: Problem, free: NDArray[np.bool_]) -> TiltResponse:
@@ -366,7 +375,7 @@ def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
 
 
 class Solver:
-    """Solver of a problem for loads (mN) or approaches (µm) up to a maximum. Missing points cannot touch."""
+    """Solver of a problem for loads (mN) or approaches (µm) up to a maximum. Missing points never touch."""
 
     def __init__(
         self, problem: Problem, name: StepKind, limit: float, *, tolerance: float,
@@ -376,8 +385,8 @@ class Solver:
         bound = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Missing points are assigned a gap that never closes. They increase the standard deviation of the gap, to
-            # which the solver's tolerance refers, so the tolerance is rescaled.
+            # Missing points receive a gap that never closes.
+            # This increases the standard deviation of the gap, so the solver's tolerance is rescaled.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)
@@ -393,7 +402,7 @@ class Solver:
         solve = self._core.at if loads else self._core.at_approach
         solution = solve(value, near=near, threads=threads(), progress=self.report)
         if problem.missing is not None and solution.pressure.reshape(problem.gap.shape)[problem.missing].any():
-            raise RuntimeError(f"no solution at {step:g}: missing points would touch")
+            raise RuntimeError(f"no solution at {step:g}: missing points would come into contact")
         if not solution.error * self.scale <= self.tolerance:
             raise RuntimeError(
                 f"no solution at {step:g} {'mN' if loads else 'µm'}: "
@@ -420,7 +429,7 @@ class State:
 
     @property
     def held(self) -> float:
-        """Mean attraction over the points of the grid, GPa."""
+        """Mean attraction over the grid points, GPa."""
         return self.contact - self.load
 
 
@@ -428,7 +437,7 @@ def to_contact_solution(
     problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a solution to the contact at a load (mN), by default the load of its pressures."""
+    """Convert a solution to the contact at a load (mN). The default is the load of its pressures."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     patches: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)

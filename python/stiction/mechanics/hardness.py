@@ -1,4 +1,4 @@
-"""Real contact area per load as a function of hardness, interpolated between the hardnesses of solved contacts.
+"""Interpolation of real contact area per load between the hardnesses of solved contacts.
 
 With the elastic mean pressure p, (A/F)^m = H^-m + p^-m contains both limits: the plastic area F/H and the elastic area.
 For self-affine surfaces (Hurst exponents 0.5 and 0.8, p from 0.17 to 2.9 GPa, H from 0.23 to 1.7 GPa), m was 3.2
@@ -59,7 +59,7 @@ def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
 
 
 def _piecewise_linear(x: Floats, nodes: Floats, values: Floats) -> Floats:
-    """Interpolate values (..., n) over increasing nodes (n,) at x (h,), constant beyond the nodes.
+    """Interpolate values (..., n) over increasing nodes (n,) at x (h,); they are constant beyond the nodes.
 
     A sum over the changes of the slope is faster than a search for the panel of each x.
     """

@@ -1,4 +1,4 @@
-"""Contact laws, which define the force and the area of a single asperity contact.
+"""Contact laws: the force and the area of a single asperity contact.
 
 A law is a frozen dataclass whose fields are its parameters with their units. The class determines the name of the law
 and its table in a study file. The core has a law with the same name and parameters. The effective modulus is common to
@@ -16,7 +16,7 @@ from stiction._checks import check_choice, number
 
 
 def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
-    """Return a dataclass field for a parameter of a law, with its unit ("µm", "GPa" or none) and inclusive limits.
+    """Return a dataclass field for a parameter of a law with its unit ("µm", "GPa" or none) and its limits.
 
     Parameters without limits must be above 0.
     """
@@ -25,12 +25,12 @@ def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, 
 
 @dataclass(frozen=True)
 class Law:
-    """Force and area of one contact. Each law is a subclass that is listed in `LAWS`."""
+    """Force and area of one contact: base class of the contact laws, which are listed in `LAWS`."""
 
     name: ClassVar[str]
 
     def __init_subclass__(cls) -> None:
-        """Derive the name of the law from its class: JacksonGreen becomes "jackson-green"."""
+        """Derive the name of a law from its class; for example, JacksonGreen becomes "jackson-green"."""
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__).lower()
 
     def parameters(self, effective_modulus: float) -> dict[str, float]:
@@ -112,7 +112,7 @@ class JacksonGreen(Law):
 
 
 LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all laws
-# laws without required parameters, which can be given by their names
+# laws without required parameters, which can be specified by name
 LawName = Literal["hertz-sphere", "hertz-cylinder"]
 LAWS_BY_NAME: dict[str, Law] = {
     law.name: law() for law in LAWS if all(item.default is not MISSING for item in fields(law))
@@ -120,12 +120,12 @@ LAWS_BY_NAME: dict[str, Law] = {
 
 
 def as_law(law: Law | LawName) -> Law:
-    """Return a law unchanged, or return the law with a given name. Raises a `ValueError` for anything else."""
+    """Return a law, given as an object or by its name. Raises a `ValueError` for anything else."""
     if isinstance(law, str):
         check_choice("law", law, LawName)
         return LAWS_BY_NAME[law]
     if not isinstance(law, Law):
-        raise ValueError(f"law must be a contact law or the name of one, got {law!r}")
+        raise ValueError(f"law must be a contact law or the name of a contact law, got {law!r}")
     return law
 
 

@@ -40,14 +40,14 @@ class CurveInputs:
     model: ContactModel
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling, without candidates, which are objects of the core."""
+        """Return the state for pickling, without the candidates, because objects of the core cannot be pickled."""
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
-        """Return all contacts at an approach, which do not depend on the direction."""
+        """Return all contacts at an approach. They do not depend on the direction."""
         if not self.bodies:
             raise ValueError(
-                "the onset of a curve from another process needs its candidates: press the candidates again"
+                "candidates of a curve from another process must be pressed again before its onset is computed"
             )
         all_contacts: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
         return all_contacts
@@ -55,7 +55,7 @@ class CurveInputs:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class LoadCurve(FrictionCurve, Sums):
-    """Loads and area of a pair at each approach, for every mu0 and tau0. All arrays are read-only.
+    """Loads and contact area of a pair at each approach, for any mu0 and tau0. All arrays are read-only.
 
     Normal and tangential load are linear in the molecular friction coefficient mu0 and the adhesive shear strength
     tau0, so six sums over the contacts determine both. n is the contact normal, t the tangent, s the direction in which
@@ -106,7 +106,7 @@ class LoadCurve(FrictionCurve, Sums):
         steps: int | Sequence[float] = 20, displacements: ArrayLike | None = None,
         poisson: float | Sequence[float] = 0.3, compliance_share: float = 0.5,
     ) -> Onset:  # fmt: skip
-        """Compute the onset of sliding at `approach[index]` by Mindlin's solution for each contact; see `Onset`.
+        """Compute the onset of sliding at `approach[index]` with Mindlin's solution for each contact; see `Onset`.
 
         Parameters
         ----------
@@ -138,13 +138,13 @@ class LoadCurve(FrictionCurve, Sums):
 
     @property
     def validity(self) -> Validity:
-        """Indicators of the validity of the model at each approach, as arrays of shape (k,)."""
+        """Indicators of the validity of the model at each approach (k,)."""
         return Validity.from_sums(self)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class SurfaceLoadCurve(LoadCurve):
-    """Loads and area of two surfaces at each approach, for every mu0 and tau0 and for one or more directions.
+    """Loads and contact area of two surfaces at each approach, for any mu0 and tau0 and in any direction.
 
     Extends `LoadCurve`. If several directions are given, the tangential and lateral sums, and the normal sums per mu0
     and tau0, have the shape (m, k); loads and coefficients have the shape of (mu0, tau0) + (m, k).
@@ -185,7 +185,7 @@ class SurfaceLoadCurve(LoadCurve):
 
     @property
     def validity(self) -> SurfaceValidity:
-        """Indicators of the validity of the model at each approach, as arrays of shape (k,)."""
+        """Indicators of the validity of the model at each approach (k,)."""
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
@@ -274,7 +274,9 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     points, model = candidates_and_model(upper, lower, contact)
     if points is not None and lower is not None:
         if approaches is not None:
-            raise ValueError("candidates replace both surfaces: press(candidates, approaches) takes no lower surface")
+            raise ValueError(
+                "press must not have a lower surface if candidates are given, as in press(candidates, approaches)"
+            )
         approaches = lower
     given = [approaches] if isinstance(approaches, str) else approaches
     steps = float_array("approaches", to_core_units("approaches", given, "length"), ndim=1)

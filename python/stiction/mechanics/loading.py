@@ -1,4 +1,4 @@
-"""Load-controlled contact: the approach of two surfaces at given normal loads."""
+"""Contact under load control: the approach of two surfaces at given normal loads."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, 
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Smallest sampled approach as a fraction of the range of the gap. At smaller approaches, a single contact bears the
-# load.
+# Smallest sampled approach as a fraction of the range of the gap.
+# At smaller approaches, one contact bears the whole load.
 _MIN_APPROACH_RATIO = 1e-6
 # Ratio of successive sampled approaches. A load that is crossed twice within one step may be missed.
 _APPROACH_RATIO = 1.1
-# Number of approaches in a chunk. After each chunk, sampling ends if all loads are reached, because larger approaches
-# cost more.
+# Number of approaches in a chunk.
+# Sampling ends with the chunk in which all loads are reached, because larger approaches cost more.
 _CHUNK_STEPS = 16
 # Ratio of the depth of the candidate search to the requested depth.
 _DEPTH_MARGIN = 5.0
@@ -100,7 +100,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces that is evaluated repeatedly, with cached gap minima."""
+    """Pair of surfaces for repeated evaluation, with cached gap minima."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -108,7 +108,7 @@ class SurfacePair:
         self._found: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> Sums:
-        """Return the same sums as `press`, with or without cached minima."""
+        """Return the same sums as the function `press`, with or without cached minima."""
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()
@@ -117,14 +117,14 @@ class SurfacePair:
     def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
-        """Find approaches at given loads, where F_N is below the loads at `left` and not below them at `right`."""
+        """Find approaches at given loads. F_N is below the loads at `left`, and not below them at `right`."""
         arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
         return np.asarray(self._call_core(stiction._core.approaches_at, float(right.max()), model, arguments))
 
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a core function with both surfaces or, if possible, with their gap minima up to an approach."""
+        """Call a core function with the gap minima up to an approach if possible, and otherwise with both surfaces."""
         model = model_for_pair(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":
@@ -140,7 +140,7 @@ class SurfacePair:
 def find_crossings(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the approaches (l,) that first support loads (l,), and a status: "ok" or the reason for NaN."""
+    """Return the smallest approaches that support loads (l,), and a status: "ok" or the reason for NaN."""
 
     def normal_load(sums: Sums) -> Floats:
         return friction.compute_load("normal", sums, mu0, tau0)
@@ -152,7 +152,7 @@ def find_crossings(
     todo = ~exceeded
     left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     touched = bool(curve.contact_count.any())
-    # Approaches increase in equal ratios until all points touch. Parallel surfaces have no such steps.
+    # Approaches increase by equal ratios until all points touch. This is impossible for parallel surfaces.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)

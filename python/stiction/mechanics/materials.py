@@ -37,7 +37,7 @@ class MaterialValue(float):
     source: str
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
-        """Create a value from the two ends of its range, which must not be negative."""
+        """Create a value from the two ends of its range. The ends must not be negative."""
         middle = low if low == high else math.sqrt(low * high) if low > 0 else high / 2
         value = super().__new__(cls, middle)
         value.low, value.high, value.source = low, high, source
@@ -180,7 +180,7 @@ def materials() -> tuple[Material, ...]:
 
 
 def compliance_fraction(upper: Material, lower: Material) -> float:
-    """Return the fraction of the compliance of a pair that is due to the lower body.
+    """Return the fraction of the compliance of a pair that the lower body contributes.
 
     Parameters
     ----------
@@ -251,13 +251,13 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
 
 
 def softer_material(*bodies: Material) -> Material | None:
-    """Return the material that yields first; None without bodies, or if one of the bodies is an elastomer."""
+    """Return the material that yields first, or None without bodies or if one of the bodies is an elastomer."""
     hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 
 
 def is_name_of(text: str, name: str) -> bool:
-    """Return True if a text is the name of a material in any spelling. Aliases do not count."""
+    """Return True if a text is the name of a material in any spelling, excluding aliases."""
     return _normalise_name(text) == _normalise_name(name)
 
 

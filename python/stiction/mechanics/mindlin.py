@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
-NUM_NODES = 24  # number of nodes of the Gauss-Legendre quadrature, which suffice for a smooth function of an angle
+NUM_NODES = 24  # number of Gauss-Legendre nodes, sufficient for a smooth function of an angle
 
 
 def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
-    """Return E*/E*_t, the ratio of the tangential compliance of two bodies to their normal compliance.
+    """Return E*/E*_t, the ratio of the tangential to the normal compliance of two bodies.
 
     The ratio is the mean of (1 - ν sin²)/(1 - ν) over the angle between the motion and the line to a force (Cerruti;
     Johnson, Contact Mechanics, 1985, eq. 3.75). `across` is the mean of sin²: 1/2 for circles (Mindlin), 1 for line
@@ -43,7 +43,7 @@ def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, 
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Return the stiffness π E* a/K(1 - b²/a²), mN/µm, of elliptic punches with semi-axes (c, 2).
+    """Return the stiffness π E* a/K(1 - b²/a²) (mN/µm) of elliptic punches with semi-axes (c, 2).
 
     The formula is in Johnson (1985), section 3.8.
     """
@@ -53,7 +53,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def load_across(axes: Floats, angle: Floats) -> Floats:
-    """Return the argument `across` of `compliance_ratio` for ellipses.
+    """Return the mean of sin² for elliptic contacts: the argument `across` of `compliance_ratio`.
 
     The angles (rad) are between the motion and the larger axis.
     """
@@ -66,7 +66,7 @@ def load_across(axes: Floats, angle: Floats) -> Floats:
 
 
 class SlidingAsperities:
-    """Tangential problem of parallel asperity contacts. `angle` is the direction of the motion in degrees.
+    """Tangential problem of parallel asperity contacts. `angle` is the direction of motion in degrees.
 
     frictional, adhesive : (c,) ndarray, mN
             mu0 times normal load, and tau0 times area.
@@ -80,11 +80,11 @@ class SlidingAsperities:
     ) -> None:  # fmt: skip
         if isinstance(as_law(model.law), HertzCylinder):
             raise ValueError(
-                "law must not be HertzCylinder for an onset, because line loads displace far points without limit: use "
-                "HertzSphere, or half_space with boundary='periodic'"
+                "law must not be HertzCylinder for an onset, because line loads displace distant points without "
+                "limit; use HertzSphere, or half_space with boundary='periodic'"
             )
         if len(contacts) == 0:
-            raise ValueError("index must select an approach with contact, but there is no contact at this approach")
+            raise ValueError("index must select an approach with contact, got an approach without contact")
         load, area = contacts.force * contacts.normal[:, 2], contacts.area
         relative_angle = np.radians(angle) - np.arctan2(contacts.along[:, 1], contacts.along[:, 0])
         ratio = compliance_ratio(poisson, compliance_share, load_across(contacts.axes, relative_angle))
@@ -97,18 +97,18 @@ class SlidingAsperities:
         self.normal_load = float(load.sum())
         self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
         self.stiffness = float(self.spring.sum())
-        # displacement at which each contact slides completely
+        # displacements at which the contacts slide completely
         self.farthest = 2 * self._strength(np.ones((load.size, 1)))[:, 0] / self.spring
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the state at which all contacts together support a tangential load."""
+        """Return the state in which all contacts together support a tangential load."""
         from scipy.optimize import brentq
 
         del near  # unused, because this solution is not iterative
         end = float(self.farthest.max())
         displacement = end
         if load < self.sliding_load:
-            # The load is a concave function of the displacement, so the initial tangent gives a lower bound.
+            # The load is a concave function of the displacement. The initial tangent therefore gives a lower bound.
             start = min(load / self.stiffness, end)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,
@@ -129,7 +129,7 @@ class SlidingAsperities:
         """Return the dissipated energy: Σ Q (δ - 2 Q/k) over the slipping springs."""
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_NODES)
-        # The integral runs over φ with t = cos φ, from the edge (φ = 0) to the end of the slip zone.
+        # Integrate over φ, where t = cos φ, from the edge (φ = 0) to the end of the slip zone.
         end = np.arcsin(depth)[:, np.newaxis]
         sine = np.sin(0.5 * end * (nodes + 1))
         strength = self._strength(sine)
@@ -137,13 +137,13 @@ class SlidingAsperities:
         return float(((strength * slipped * sine) @ weights * end[:, 0]).sum())
 
     def _strength(self, sine: Floats) -> Floats:
-        """Return the strength Q at t = sqrt(1 - sine²), (c, n): 3/4 mu0 F (1 - t²) plus 2/π tau0 A (1 - t²)^(1/2)."""
+        """Return the strengths 3/4 mu0 F (1 - t²) + 2/π tau0 A (1 - t²)^(1/2) at t = sqrt(1 - sine²), (c, n)."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
 
     def _slip_depth(self, displacement: float) -> Floats:
-        """Return the relative depth of slip of each contact: 0 without slip, and 1 for complete sliding."""
+        """Return the relative slip depth of each contact, from 0 (no slip) to 1 (complete sliding)."""
         square, linear = 1.5 * self.frictional / self.spring, 4 / np.pi * self.adhesive / self.spring
         depth = 2 * displacement / (linear + np.sqrt(linear**2 + 4 * square * displacement))
         return np.asarray(np.where(displacement >= self.farthest, 1.0, np.minimum(depth, 1.0)))
@@ -166,7 +166,7 @@ class SlidingHalfSpace:
         problem = pressed.problem
         self.grids, self.cell, self.moves = problem.grids, problem.cell, problem.has_approach
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # on a profile, tractions are line loads across the motion
+        # tractions on a profile are line loads across the motion
         across = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, across))
         self.points: NDArray[Any] = pressed.points
@@ -208,7 +208,7 @@ class SlidingHalfSpace:
         return self._slip(load, solution.pressure[self.points], solution.approach * self.ratio)
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the dissipated energy: the sum of bound times slip, which does not depend on points far away."""
+        """Return the dissipated energy: the sum of bound times slip. It does not depend on distant points."""
         displacements = self._displacements(slip.traction)
         slips = slip.traction >= self.bound
         sticks = (slip.traction > 0) & ~slips
@@ -224,7 +224,7 @@ class SlidingHalfSpace:
         )  # fmt: skip
 
     def _displacements(self, traction: Floats) -> Floats:
-        """Return the displacements of the points in contact due to tractions, µm."""
+        """Return the displacements (µm) of the points in contact under given tractions."""
         displacements = self.grids.displacement(self._over_grid(traction), threads=threads()) * self.ratio
         return np.asarray(displacements.ravel()[self.points])
 

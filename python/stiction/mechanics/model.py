@@ -1,4 +1,4 @@
-"""Contact model: parameters of a contact calculation, as passed from the study file to the core."""
+"""Contact model: parameters of a contact calculation, passed from the study file to the core."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ Sliding = Literal["opposing", "all"]
 DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus of the paper, GPa
 THICKNESS = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-FLIPPED_STEP = "turned over"  # history step that `flipped` adds
-# largest difference, relative to the range of the heights, at which heights count as equal
+FLIPPED_STEP = "turned over"  # history step that the method `flipped` adds
+# heights count as equal below this difference, relative to their range
 _SAME_HEIGHT_TOLERANCE = 1e-9
 
 
@@ -123,10 +123,12 @@ class ContactModel:
         """Return the model with the defaults for surfaces."""
         if self.detection == "cell":
             raise ValueError(
-                'detection must be "gap-minimum" on surfaces, got "cell": the paper defines "cell" along a line only'
+                'detection must be "gap-minimum" on surfaces, got "cell", which the paper defines only along a line'
             )
         if isinstance(as_law(self.law), HertzCylinder):
-            raise ValueError("law must not be HertzCylinder on surfaces: contacts are ellipses there; use HertzSphere")
+            raise ValueError(
+                "law must not be HertzCylinder on surfaces, because their contacts are ellipses; use HertzSphere"
+            )
         return self._with("gap-minimum", self.curvature or "signed")
 
     def _with(self, detection: Detection, curvature: Curvature) -> ContactModel:
@@ -135,7 +137,7 @@ class ContactModel:
         return replace(self, detection=detection, curvature=curvature)
 
     def core(self) -> stiction._core.ContactModel:
-        """Return the model as an object of the core, which has only the first direction."""
+        """Return the model as an object of the core. This object has only the first direction."""
         return self._core
 
     @cached_property
@@ -152,7 +154,7 @@ class ContactModel:
 
 
 def _parse_angle(direction: Any) -> float:
-    """Return a direction in degrees from +x towards +y, at least 0 and below 360."""
+    """Return a direction in degrees from +x towards +y (0 <= angle < 360)."""
     if isinstance(direction, str):
         if direction not in ("+x", "-x"):
             raise ValueError(f'direction must be "+x", "-x" or an angle in degrees, got {direction!r}')
@@ -161,7 +163,7 @@ def _parse_angle(direction: Any) -> float:
 
 
 def _unit_vector(angle: float) -> tuple[float, float]:
-    """Return the unit vector at an angle, which is exact along the axes."""
+    """Return the unit vector at an angle. It is exact along the axes."""
     quarter, rest = divmod(angle, 90.0)
     x, y = math.cos(math.radians(rest)), math.sin(math.radians(rest))
     return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter) % 4]
@@ -173,7 +175,7 @@ _SURFACE_DEFAULT = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactKeywords(TypedDict, total=False):
-    """Contact model as keyword arguments: a model, and parameters that replace those of the model."""
+    """Contact model as keyword arguments: a model, and parameters that override those of the model."""
 
     model: ContactModel
     effective_modulus: float
@@ -186,15 +188,15 @@ class ContactKeywords(TypedDict, total=False):
 
 
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
-    """Create the contact model from keyword arguments; missing parameters are taken from the default model."""
+    """Create the contact model from keyword arguments. The default model provides missing parameters."""
     changes: dict[str, Any] = dict(keywords)
     model: ContactModel = changes.pop("model", default or _DEFAULT_MODEL)
     check_instance("model", model, ContactModel, "a ContactModel")
     if not changes:
         return model
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
-        raise TypeError(f"unexpected keyword argument {min(unknown)!r}")
-    # `shear` and `direction` exclude each other, so an argument also resets the other parameter of the model.
+        raise TypeError(f"unknown keyword argument {min(unknown)!r}")
+    # `shear` and `direction` exclude each other, so each argument also resets the other parameter of the model.
     if "shear" in changes and changes.get("direction") is None:
         changes["direction"] = None
     elif changes.get("direction") is not None and "shear" not in changes:
@@ -212,7 +214,7 @@ def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> Co
 
 
 def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
-    """Return the given modulus (GPa).
+    """Return the given modulus (GPa), or the default modulus for generated surfaces.
 
     For generated surfaces, the default is the modulus of the paper. For measured surfaces, a modulus is required.
     """
@@ -229,7 +231,7 @@ def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) ->
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` for a surface that was read from a file, for which the modulus must be given."""
+    """Raise a `ValueError` for a surface from a file, because its modulus must be given."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}: the default "
@@ -238,7 +240,7 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def measured_source(body: Profile | Surface) -> str:
-    """Return the history step that names the file of a surface; empty for generated surfaces."""
+    """Return the history step with the file name of a surface; empty for generated surfaces."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
@@ -258,7 +260,7 @@ def show_model_keywords(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that both bodies are profiles or both are surfaces on one grid. With `whole`, no point may be missing."""
+    """Check that both bodies are profiles or both are surfaces, on one grid. `whole` forbids missing points."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:
@@ -301,12 +303,12 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _find_source(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the history of a surface without steps that only change its orientation."""
+    """Return the history of a surface without the steps that only change its orientation."""
     return tuple(step for step in body.history if step != FLIPPED_STEP)
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return True if two arrays differ only by a constant. The first row is compared first, to save time."""
+    """Return True if two arrays differ only by a constant. Comparing the first row first saves time."""
     allowed = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first)) <= allowed and float(np.ptp(a - b)) <= allowed

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# Relative difference, in terms of the sliding load, between loads that share one solution.
+# Loads that differ by less than this fraction of the sliding load share one solution.
 LOAD_TOLERANCE = 1e-9
 # Tolerance of a requested displacement, relative to the displacement at sliding.
 DISPLACEMENT_TOLERANCE = 1e-7
@@ -33,7 +33,7 @@ DISPLACEMENT_TOLERANCE = 1e-7
 
 @dataclass(frozen=True)
 class SlipState:
-    """Slip at one tangential load in first loading. Units are mN, µm and, for arrays over points in contact, GPa."""
+    """Slip at one tangential load in first loading, in mN and µm. Arrays over points in contact are in GPa."""
 
     load: float
     displacement: float
@@ -43,7 +43,7 @@ class SlipState:
 
 
 class TangentialProblem(Protocol):
-    """Surfaces under a normal load before tangential loading. `bound` is the largest traction at each point, GPa."""
+    """Contact under a normal load before tangential loading. `bound` is the largest traction (GPa) of each point."""
 
     normal_load: float
     sliding_load: float
@@ -53,15 +53,16 @@ class TangentialProblem(Protocol):
     size: int
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the state at a load above 0 and up to the sliding load. `near` is an initial guess."""
+        """Return the state at a load between 0 and the sliding load. `near` is an initial guess."""
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the energy dissipated by friction in first loading, mN µm: the sum of bound times slip."""
+        """Return the energy (mN µm) dissipated by friction in first loading: the sum of bound times slip."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Onset(PlotRepr):
-    """Onset of sliding of two surfaces under a normal load while a tangential load grows from 0. Arrays are read-only.
+    """Onset of sliding of two surfaces as a tangential load grows
+    from 0 under a constant normal load. Arrays are read-only.
 
     An onset is returned by ``curve.onset(index, mu0=..., tau0=...)`` of a `HalfSpaceCurve`, `LoadCurve` or
     `SurfaceLoadCurve`.
@@ -146,7 +147,7 @@ class Onset(PlotRepr):
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
-        """Return the traction (GPa) at `tangential_load[index]`, (points,) row by row; 0 out of contact.
+        """Return the traction (GPa) at `tangential_load[index]`, row by row; 0 outside the contact (points,).
 
         For asperities, the mean over each contact is returned, (contacts,), in the order of `contacts`.
 
@@ -158,7 +159,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(self._slips[self._place(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the first `tangential_load` (mN) at which each point slips, (points,); NaN at points without slip.
+        """Return the smallest `tangential_load` (mN) at which each point slips; NaN at points without slip (points,).
 
         For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
@@ -168,7 +169,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(first, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
-        """Return the energy loss (mN µm) per cycle between plus and minus each tangential load in an array.
+        """Return the energy loss (mN µm) per cycle between plus and minus a tangential load, for an array of loads.
 
         Parameters
         ----------
@@ -219,7 +220,7 @@ class Onset(PlotRepr):
         return pandas.DataFrame({name: np.concatenate([[0.0], column]) for name, column in columns.items()})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the tangential load as a function of the displacement or, without displacements, of the slipped area.
+        """Draw the tangential load as a function of the displacement, or of the slipped area without displacements.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -265,12 +266,12 @@ class Onset(PlotRepr):
         loads = float_array("amplitude", amplitude)
         if not ((loads >= 0) & (loads <= self.sliding_load * (1 + LOAD_TOLERANCE))).all():
             raise ValueError(
-                f"amplitude must be from 0 to {self.sliding_load:g} mN, the sliding load, got {amplitude!r}"
+                f"amplitude must be between 0 and {self.sliding_load:g} mN, the sliding load, got {amplitude!r}"
             )
         return np.minimum(loads, self.sliding_load)
 
     def _solve_at_load(self, load: float) -> SlipState:
-        """Return the state at a load. The solution starts from the nearest state that is already solved."""
+        """Return the state at a load. The solution starts from the nearest solved state."""
         near = min(self._slips, key=lambda slip: abs(slip.load - load))
         return near if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load else self._held.at(load, near)
 
@@ -311,27 +312,29 @@ MIN_STRENGTH = 1e-9
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Convert an index, which may count from the back, to an index that counts from the front."""
+    """Convert an index that may count from the back to an index that counts from the front."""
     try:
         checked_index = whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
-        raise ValueError(f"index must be one of the {count} {items}, got {index!r}") from None
+        raise ValueError(
+            f"index must be at least {-count} and below {count}, the number of {items}, got {index!r}"
+        ) from None
     return checked_index % count
 
 
 def check_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
-    """Check mu0 and tau0 (GPa), which must not both be negligible."""
+    """Check that mu0 and tau0 (GPa) are not both negligible."""
     values = check_strengths(mu0, tau0, effective_modulus)
     if max(values[0], values[1] / effective_modulus) < MIN_STRENGTH:
         raise ValueError(
-            f"mu0 and tau0 must not both be 0 or negligible (below {MIN_STRENGTH:g}, tau0 relative to the modulus): "
-            "nothing would resist sliding"
+            "mu0 and tau0 must not both be 0 or negligible, because nothing would resist sliding; the limit is "
+            f"{MIN_STRENGTH:g} for mu0 and for tau0 over the modulus"
         )
     return values
 
 
 def parse_direction(direction: Direction, *, line: bool) -> float:
-    """Return a single direction in degrees from +x towards +y, which is along x on profiles."""
+    """Return a single direction in degrees from +x towards +y. On profiles, it must be along x."""
     model = ContactModel(direction=direction)
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be a single direction, got {direction!r}")
@@ -341,11 +344,11 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
 
 
 def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
-    """Return the Poisson's ratios of the upper and the lower body, from a single ratio or from two."""
+    """Return the Poisson's ratios of the upper and the lower body, from one ratio or two."""
     values = float_array("poisson", poisson)
     if values.shape not in ((), (1,), (2,)) or not ((values > -1) & (values <= 0.5)).all():
         raise ValueError(
-            f"poisson must be one number or two, of the upper and the lower body, above -1 and at most 0.5, "
+            "poisson must be one ratio, or two ratios for the upper and the lower body, above -1 and at most 0.5, "
             f"got {poisson!r}"
         )
     two_ratios = np.broadcast_to(values.ravel(), (2,))
@@ -359,9 +362,9 @@ def load_fractions(steps: int | Sequence[float]) -> Floats:
         return np.arange(1, count + 1) / count
     fractions = float_array("steps", steps, ndim=1)
     if not (fractions.size > 0 and (fractions > 0).all() and (np.diff(fractions) > 0).all()):
-        raise ValueError(f"steps must be fractions of the sliding load above 0 and strictly increasing, got {steps!r}")
+        raise ValueError(f"steps must be strictly increasing fractions of the sliding load above 0, got {steps!r}")
     if not fractions[-1] <= 1:
-        raise ValueError(f"steps must be at most 1: the surfaces slide above the sliding load, got {steps!r}")
+        raise ValueError(f"steps must be at most 1, got {steps!r}, because the surfaces slide above the sliding load")
     return fractions
 
 
@@ -371,7 +374,8 @@ def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
         raise ValueError(f"displacements must be above 0 µm and strictly increasing, got {displacements!r}")
     if not np.isfinite(limit):
         raise ValueError(
-            "displacements do not exist on a free half-plane; give steps, or press with boundary='periodic'"
+            "displacements must not be given on a free half-plane, because it has no finite displacement; give "
+            "steps, or press with boundary='periodic'"
         )
     if not target[-1] <= limit:
         raise ValueError(
@@ -383,7 +387,7 @@ def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target: float, at_sliding: SlipState, near: SlipState | None
 ) -> SlipState:
-    """Return the state at a displacement (µm), which increases with the load."""
+    """Return the state at a displacement (µm), found by a root search over the load."""
     from scipy.optimize import brentq
 
     far = at_sliding.displacement

@@ -1,4 +1,4 @@
-"""Friction sums from pressures on a grid: connected patches, real areas, slopes, and sums over patches."""
+"""Friction sums from pressures on a grid: connected patches, their real areas, slopes and sums."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Level patches do not oppose the motion. For a sphere on a flat, solver errors gi
 
 
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
-    """Compute the slopes along each axis, spectrally for periodic heights, and with natural cubic splines otherwise."""
+    """Compute the slopes along each axis: spectrally for periodic heights, otherwise with natural cubic splines."""
     if periodic:
         return [_spectral_slope(heights, axis, step) for axis, step in enumerate(spacing)]
     rows = np.atleast_2d(heights)
@@ -34,7 +34,7 @@ def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
     n = heights.shape[axis]
     factor = 2j * np.pi * scipy.fft.rfftfreq(n, step)
     if n % 2 == 0:
-        factor[-1] = 0.0  # the Nyquist component has no slope at grid points
+        factor[-1] = 0.0  # the Nyquist component has zero slope at grid points
     shape = [1] * heights.ndim
     shape[axis] = factor.size
     waves = scipy.fft.rfft(heights, axis=axis) * factor.reshape(shape)
@@ -59,11 +59,11 @@ class PatchSums:
 
     @property
     def opposing(self) -> NDArray[np.bool_]:
-        """(directions, patches) mask of the patches that push the upper surface against the motion."""
+        """Mask of the patches whose force on the upper surface opposes the motion (directions, patches)."""
         return np.asarray(self.leaning > MAX_LEVEL_SLOPE * self.steepness * self.force)
 
     def total(self, sliding: Sliding) -> dict[str, Any]:
-        """Return the sums of a `HalfSpaceCurve` for a sliding rule.
+        """Return the sums over all patches, or over all opposing patches, for a sliding rule.
 
         Sums that depend on the direction have the shape (directions,).
         """
@@ -82,6 +82,6 @@ class PatchSums:
 def patch_sums(
     force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
 ) -> PatchSums:
-    """Compute the sums over each patch from forces (mN), areas (µm²), slopes, and unit vectors (m, 2) of directions."""
+    """Compute the sums over each patch from forces (mN), areas (µm²), slopes, and motion directions (m, 2)."""
     along_y = slope[0] if len(slope) == 2 else None
     return PatchSums(**_core.patch_sums(force, area, along_y, slope[-1], patch, list(directions)))

@@ -12,7 +12,7 @@ from stiction._checks import Floats, float_array, read_only
 from stiction._repr import TextRepr
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
-# Ratio of the first to the last displacement below which the first displacement is round-off.
+# The first displacement counts as round-off below this ratio to the last displacement.
 ROUND_OFF_RATIO = 1e-12
 
 
@@ -62,7 +62,7 @@ class FourParameterIwan(TextRepr):
         return self.sliding_load * (1 + beta) / (self.stiffness * (beta + (chi + 1) / (chi + 2)))
 
     def load(self, displacement: ArrayLike) -> Floats:
-        """Return the tangential load (mN) at displacements (µm) of at least 0 in first loading."""
+        """Return the tangential load (mN) in first loading at displacements (µm) of at least 0."""
         distance = _check_displacement(displacement)
         ratio = np.minimum(distance / self.displacement_at_sliding, 1.0)
         softer = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
@@ -74,14 +74,14 @@ class FourParameterIwan(TextRepr):
         distance, limit = _check_displacement(displacement), self.displacement_at_sliding
         ratio = np.minimum(distance / limit, 1.0)
         softer = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
-        # By Masing's rule, the loss is 8 times the area under the loading curve, minus 4 times load times displacement.
+        # By Masing's rule, the loss is 8 times the area under the loading curve minus 4 times load times displacement.
         rising = 4 * self.stiffness * softer * (self.chi + 1) / (self.chi + 3) * np.minimum(distance, limit) ** 2
         return np.asarray(rising + 4 * self.sliding_load * np.maximum(distance - limit, 0.0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LuGre(TextRepr):
-    """LuGre model of presliding: bristles that deflect, and that yield at the sliding load.
+    """LuGre presliding model: bristles that deflect and, at the sliding load, yield.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class LuGre(TextRepr):
     residual: Floats = field(metadata={"unit": "mN"})
 
     def load(self, displacement: ArrayLike) -> Floats:
-        """Return the tangential load (mN) at displacements (µm) of at least 0 in first loading."""
+        """Return the tangential load (mN) in first loading at displacements (µm) of at least 0."""
         return np.asarray(
             -self.sliding_load * np.expm1(-self.stiffness * _check_displacement(displacement) / self.sliding_load)
         )
@@ -155,13 +155,18 @@ def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuG
 
 def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
     if not np.isfinite(displacement).all():
-        raise ValueError("the curve must have displacements for a fit, but a free half-plane has none")
+        raise ValueError(
+            "the curve must have displacements for a fit, got the curve of a free half-plane, which has none"
+        )
     if not displacement[0] > ROUND_OFF_RATIO * displacement[-1]:
         raise ValueError(
-            "the curve must have displacements for a fit, but surfaces in full contact do not slip before sliding"
+            "the curve must have displacements for a fit, got surfaces in full contact, which do not slip before "
+            "sliding"
         )
     if load.size < min_points:
-        raise ValueError(f"a fit needs at least {min_points} loads, got {load.size}: specify more steps")
+        raise ValueError(
+            f"a curve must have at least {min_points} loads for a fit, got {load.size}; specify more steps"
+        )
 
 
 def _check_displacement(displacement: ArrayLike) -> Floats:

@@ -38,30 +38,30 @@ class ResultQuantity:
     """Properties of a quantity in a result, of a coordinate, or of a dimension."""
 
     unit: str
-    words: str  # phrase for labels of axes and for the `long_name` of a variable
+    words: str  # phrase for axis labels and for the `long_name` of a variable
     brief: str = ""  # shorter phrase for tables, if `words` is too long
     symbol: str = ""  # in TeX
     kind: Kind
     along: tuple[Axis, ...] = ()
     dtype: type = float
-    # quantity in the numerator of a ratio; for a sum without a load, the corresponding sum under load
+    # numerator of a ratio; for a sum without a load, the corresponding sum under load
     numerator: str = ""
-    denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a ratio
-    bounds: tuple[float, float] = (-math.inf, math.inf)  # limits to which the ends of an interval are clipped
+    denominator: tuple[str, ...] = ()  # denominator of a ratio, as the sum of these quantities
+    bounds: tuple[float, float] = (-math.inf, math.inf)  # limits that the ends of an interval must not exceed
     interval: Interval = "sampling"  # kind of the 95 % interval
     percent: bool = False  # True if tables and reports show the quantity in percent
-    column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
+    column_unit: str = ""  # unit in spreadsheets, if different from `unit`
     column_factor: float = 1.0
-    # True if roughly proportional to the load; its ratio to the load is interpolated over the logarithm of the load
+    # True if the value is roughly proportional to the load; its ratio to the load is interpolated over the log load
     proportional: bool = False
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
-    bound_fraction: str = ""  # name of the fraction of members that contribute only a lower bound
+    bound_fraction: str = ""  # name of the fraction of members that provide only a lower bound
     stored: frozenset[Source] = frozenset()
     shown: frozenset[View] = frozenset()
 
     @property
     def short(self) -> str:
-        """Words for tables: `brief` or, if it is empty, `words`."""
+        """Words for tables: `brief`, or `words` if `brief` is empty."""
         return self.brief or self.words
 
     @property
@@ -87,7 +87,7 @@ _MEASURED: frozenset[Source] = frozenset({"measured"})
 
 
 def _sum(name: str, *more: Source, **properties: Any) -> ResultQuantity:
-    """Return the entry of a sum, with the unit and words that the core declares."""
+    """Return the table entry of a sum, with the unit and words that the core declares."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: Source = "asperities" if name in CORE_SUMS else "areal"
     of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP, "stored": frozenset({source, *more})}
@@ -419,7 +419,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
 
 
 def select(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
-    """Return the names of the quantities that satisfy a condition, in the order of the table."""
+    """Return the names of the quantities that satisfy a condition, in table order."""
     return tuple(name for name, each in QUANTITIES.items() if condition(each))
 
 
@@ -501,13 +501,13 @@ INTERPOLATED_QUANTITIES = tuple(
 
 
 def attributes_of(name: str) -> dict[str, str]:
-    """Return the attributes of a dataset variable by the name of the quantity."""
+    """Return the attributes of the dataset variable for a quantity."""
     quantity = QUANTITIES[name]
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
 
 
 def column_of(name: str) -> tuple[str, float]:
-    """Return the title of a spreadsheet column, with its unit, and the factor that converts to this unit."""
+    """Return the title of a spreadsheet column, including its unit, and the conversion factor to this unit."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit
     return quantity.short + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor

@@ -1,4 +1,4 @@
-"""Dependence of area and friction on the shortest resolved wavelength, and the limit that a hardness imposes."""
+"""Dependence of area and friction on the shortest resolved wavelength, with the limits due to a hardness."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 """Default hardnesses (GPa) for which the plastic wavelength is computed, from polymers and soft metals to ceramics."""
 
 _MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, relative to the shortest side
-# the first rule is that of most measurements of mu0
+# the first rule corresponds to most measurements of mu0
 _SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_TEXT = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA = 2.2  # value of A E* h'/F at small loads; it is 2.1 to 2.4 on Gaussian surfaces
-# fields with one value per load, for all directions
+KAPPA = 2.2  # A E* h'/F at small loads; 2.1 to 2.4 on Gaussian surfaces
+# fields of a curve with one value per load, for all directions
 _CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _RENAMED_VARIABLES = {
     "load_share_at_hardness": "load_fraction_at_hardness"
-}  # names of variables of the result, where they differ from the fields of the curve
+}  # names of result variables that differ from the fields of the curve
 
 
 def resolution(
@@ -59,7 +59,7 @@ def resolution(
     tolerance: float = 1e-6,
     progress: Callable[[int, int], object] | None = None,
 ) -> xr.Dataset:
-    r"""Compute area, pressure and friction of a pair as functions of a cutoff wavelength, and limits for finer scans.
+    r"""Compute area, pressure and friction of a pair as functions of a cutoff wavelength, with limits for finer scans.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ class _SolvedPair:
 
     @property
     def shortest(self) -> float:
-        """Shortest possible cutoff wavelength, µm: two points of the coarser spacing."""
+        """Shortest possible cutoff wavelength (µm): two points of the coarser spacing."""
         return 2 * max(self.upper.spacings)
 
     def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
@@ -270,8 +270,8 @@ class _SolvedPair:
             length != 0 and not self.shortest * (1 - 1e-9) <= length <= MAX_CUTOFF_FRACTION * side for length in lengths
         ):
             raise ValueError(
-                f"cut_offs must be 0 or from two points, {self.shortest:g} µm, to a third of the shortest side, "
-                f"{MAX_CUTOFF_FRACTION * side:g} µm, got {cut_offs!r}"
+                f"cut_offs must be 0, or between {self.shortest:g} µm (two points) and {MAX_CUTOFF_FRACTION * side:g} "
+                f"µm (a third of the shortest side), got {cut_offs!r}"
             )
         return sorted({0.0, *lengths})
 
@@ -311,7 +311,7 @@ def _cutoff_dataset(
     pair: _SolvedPair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return areas, pressures and sums as functions of the cutoff; NaN without a solution."""
+    """Return areas, pressures and sums as functions of the cutoff, with NaN where there is no solution."""
     import xarray as xr
 
     gaps = [pair.gap(*pair.cut_off_at(length)) for length in lengths]
@@ -381,7 +381,7 @@ def _with_limits(
     gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest, gradient)
     area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_stretch(np.array(gradient)))
     projected = brackets.elastic_area(gradients, area_of_slope, spread)
-    middle = gradients[:, :1, np.newaxis]  # the interval of the gradient hardly affects the slope correction
+    middle = gradients[:, :1, np.newaxis]  # the interval of the gradient barely affects the slope correction
     grid = ("finer_wavelength", "normal_load", "statistic")
     tables: dict[str, tuple[Any, Floats, str, str]] = {
         "elastic_kappa": (grid[1], kappa, "1", "A E* h'/F of the elastic solution of the scan"),
@@ -434,7 +434,7 @@ def spectral_resolution(
     kappa: float = KAPPA,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
-    r"""Compute real contact area and friction of two surfaces as functions of the shortest wavelength, in closed form.
+    r"""Compute area and friction of two surfaces as functions of the shortest wavelength, in closed form.
 
     Parameters
     ----------
@@ -510,7 +510,7 @@ def spectral_resolution(
     rough_bodies = gradient > 0
     lengths, slopes, gradient = lengths[rough_bodies], slopes[:, rough_bodies], gradient[rough_bodies]
     if not lengths.size:
-        raise ValueError(f"wavelengths must be at most the longest of the bodies, got {wavelengths!r}")
+        raise ValueError(f"wavelengths must be at most the longest wavelength of the bodies, got {wavelengths!r}")
     area = np.minimum(np.maximum(factor * p / (modulus * gradient), p / limit), 1.0)
     ratio = slopes.min(axis=0) / slopes.max(axis=0) if lower is not None else np.zeros(lengths.size)
     friction = [

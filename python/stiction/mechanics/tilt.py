@@ -1,4 +1,4 @@
-"""Contact with a free tilt: the upper surface rotates until the resultant force acts at the centre.
+"""Contact with free tilt: the upper surface rotates until the resultant force acts at the centre.
 
 The solution minimises the energy at the given load. The slopes of the rotation are Lagrange multipliers of the moments,
 which decrease as the slopes increase. This is a concave problem with two unknowns. It is solved by Newton steps with
@@ -25,13 +25,13 @@ from stiction.mechanics.half_space_problem import (
 
 MAX_OFF_CENTRE = 1e-4  # largest distance of the resultant force from the centre along each axis, relative to the length
 MAX_TILT_SOLUTIONS = 60  # largest number of solutions per load
-MAX_EDGE_STEP = 0.5  # largest displacement of an edge in one step, in standard deviations of the gap
-# Smallest response of a moment to a slope, in units of load times length² over the standard deviation of the gap.
+MAX_EDGE_STEP = 0.5  # largest edge displacement in one step, in standard deviations of the gap
+# Smallest response of a moment to a slope, in units of load times length² divided by the standard deviation of the gap.
 MIN_RESPONSE = 1e-6
 
 
 def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
-    """Return the problem after rotating the upper surface about its centre by slopes along y and x, or along x."""
+    """Rotate the upper surface of a problem about its centre by slopes along y and x, or along x."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(problem, upper=problem.upper + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes)
 
@@ -62,8 +62,8 @@ def solve_balanced(
             turning = TiltResponse.solve(problem, pressed.on_grid(pressed.free)).turning
             step = np.linalg.solve(np.diag(MIN_RESPONSE * mean * lengths**2 / height) - turning, moments)
             step *= min(1.0, MAX_EDGE_STEP * height / float(np.abs(step * lengths / 2).max()))
-            # The energy is a concave function of the slopes. Beyond its maximum along the step, the moments change
-            # sign.
+            # The energy is a concave function of the slopes.
+            # Beyond its maximum along the step, the moments change sign.
             while num_tried < MAX_TILT_SOLUTIONS:
                 num_tried += 1
                 candidate = solve_at(tilt_problem(pressed.problem, np.asarray(step, np.float64)), load, near)
