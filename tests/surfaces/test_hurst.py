@@ -216,7 +216,7 @@ class TestSurfaceExponent:
     def test_hurst_estimate_rejects_a_surface_without_spectrum(self):
         for surface, message in (
             (Surface(np.ones((9, 9)), spacing=1.0), "flat surface"),
-            (Surface(np.arange(90.0).reshape(9, 10), spacing=1.0), "a plane has no roughness"),
+            (Surface(np.arange(90.0).reshape(9, 10), spacing=1.0), "surface must not be a plane"),
         ):
             with pytest.raises(ValueError, match=message):
                 estimate_hurst_exponent(surface)

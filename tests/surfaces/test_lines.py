@@ -102,11 +102,15 @@ def test_line_roughness_has_no_band_if_few_lines_have_a_band():
 @pytest.mark.parametrize(
     ("surface", "options", "message"),
     [
-        (Surface(np.ones((9, 9)), spacing=1.0), {"along": "x"}, "a flat surface has no roughness"),
+        (Surface(np.ones((9, 9)), spacing=1.0), {"along": "x"}, "surface must not be flat"),
         (Surface(np.eye(9)[:5], spacing=1.0), {"along": "y"}, "lines along y must have at least 7 points, got 5"),
         (stacked_rows(0.6, lines=8), {"along": "z"}, "along must be one of 'x', 'y', got 'z'"),
-        (stacked_rows(0.6, lines=8), {"along": "x", "band": (0.1, 0.1001)}, "band must hold at least 8 harmonics"),
-        (stacked_rows(0.6, lines=8), {"along": "x", "band": 3}, "band must be a shortest and a longest wavelength"),
+        (stacked_rows(0.6, lines=8), {"along": "x", "band": (0.1, 0.1001)}, "band must contain at least 8 harmonics"),
+        (
+            stacked_rows(0.6, lines=8),
+            {"along": "x", "band": 3},
+            r"band must be a pair \(shortest, longest\) of wavelengths",
+        ),
     ],
 )
 def test_line_roughness_rejects_bad_arguments(surface, options, message):

@@ -143,18 +143,21 @@ def test_reader_rejects_options_that_contradict_the_file(file):
         (" \n\r\n", "only blanks"),
         ("x (um),z (um)\n", "no numbers were found"),
         ("a text\nwithout numbers\n", "no numbers were found"),
-        ("x (um),z (um)\n0,1\n0.1,2\n", "contains too few points, 2: a profile needs at least 4, a map two rows"),
+        (
+            "x (um),z (um)\n0,1\n0.1,2\n",
+            "contains too few points, 2; a profile must have at least 4 points, and a map two rows",
+        ),
         ("x (V),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\n", "has positions in 'V', which is not a supported unit of length"),
         ("x (um),y (um),z (um)\n" + "0,0.1,2\n" * 9, "has 3 columns of numbers that may be positions and several"),
-        ("z (um)\n" + "0,0.1,2,3\n" * 9, "contains 9 rows of 4 columns; a profile has one column"),
+        ("z (um)\n" + "0,0.1,2,3\n" * 9, "contains 9 rows of 4 columns, but a profile has one column"),
         (
             "x (um),z (um)\n0,1\n0.1,2\n0.2,1,7\n0.3,5\n0.4,6.5\n",
             "line 4 ('0.2,1,7') has 3 cells, but most lines have 2",
         ),
         ("x (um),z (um)\n0,1\n0.1,2\noops,1\n0.3,5\n0.4,6.5\n", "line 4 ('oops,1') is between numbers"),
         ("x (um),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\n0.4,oops\n", "line 6 ('0.4,oops') is between numbers"),
-        ("z in um\n0,5\n1\n2,5\n3,5\n", "may be two columns, or one with decimal commas"),
-        ("0,5\n1,5\n2,5\n3,5\n", "may be two columns, or one with decimal commas"),
+        ("z in um\n0,5\n1\n2,5\n3,5\n", "may be two columns, or one column with decimal commas"),
+        ("0,5\n1,5\n2,5\n3,5\n", "may be two columns, or one column with decimal commas"),
         (
             "x (um)\tz (nm)\n" + "".join(f"1,{i:03}\t{i}\n" for i in range(9)),
             "may be decimal marks or thousands separators, as in '1,008'",
@@ -167,11 +170,11 @@ def test_reader_rejects_options_that_contradict_the_file(file):
         ("x (um),z (um)\n" + "".join(f"{0.3 * i:.0f},1.5\n" for i in range(99)), "too few digits for their spacing"),
         (
             "x (um),z (um)\n0,1\n0.1,***\n0.2,1\n0.3,\n0.4,1\n",
-            "misses 2 of 5 points, the first at point 1, counted from 0",
+            "lacks 2 of 5 heights, the first at point 1, counted from 0",
         ),
         ("x (um),z (um)\n0,1\n,2\n0.2,1\n0.3,4\n0.4,1\n", "no usable position at point 1, counted from 0"),
         ("x (um),z (um)\n0,nan\n1,nan\n2,nan\n3,nan\n", "all points are missing"),
-        ("x (um),z (um)\n0,1\n1,1e999\n2,5\n3,0.5\n", "which is impossible (1 such values)"),
+        ("x (um),z (um)\n0,1\n1,1e999\n2,5\n3,0.5\n", "impossible height"),
         ("x (m),z (um)\n0,1\n1e300,1\n2e300,5\n3e300,0.5\n", "no usable position"),
         ("x (m),z (um)\n0,1\n100,1\n200,5\n300,0.5\n", "has a spacing of 1e+08 µm"),
     ],
@@ -248,7 +251,7 @@ def test_read_measurement_returns_profile_or_surface(file):
     profile = read_measurement(file(TEXT_FORMATS["brackets, nm"]), spacing=("100 nm", "0.1 um"))
     assert isinstance(profile, Profile)
     assert profile.heights.tolist() == HEIGHTS
-    assert "which has one spacing, but two are given" in error_message(
+    assert "which has one spacing, but two spacings are given" in error_message(
         file(TEXT_FORMATS["comma"]), read_measurement, spacing=("1 um", "0.1 um")
     )
     surface = read_measurement(
@@ -339,15 +342,15 @@ def test_columns_can_be_selected_by_name_or_number(file):
     assert read_profile(path, columns="z", spacing="2 um").history[1] == "column 3 (z (um))"
     for columns, wrong in (
         (("x", "q"), "has no column 'q', but 0 (t (s)), 1 (x (um)), 2 (F (mN)), 3 (z (um))"),
-        (("x", 4), "has no column 4; they are numbered from 0 to 3"),
+        (("x", 4), "has no column 4; the column numbers are 0 to 3"),
         (("t", "z"), "has positions in 's', which is not a supported unit of length"),
         (("x", "F"), "has heights in 'mN', which is not a supported unit of length"),
     ):
         assert wrong in error_message(path, columns=columns)
     twice = file(columns_text(X, HEIGHTS, HEIGHTS, header="x (um),z (um),z (nm)\n"))
-    assert "has more than one column 'z'; give its number: 0 (x (um))," in error_message(twice, columns=("x", "z"))
+    assert "has more than one column 'z'; specify its number: 0 (x (um))," in error_message(twice, columns=("x", "z"))
     assert read_profile(twice, columns=("x", "Z (um)")).heights.tolist() == HEIGHTS
-    assert "has no columns to choose from" in error_message(
+    assert "has no columns, but columns are given" in error_message(
         file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p"), columns=("x", "z")
     )
 
@@ -367,7 +370,7 @@ def test_index_column_of_pandas_is_ignored(file, separator):
     frame = pandas.DataFrame({"x (um)": X, "z (um)": [*HEIGHTS[:4], np.nan]})
     for table in (frame, frame.rename_axis("index")):
         path = file(table.to_csv(sep=separator))
-        assert "misses 1 of 5 points, the first at point 4, counted from 0" in error_message(path)
+        assert "lacks 1 of 5 heights, the first at point 4, counted from 0" in error_message(path)
         profile = read_profile(path, missing="interpolate")
         assert profile.heights.tolist() == HEIGHTS[:4]
         assert profile.history[1] == "the first column, which numbers the rows, removed"
@@ -423,7 +426,7 @@ def test_profiles_and_surfaces_are_read_from_workbooks(file):
     area = read_surface(file(workbook_bytes(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
     assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # openpyxl writes only 16 digits
     gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(SHEET_HEAD)]
-    assert "misses 1 of 5 points, the first at point 2, counted from 0" in error_message(
+    assert "lacks 1 of 5 heights, the first at point 2, counted from 0" in error_message(
         file(workbook_bytes(("one", gaps)), "d.xlsx")
     )
 
@@ -480,7 +483,7 @@ def test_damaged_and_oversized_workbooks_are_rejected(file, monkeypatch):
 
 
 def test_formats_without_channels_reject_the_channel_option(file):
-    assert "has no channels to choose from, but channel is 1" in error_message(file(TEXT_FORMATS["comma"]), channel=1)
+    assert "has no channels, but channel is 1" in error_message(file(TEXT_FORMATS["comma"]), channel=1)
 
 
 def test_channel_of_an_instrument_file_can_be_selected(measured):
@@ -492,7 +495,7 @@ def test_channel_of_an_instrument_file_can_be_selected(measured):
     assert np.array_equal(read_surface(path, channel="zsensor").heights, surface.heights)
     assert read_surface(path, channel=1).history[1] == f"channel 1 (AmplitudeError) of {channels}"
     assert "a channel 2 (Phase) that does not contain heights" in error_message(path, read_surface, channel="Phase")
-    assert "has no channel 3; they are numbered from 0 to 2" in error_message(path, read_surface, channel=3)
+    assert "has no channel 3; the channel numbers are 0 to 2" in error_message(path, read_surface, channel=3)
 
 
 def test_registered_reader_reads_files_with_its_suffix(file, monkeypatch):
@@ -538,7 +541,7 @@ def test_surface_is_unchanged_by_writing_and_reading(tmp_path, name):
 
 
 def test_narrow_surface_is_not_written_to_a_format_that_cannot_store_it(tmp_path):
-    with pytest.raises(FormatError, match="needs at least 4 columns, and the surface has 3"):
+    with pytest.raises(FormatError, match="must have at least 4 columns, but the surface has 3"):
         write_surface(Surface(np.eye(3), spacing=1.0), tmp_path / "a.csv")
     assert not list(tmp_path.iterdir())
     write_surface(Surface(np.eye(3), spacing=1.0), tmp_path / "a.npy")
@@ -568,7 +571,7 @@ def test_writing_does_not_overwrite_files_or_leave_partial_files(tmp_path, monke
     profile = Profile(HEIGHTS, spacing=0.1)
     (tmp_path / "a.csv").write_text("mine", encoding="utf-8")
     for path, message in (
-        (tmp_path / "a.csv", "exists already; remove it, or choose another name"),
+        (tmp_path / "a.csv", "already exists; remove it, or choose another name"),
         (tmp_path / "a.xls", "must end in .csv or .npy"),
         (tmp_path / "nowhere" / "a.csv", "cannot be written: No such file"),
     ):
@@ -653,7 +656,7 @@ def test_text_file_with_too_many_lines_or_cells_is_rejected(file, monkeypatch, s
         ({"missing": "zero"}, "missing must be one of 'error', 'interpolate', 'mask'"),
         ({"channel": 1.5}, "channel must be a name or a number counted from 0, got 1.5"),
         ({"columns": (1, True)}, "columns must be a name or a number"),
-        ({"columns": (0, 1, 2, 3)}, "columns must be one for heights, two for positions and heights"),
+        ({"columns": (0, 1, 2, 3)}, r"columns must be one column \(heights\), two \(positions and heights\)"),
     ],
 )
 def test_readers_reject_bad_arguments(file, options, message):
@@ -773,7 +776,7 @@ def test_x3p_missing_points_are_reported_and_can_be_interpolated(file):
     valid = np.ones(HEIGHTS_IN_METRES.shape, dtype=bool)
     valid[2, 4] = False
     path = file(x3p_bytes(HEIGHTS_IN_METRES, valid=valid.ravel()), "a.x3p")
-    assert "misses 1 of 54 points, the first at row 2, column 4, counted from 0" in error_message(path, read_surface)
+    assert "lacks 1 of 54 heights, the first at row 2, column 4, counted from 0" in error_message(path, read_surface)
     surface = read_surface(path, missing="interpolate")
     assert surface.heights[2, 4] == pytest.approx(1e6 * (HEIGHTS_IN_METRES[2, 3] + HEIGHTS_IN_METRES[2, 5]) / 2)
     assert surface.history[-1].startswith(
@@ -795,7 +798,7 @@ def test_x3p_missing_points_are_reported_and_can_be_interpolated(file):
         (("<FeatureType>SUR", "<FeatureType>PCL"), "feature type 'PCL'"),
         (("<SizeX>9", "<SizeX>10"), "declares 60 points of 8 bytes, but has 432 bytes"),
         (("<SizeX>9", "<SizeX>-9"), "instead of a number of points"),
-        (("<SizeX>9", "<SizeX>99999999"), "from 1 to 100000000 can be read"),
+        (("<SizeX>9", "<SizeX>99999999"), "between 1 and 100000000 can be read"),
         (("<SizeZ>1", "<SizeZ>2"), "contains 2 layers"),
         (("<Increment>2e-06", "<Increment>two"), "has 'two' instead of a number"),
         (("<Increment>2e-06", "<Increment>nan"), "has a spacing of nan"),

@@ -78,12 +78,12 @@ def test_crop_starts_at_the_next_grid_point():
 @pytest.mark.parametrize(
     ("start", "stop", "match"),
     [
-        (0.5, 0.5, "ascending and within the extent of 1 µm, got 0.5 and 0.5 µm"),
+        (0.5, 0.5, "start must be below stop, and both must be within the extent of 1 µm, got 0.5 and 0.5 µm"),
         (-0.1, None, "within the extent"),
         (0, 1.1, "within the extent"),
-        (0.8, None, "at least 4 points must remain"),
+        (0.8, None, "start and stop must leave at least 4 points"),
         (np.nan, None, "start must be a finite number"),
-        (0, "1", "stop must be .number unit"),
+        (0, "1", "stop must be a number and a unit"),
     ],
 )
 def test_crop_rejects_positions_outside_the_profile(start, stop, match):

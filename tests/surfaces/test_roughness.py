@@ -253,7 +253,7 @@ def test_bearing_curve_returns_heights_at_material_ratios():
     ratios = np.array([0.1, 0.5, 0.93])
     heights = bearing_curve(surface, ratios)
     assert [np.mean(surface.heights > height) for height in heights] == pytest.approx(ratios, abs=1 / 2000)
-    with pytest.raises(ValueError, match="ratios must be from 0 to 1"):
+    with pytest.raises(ValueError, match="ratios must be between 0 and 1"):
         bearing_curve(surface, [1.5])
 
 
@@ -295,7 +295,7 @@ def test_surface_parameters_agree_with_surface_topography():
 @pytest.mark.parametrize(
     ("surface", "options", "message"),
     [
-        (Surface(np.ones((9, 9)), spacing=1.0), {}, "a flat surface has no roughness"),
+        (Surface(np.ones((9, 9)), spacing=1.0), {}, "surface must not be flat"),
         (Surface(np.eye(6), spacing=1.0), {}, "at least 7 rows and 7 columns"),
         (Surface(np.eye(9), spacing=1.0), {"derivative": "spline"}, "derivative must be one of"),
     ],

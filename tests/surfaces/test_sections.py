@@ -175,7 +175,7 @@ class TestSettingClass:
         ({"lc": 60.0}, "one section length is 60 µm"),
         ({"lc": 2.0}, "lc must be at least 7 points, 3.5 µm, got 2 µm"),
         ({"lc": -1.0}, "lc must be a finite number above 0 µm"),
-        ({"lc": 40.0, "ls": 0.7}, "ls must be 0 or from two points, 1 µm, to lc, 40 µm, got 0.7 µm"),
+        ({"lc": 40.0, "ls": 0.7}, "ls must be 0, or between two points, 1 µm, and lc, 40 µm, got 0.7 µm"),
         ({"lc": 40.0, "ls": 41.0}, "ls must be 0 or from two points"),
         ({"lc": 40.0, "ls": -2.0}, "ls must be"),
         ({"lc": 40.0, "sections": 0}, "sections must be a whole number of at least 1"),
@@ -188,12 +188,12 @@ def test_section_parameters_reject_bad_arguments(options, message):
 
 def test_section_parameters_reject_profiles_that_are_too_coarse_or_too_short():
     x = 50.0 * np.arange(1000)
-    with pytest.raises(ValueError, match=r"^Ra .* call for a section length of 250 µm; its points are 50 µm apart"):
+    with pytest.raises(ValueError, match=r"^Ra .* require a section length of 250 µm; its points are 50 µm apart"):
         section_parameters(Profile(0.05 * np.sin(2 * np.pi * x / 110), spacing=50.0))
     with pytest.raises(ValueError, match=r"^its points are 2000 µm apart, and a section needs at least 7"):
         section_parameters(Profile(np.sin(x), spacing=2000.0))
     assert section_parameters(Profile(np.sin(2 * np.pi * x / 800), spacing=50.0)).filters.reason.startswith("Sc")
-    with pytest.raises(ValueError, match=r"^Ra .* call for a section length of 8000 µm; the profile is 2000 µm long"):
+    with pytest.raises(ValueError, match=r"^Ra .* require a section length of 8000 µm; the profile is 2000 µm long"):
         section_parameters(Profile(20 * np.sin(np.arange(4000) / 20), spacing=0.5))
 
 

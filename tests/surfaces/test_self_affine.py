@@ -168,7 +168,7 @@ def test_phases_of_a_generated_profile_match_the_documented_random_numbers():
         ({"rms": 0.0}, "rms"),
         ({"shape": (3, 64)}, "shape"),
         ({"shape": 64}, "shape"),
-        ({"shape": (20_000, 20_000)}, "shape must hold at most"),
+        ({"shape": (20_000, 20_000)}, "shape must have at most"),
         ({"spacing": -1.0}, "spacing"),
         ({"spacing": (0.1, 0.1, 0.1)}, "spacing"),
         ({"shortest_wavelength": 0.039}, "shortest_wavelength"),

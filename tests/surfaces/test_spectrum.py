@@ -104,7 +104,7 @@ class TestSpectralMoments:
     def test_spectral_moments_reject_bad_arguments(self):
         with pytest.raises(ValueError, match="longest_wavelength must be above"):
             spectral_moments(rough_profile(), shortest_wavelength=2.0, longest_wavelength=1.0)
-        with pytest.raises(ValueError, match="no wavelength of the profile"):
+        with pytest.raises(ValueError, match="must include a wavelength of the profile"):
             spectral_moments(rough_profile(), shortest_wavelength=20.0)
         with pytest.raises(ValueError, match="flat"):
             spectral_moments(Profile([1.0] * 10, spacing=1.0))

@@ -64,7 +64,7 @@ def test_adjacent_crops_together_equal_the_surface():
     assert np.array_equal(cropped(surface, (1.0, 2.0)).heights, surface.heights[5:, 20:])
     for start, stop, message in (
         ((0, 7.0), (9, 9.0), "within the extent of 8 µm along x"),
-        ((0, 0), (0.5, 8), "at least 4 points must remain, but from 0 to 0.5 µm along y"),
+        ((0, 0), (0.5, 8), "start and stop must leave at least 4 points, got .* from 0 to 0.5 µm along y"),
         ((0, 0, 0), None, r"must be pairs \(y, x\)"),
     ):
         with pytest.raises(ValueError, match=message):
@@ -84,7 +84,9 @@ def test_common_grid_has_the_finer_spacing_along_each_axis():
     inside = other.heights[10:50, :] - height(other.y[10:50, np.newaxis], other.x)
     assert np.abs(inside).max() < 1e-3  # The natural spline is accurate away from its ends.
     assert on_common_grid(fine, fine)[0] is fine
-    with pytest.raises(ValueError, match="both must be a Profile or both a Surface, got Surface and Profile"):
+    with pytest.raises(
+        ValueError, match="both bodies must be profiles or both must be surfaces, got Surface and Profile"
+    ):
         on_common_grid(fine, Profile(np.arange(9.0), spacing=1.0))
 
 

@@ -179,7 +179,7 @@ def test_isotropic_surface_scales_with_units_and_depends_on_seed():
         ({"profile": Profile(np.zeros(100), spacing=1.0)}, "flat profile"),
         ({"shape": (3, 64)}, "shape must be a whole number of at least 4"),
         ({"shape": 64}, r"shape must be \(rows, columns\)"),
-        ({"shape": (10**5, 10**5)}, "shape must hold at most"),
+        ({"shape": (10**5, 10**5)}, "shape must have at most"),
         ({"seed": -1}, "seed must be"),
         ({"side": "middle"}, "side must be one of"),
         ({"periodic": "yes"}, "periodic must be True or False"),

@@ -11,7 +11,7 @@ MAX_CUTOFF_FRACTION = 1 / 3
 
 
 def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyBody:
-    r"""Apply a low-pass filter to a profile or a surface, which simulates an instrument of lower resolution.
+    r"""Apply a low-pass filter to a profile or a surface to simulate an instrument of lower resolution.
 
     Parameters
     ----------

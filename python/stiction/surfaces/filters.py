@@ -1,4 +1,4 @@
-"""Gaussian filters of ISO 16610 for profiles and surfaces, linear and robust, with a correction near the ends."""
+"""Gaussian filters of ISO 16610 for profiles and surfaces, linear and robust, with corrected ends."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 Powers = tuple[int, ...]
-# shortest cutoff in points; at this cutoff the filter transmits 96 % of the shortest wavelength
+# shortest cutoff, in points; it transmits 96 % of the shortest wavelength
 MIN_CUTOFF_POINTS = 0.5
-_MIN_REGRESSION_POINTS = 4.0  # shortest cutoff in points for which straight lines are fitted near the ends
+_MIN_REGRESSION_POINTS = 4.0  # shortest cutoff, in points, for which straight lines are fitted near the ends
 # Half width of the weight function in cutoff wavelengths. Beyond it, weights are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
-# Minimum number of weights on each side. For a cutoff of two or three points, weights decay slowly, to 1e-5 at this
-# distance.
+# Minimum number of weights on each side.
+# For cutoffs of two or three points, weights decay slowly, to 1e-5 at this distance.
 _MIN_WEIGHTS = 64
-# Minimum fraction of the weights that must be on measured points for a mean line to be estimated.
+# Minimum fraction of the weights on measured points for which a mean line is estimated.
 _MIN_COVERAGE = 1e-6
-_MIN_PIVOT = 1e-9  # smallest pivot of the normalised local equations; below it the equations count as singular
+_MIN_PIVOT = 1e-9  # smallest pivot of the normalised local equations; with a smaller one, they count as singular
 # Biweight scale in median absolute deviations. It is three standard deviations of normally distributed heights.
 _BIWEIGHT_SCALE = 4.4478
-# Largest change of the mean line, in biweight scales, at which the iteration has converged.
+# The iteration has converged if the mean line changes by less than this, in biweight scales.
 _ROBUST_TOLERANCE = 1e-4
 _MAX_ITERATIONS = 200
 
@@ -111,7 +111,7 @@ def filtered(
 
 
 def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Return a cutoff (µm) after checking that it is between half a point and `longest` times the shortest side."""
+    """Check that a cutoff (µm) is between half a point and `longest` times the shortest side, and return it."""
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(sides)
@@ -125,7 +125,7 @@ def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: flo
 
 
 def transmission(wave_number: Floats, cutoff: float) -> Floats:
-    """Return the amplitude transmission of the Gaussian filter at wave numbers (1/µm) for a cutoff wavelength (µm)."""
+    """Return the amplitude transmission of a Gaussian filter with a cutoff (µm) at wave numbers (1/µm)."""
     return np.asarray(np.exp(-math.log(2) * np.square(wave_number * cutoff / (2 * math.pi))))
 
 
@@ -164,7 +164,9 @@ def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
         if np.abs(smooth - before).max() <= _ROBUST_TOLERANCE * scale or scale == 0:
             return np.asarray(smooth + mean)
         weights, before = measured * np.square(np.maximum(1 - np.square(residual / scale), 0)), smooth
-    raise ValueError(f"the robust filter did not converge in {_MAX_ITERATIONS} iterations: use the Gaussian filter")
+    raise ValueError(
+        f"the robust filter did not converge in {_MAX_ITERATIONS} iterations; use the Gaussian filter instead"
+    )
 
 
 # ---- Weighted sums --------------------------------------------------------------------------------------------------
@@ -182,7 +184,7 @@ def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Filter heights after subtracting their tilt and continuing them beyond their ends by reflection.
+    """Subtract the tilt of heights, continue them by reflection beyond their ends, and filter them.
 
     Reflection is used for short cutoffs (in points), whose weights oscillate. A straight line fitted with the weights
     on one side would then be unstable.
@@ -204,23 +206,23 @@ def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
-    """Divide weighted sums by their weights, and return the heights themselves at points with too little weight."""
+    """Divide weighted sums by their weights. Points with too little weight keep their heights."""
     is_covered = weights > _MIN_COVERAGE
     return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 
 
 def _broadcast_along(values: Any, axis: int, ndim: int) -> Any:
-    """Reshape values to broadcast along one axis."""
+    """Reshape values for broadcasting along one axis."""
     return np.reshape(values, [-1 if index == axis else 1 for index in range(ndim)])
 
 
 def _linear_exponents(ndim: int) -> list[Powers]:
-    """Return the exponents of the terms of a function that is linear in x and, for surfaces, also in y."""
+    """Return the exponents of the terms of a function that is linear in x and, for surfaces, in y."""
     return list(product(range(2), repeat=ndim))
 
 
 def _quadratic_exponents(ndim: int) -> list[Powers]:
-    """Return the exponents of the terms of a polynomial of second degree in x and, for surfaces, in y."""
+    """Return the exponents of the terms of a second-degree polynomial in x and, for surfaces, in y."""
     return [powers for powers in product(range(3), repeat=ndim) if sum(powers) <= 2]
 
 
@@ -233,7 +235,7 @@ class _Kernel:
         reach = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_WEIGHTS))
         self.points = points
         self.padded: int = next_fast_len(points + reach, real=True)
-        # These weights have exactly the analytic transmission up to the Nyquist wave number.
+        # These weights reproduce the analytic transmission exactly up to the Nyquist wave number.
         transform_length = next_fast_len(max(self.padded, 4 * reach + 2), real=True)
         self._weights = irfft(transmission(2 * math.pi * rfftfreq(transform_length), length), transform_length)[
             : reach + 1
@@ -241,7 +243,7 @@ class _Kernel:
         self._offset = np.arange(reach + 1) / length
 
     def line(self, power: int) -> Floats:
-        """Return the weights times ((x' - x) / cutoff)^power in cyclic order, to be convolved with heights at x'."""
+        """Return the weights times ((x' - x) / cutoff)^power in cyclic order, for convolution with heights at x'."""
         values = self._weights * self._offset**power
         line = np.zeros(self.padded)
         line[: values.size] = values if power % 2 == 0 else -values
@@ -251,7 +253,7 @@ class _Kernel:
 
 
 def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
-    """Compute, at each point, the value of a local straight line that is fitted along an axis with Gaussian weights."""
+    """Fit a local straight line with Gaussian weights at each point along an axis, and return its value there."""
     from scipy.fft import irfft, rfft
 
     kernel = _Kernel(heights.shape[axis], length)
@@ -265,14 +267,14 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
 
 
 def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
-    """Compute, at each point, the value of a local polynomial that is fitted with Gaussian weights times `weights`."""
+    """Fit a local polynomial with Gaussian weights times `weights` at each point, and return its value there."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_Kernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
     padded = [kernel.padded for kernel in kernels]
     inside = tuple(slice(points) for points in heights.shape)
-    # The sums are transformed as in rfftn: by a half transform along the last axis and full complex transforms along
-    # the other axes.
+    # The sums are transformed as in rfftn:
+    # by a half transform along the last axis and full complex transforms along the other axes.
     lines = [
         [
             _broadcast_along((np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.line(power)), axis, heights.ndim)
@@ -308,8 +310,8 @@ def _solve_constant_terms(
     """
     terms = range(len(basis))
     total = np.where(moments[basis[0]] > _MIN_COVERAGE, moments[basis[0]], 1)
-    # The dictionary contains the lower triangle of the normal equations, with row k for term k. The Schur complements
-    # remain symmetric.
+    # The dictionary contains the lower triangle of the normal equations, with row k for term k.
+    # The Schur complements remain symmetric.
     rows = {(k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
     values = [side / total for side in right_sides]
     constant = values[0]

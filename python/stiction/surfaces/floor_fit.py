@@ -10,8 +10,8 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MIN_FLOOR_GAIN = 2.0  # smallest gain in log-likelihood over power laws alone that makes a floor significant
-_START_LEVEL = 0.3  # first trial level, as a fraction of the highest level that the lowest density allows
+MIN_FLOOR_GAIN = 2.0  # smallest log-likelihood gain over power laws alone that makes a floor significant
+_START_LEVEL = 0.3  # first trial level, as a fraction of the highest possible level (set by the lowest density)
 
 
 class BinnedSpectrum(NamedTuple):
@@ -20,16 +20,16 @@ class BinnedSpectrum(NamedTuple):
     log_q: Floats  # logarithm of the wave number
     density: Floats
     weight: Floats  # shape parameters of the gamma distributions of the densities
-    floor: float = 1.0  # density of a floor of level 1, such as the spacing for white noise of variance 1
+    floor: float = 1.0  # density of a floor of level 1; for white noise of variance 1, this is the spacing
 
 
 class FloorFit(NamedTuple):
-    """Power laws with a noise floor, densities A q^-s + level * floor."""
+    """Power laws with a noise floor: densities A q^-s + level * floor."""
 
     level: float
-    gain: float  # gain in log-likelihood over the best power laws without a floor
+    gain: float  # log-likelihood gain over the best power laws without a floor
     exponents: tuple[float, ...]  # s of every spectrum
-    ratios: tuple[float, ...]  # floor relative to A q^-s at the largest wave number of every spectrum
+    ratios: tuple[float, ...]  # ratio of the floor to A q^-s at the largest wave number of every spectrum
 
     @property
     def is_significant(self) -> bool:
@@ -38,7 +38,7 @@ class FloorFit(NamedTuple):
 
 
 def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> FloorFit:
-    """Fit power laws with exponents in a given range, and a common floor of level 0 or above, to spectra."""
+    """Fit power laws with exponents in a given range and a common floor (level 0 or above) to spectra."""
     from scipy.optimize import minimize
 
     unit = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)

@@ -1,4 +1,4 @@
-"""Least-squares fit of circles, spheres and cylinders, the nominal forms of round parts."""
+"""Least-squares fits of circles, spheres and cylinders, the nominal forms of round parts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stiction._repr import format_with_unit
 RoundForm = Literal["circle", "sphere", "cylinder"]
 Points = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
 _FormModel = Callable[[Floats, Points], Floats]
-# Squared cosine of the largest slope of the form. Steeper parts of the form, near the equator, are cut off.
+# Squared cosine of the largest slope angle of the form. Steeper parts near the equator are excluded.
 _MIN_COSINE_SQUARED = 1e-6
 _FIT_TOLERANCE = 1e-12  # relative change at which the fit has converged
 
@@ -23,7 +23,7 @@ _FIT_TOLERANCE = 1e-12  # relative change at which the fit has converged
 def round_form(
     heights: Floats, spacing: tuple[float, ...], missing: NDArray[np.bool_] | None, form: RoundForm
 ) -> tuple[Floats, str]:
-    r"""Fit a circle, a sphere or a cylinder to heights by least squares along the height.
+    r"""Fit a circle, a sphere or a cylinder to heights by least squares in the height direction.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def round_form(
 
 
 def _arc_heights(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Return the heights of an arc from squared distances from the middle and from products of slope and distance."""
+    """Return the heights of an arc from squared distances from the middle and products of slope and distance."""
     rise = curvature * square + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
@@ -110,7 +110,7 @@ def _estimate_parameters(form: RoundForm, points: Points, heights: Floats) -> Fl
 
 
 def _parameter_scales(form: RoundForm, points: Points, heights: Floats) -> Floats:
-    """Return typical magnitudes of the parameters, by which the least-squares problem is scaled."""
+    """Return typical magnitudes of the parameters, which scale the least-squares problem."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))
     slopes = {"circle": [height / size], "sphere": [height / size] * 2, "cylinder": [height / size] * 2 + [1.0]}

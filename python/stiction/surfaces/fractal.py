@@ -93,7 +93,7 @@ def weierstrass_mandelbrot_family(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Floats:
-    r"""Compute the heights of Weierstrass-Mandelbrot profiles with several fractal dimensions and the same phases.
+    r"""Compute Weierstrass-Mandelbrot profiles of several fractal dimensions from the same phases.
 
     Parameters
     ----------

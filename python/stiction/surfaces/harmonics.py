@@ -8,21 +8,21 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance between harmonics in bins, below which the spectrum between harmonics cannot be assessed.
+# Minimum distance between harmonics, in bins. With a smaller distance, the spectrum between them cannot be assessed.
 MIN_HARMONIC_DISTANCE = 10
-# Smallest bin of a first harmonic, above 2 because a Hann window spreads a line over two bins on each side.
+# Smallest bin of a first harmonic. It is above 2, because a Hann window spreads a line over two bins on each side.
 _MIN_PERIODS = 2.5
 _MAX_COMPARED_HARMONICS = 8  # largest number of harmonics that are compared with the spectrum between them
-# Minimum number of significant harmonics above the first. In addition, at least a third of the compared harmonics must
-# be significant.
+# Minimum number of significant harmonics above the first.
+# At least a third of the compared harmonics must also be significant.
 _MIN_SIGNIFICANT_HARMONICS = 2
 _MAX_CANDIDATES = 6  # largest number of peaks that are tested as the first harmonic
-# Minimum ratio of the density of a harmonic to the density between harmonics. About one bin in 1000 exceeds it by
-# chance.
+# Minimum ratio of the density of a harmonic to the density between harmonics.
+# About one bin in 1000 exceeds it by chance.
 _MIN_LINE_RATIO = 10.0
-_PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic after a Hann window, in bins
+_PEAK_HALF_WIDTH = 2.5  # half width of a harmonic's peak after a Hann window, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
-# Quantile of the spectral density over one period of the harmonics that harmonics do not affect, even if aliased.
+# Quantile of the density over one period of the harmonics that is unaffected by harmonics, even if they are aliased.
 _BACKGROUND_QUANTILE = 0.3
 
 
@@ -43,8 +43,8 @@ def find_period(density: Floats) -> tuple[float, float]:
     rising, falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, rising] & np.r_[falling, True])
     peaks = peaks[(peaks > _MIN_PERIODS) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= size)]
-    # Peaks are sorted by their contribution to the slope variance, because the first harmonics of a texture contribute
-    # most.
+    # Peaks are sorted by their contribution to the slope variance,
+    # because the first harmonics of a texture contribute most.
     order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_CANDIDATES]
     best_score, result = 0.0, (math.nan, math.nan)
     for peak in peaks[order].tolist():
@@ -65,7 +65,7 @@ def find_period(density: Floats) -> tuple[float, float]:
 
 
 def density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the density between the harmonics of a texture from a low quantile over one period.
+    """Estimate the density between the harmonics of a texture as a low quantile over one period.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
 
 
 def _median_between_harmonics(padded: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density around every harmonic, over a range that extends halfway to the next harmonics."""
+    """Return the median density around every harmonic, halfway to the next harmonics on both sides."""
     bins = np.arange(padded.size)
     levels = []
     for position in harmonics.tolist():

@@ -1,4 +1,4 @@
-"""White noise of an instrument under the spectrum of a rougher surface, where the spectrum has no flat end."""
+"""White instrument noise under the spectrum of a rougher surface that has no flat end."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ MAX_FITTED_POINTS = 16.0  # longest fitted wavelength, in points
 _BINS_PER_OCTAVE = 8
 _MIN_BINS = 8  # smallest number of bins for a fit
 _RELATIVE_MODEL_ERROR = 0.1  # relative error of a power law in a bin
-_EXPONENTS = (1.0, 5.0)  # exponents of the spectra of lines for Hurst exponents 0 and 2
+_EXPONENTS = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
 # Largest ratio of fitted noise to the median spectrum of a map at wavelengths below four points along both axes.
 _MAX_NOISE_RATIO = 2.0
 
 
 @dataclass(frozen=True)
 class HiddenNoise:
-    """White noise that a spectrum may contain."""
+    """White noise that a spectrum may hide."""
 
     slope_fraction: float  # fraction of the mean square slope that the noise contributes
-    cut_off: float  # cutoff (µm) that removes this fraction of the mean square slope
+    cut_off: float  # cutoff (µm) that reduces the mean square slope by this fraction
 
 
 def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> HiddenNoise | None:
@@ -86,9 +86,9 @@ def _shortest_waves_variance(surface: Surface, periodic: bool) -> float:
 
 
 def _bin_short_wavelengths(spectrum: Spectrum, periodic: bool) -> BinnedSpectrum | None:
-    """Return the short wavelengths of a spectrum in bins, or None if there are too few bins."""
+    """Average the short wavelengths of a spectrum in bins; return None if there are too few bins."""
     q, density, count, step = spectrum
-    if not periodic:  # the first two harmonics contain leakage of the window
+    if not periodic:  # exclude the first two harmonics, which contain leakage of the window
         q, density, count = q[2:], density[2:], count[2:]
     selected = q * MAX_FITTED_POINTS * step * (1 + 1e-9) >= 2 * math.pi
     q, density, count = q[selected], density[selected], count[selected]

@@ -18,25 +18,25 @@ from stiction.surfaces.spectrum import HANN_CORRELATION, areal_spectrum, in_band
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
-MAX_INTERVAL_WIDTH = 0.5  # largest width of the 95 % interval of H for which the estimate is still informative
+MAX_INTERVAL_WIDTH = 0.5  # widest 95 % interval of H for which the estimate is still informative
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
-_TREND_ROUND_OFF = 1e-13  # residual of a subtracted straight line, relative to the largest height, that is round-off
+_TREND_ROUND_OFF = 1e-13  # round-off of a subtracted straight line, relative to the largest height
 # Number of lowest harmonics that are excluded after a Hann window. They contain the mean and longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that has its own power law
-# Relative error of the power law in a bin, because no measured spectrum follows a power law more closely.
+_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of a spectrum with its own power law
+# Relative error of a power law in a bin. No measured spectrum is closer to a power law.
 _RELATIVE_MODEL_ERROR = 0.1
-# Minimum gain in log-likelihood for an additional piece, which has three parameters and one break among about 50 bins.
+# Minimum log-likelihood gain of an additional piece, which has three parameters and one break among about 50 bins.
 _PIECE_PENALTY = 10.0
-# Largest accepted deviance per bin. It is about 1 by chance. With a larger deviance, the spectrum consists of separate
-# lines.
+# Largest accepted deviance per bin. By chance it is about 1.
+# With a larger deviance, the spectrum consists of separate peaks.
 _MAX_DEVIANCE = 10.0
-_MIN_BAND_WIDTH = math.log(3)  # narrowest accepted band in ln q, which is half a decade
-# Minimum gain in log-likelihood for a roll-off, which is one additional parameter.
+_MIN_BAND_WIDTH = math.log(3)  # narrowest accepted band in ln q: half a decade
+# Minimum log-likelihood gain of a roll-off, which adds one parameter.
 _ROLL_OFF_PENALTY = 2.0
 
 
@@ -68,7 +68,7 @@ class PowerLaw:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._largest)
 
     def loss(self, exponent: float) -> float:
-        """Return the negative log-likelihood for the optimal prefactor, except for a constant."""
+        """Return the negative log-likelihood at the optimal prefactor, up to a constant."""
         return self._total * self._log_level(exponent)
 
     @property
@@ -92,7 +92,7 @@ class PowerLaw:
 
 @dataclass(frozen=True, repr=False)
 class HurstEstimate(TableRepr):
-    """Hurst exponent of a profile or a surface, with its uncertainty and the fitted band of wavelengths.
+    """Hurst exponent of a profile or a surface, with its uncertainty and the fitted wavelength band.
 
     Attributes
     ----------
@@ -133,12 +133,12 @@ class HurstEstimate(TableRepr):
 
     @property
     def fractal_dimension_classical(self) -> float:
-        """Classical fractal dimension of a profile, or of sections of a surface, which is D = 2 - H."""
+        """Classical fractal dimension D = 2 - H of a profile, or of sections of a surface."""
         return 2 - self.value
 
     @property
     def fractal_dimension_paper(self) -> float:
-        """Fractal dimension D = (4 - H) / 2 as defined by Hanaor, Gan & Einav (2016) and `weierstrass_mandelbrot`."""
+        """Fractal dimension D = (4 - H) / 2 of Hanaor, Gan & Einav (2016) and `weierstrass_mandelbrot`."""
         return (4 - self.value) / 2
 
     @property
@@ -153,7 +153,7 @@ class HurstEstimate(TableRepr):
 
     @property
     def caution(self) -> str | None:
-        """Sentence that explains why the exponent is unreliable; None if it is reliable."""
+        """Sentence that explains why the exponent is unreliable, or None if it is reliable."""
         interval = f"the 95 % interval of H, [{self.lower:.2f}, {self.upper:.2f}],"
         if self.upper - self.lower > MAX_INTERVAL_WIDTH:
             decades = math.log10(self.longest_wavelength / self.shortest_wavelength)
@@ -259,18 +259,18 @@ def estimate_hurst_exponent(
         selection, piece = _remove_noisy_end(wave_number, power, variance_factor, selection, piece)
     else:
         if not isinstance(band, (tuple, list)) or len(band) != 2:
-            raise ValueError(f"band must be a shortest and a longest wavelength, got {band!r}")
+            raise ValueError(f"band must be a pair (shortest, longest) of wavelengths, got {band!r}")
         shortest = number("band", band[0], unit="µm", above=0)
         selection, piece = in_band(wave_number, shortest, number("band", band[1], unit="µm", above=shortest)), None
         if (count := int(selection.sum())) < MIN_BAND_HARMONICS:
-            raise ValueError(f"band must hold at least {MIN_BAND_HARMONICS} harmonics, but {band!r} µm holds {count}")
+            raise ValueError(f"band must contain at least {MIN_BAND_HARMONICS} harmonics, got {band!r} µm with {count}")
     q, power = wave_number[selection], power[selection]
     bins = _SpectrumBins.of(q, power)
     exponent = PowerLaw(np.log(q), power, np.ones(q.size)).exponent
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     law = PowerLaw(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = law.interval(law.min_loss + _CHI_SQUARED_95 / 2)
-    if piece is not None:  # the interval includes the uncertainty about where the roll-off ends
+    if piece is not None:  # the interval includes the uncertainty of the end of the roll-off
         laws = _fit_roll_offs(piece, piece.count / (variance_factor * dispersion))
         max_loss = min(other.min_loss for other in laws) + _CHI_SQUARED_95 / 2
         intervals = [other.interval(max_loss) for other in laws if other.min_loss < max_loss]
@@ -291,7 +291,7 @@ def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
         tilted = heights - centred_index * (heights @ centred_index / (centred_index @ centred_index))
         if not np.abs(tilted).max() > _TREND_ROUND_OFF * np.abs(profile.heights).max():
-            raise ValueError("a straight line has no roughness")
+            raise ValueError("profile must not be a straight line, which has no roughness")
         heights = tilted
     scale = float(np.abs(heights).max())
     spectrum = profile_spectrum(heights / scale, profile.spacing, windowed=not periodic)
@@ -304,12 +304,12 @@ def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
 
 
 def _fitted_wave_vectors(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the fitted wave numbers of a surface, the powers times the wave number, and the unit of heights."""
+    """Return the fitted wave numbers of a surface, powers times wave number, and the height unit."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
         if not heights.any():
-            raise ValueError("a plane has no roughness")
+            raise ValueError("surface must not be a plane, which has no roughness")
     scale = float(np.abs(heights).max())
     spectrum = areal_spectrum(heights / scale, surface.spacing, windowed=not periodic)
     wave_number, _, density = spectrum.waves()
@@ -340,7 +340,7 @@ class _SpectrumBins:
         return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
     def deviance(self, exponent: float, weight: Floats) -> float:
-        """Return the deviance per bin of a power law with this exponent."""
+        """Return the deviance per bin of a power law with a given exponent."""
         ratio = self.power * np.exp(exponent * (self.log_q - self.log_q.mean()))
         ratio /= np.average(ratio, weights=weight)
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
@@ -368,7 +368,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
                     continue
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
-                if start == 0:  # removes a roll-off that is too short to be a separate piece
+                if start == 0:  # remove a roll-off that is too short to be a separate piece
                     roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.part(0, end), weight[:end])]
                     start = (
                         int(np.argmin(roll_off_losses))
@@ -390,7 +390,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
 def _remove_noisy_end(
     q: Floats, power: Floats, variance_factor: float, selection: slice, piece: _SpectrumBins
 ) -> tuple[slice, _SpectrumBins]:
-    """Remove the shortest wavelengths from a band if white noise flattens the spectrum there."""
+    """Remove the shortest wavelengths from a band where white noise flattens the spectrum."""
     bins = _SpectrumBins.of(q[selection], power[selection])
     fit = fit_floor([BinnedSpectrum(bins.log_q, bins.power, bins.count / variance_factor)], exponents=(1.0, 5.0))
     if not fit.is_significant:
@@ -405,7 +405,7 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLaw]:
-    """Fit power laws whose flat roll-off ends at bin 0, 1, 2 and so on. The first fit has no roll-off."""
+    """Fit power laws with a flat roll-off that ends at bin 0 (no roll-off), 1, 2 and so on."""
     breaks = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
     return [PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
 
@@ -421,7 +421,7 @@ def _fit_pieces(bins: _SpectrumBins, weight: Floats) -> tuple[NDArray[np.intp], 
 
 
 def _select_pieces(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], losses: Floats) -> list[int]:
-    """Return consecutive pieces that cover all bins and minimise the sum of losses and penalties."""
+    """Return consecutive pieces that cover all bins with the smallest sum of losses and penalties."""
     best, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     best[0] = 0.0
     for piece in np.argsort(ends, kind="stable"):

@@ -1,4 +1,4 @@
-"""Conversion of profiles and surfaces from and to other libraries, with heights, spacing and unit."""
+"""Conversion of profiles and surfaces from and to other libraries, including heights, spacing and unit."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# Largest relative difference between the steps of coordinates that count as a uniform grid.
+# Coordinates count as a uniform grid if their steps differ by less than this fraction.
 STEP_TOLERANCE = 1e-6
 
 
@@ -24,11 +24,11 @@ class ForeignHeights(NamedTuple):
     heights: Floats  # heights of shape (n,) or (rows, columns), µm
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
     history: tuple[str, ...]
-    missing: Any = None  # mask of missing points of a Profile or a Surface
+    missing: Any = None  # mask of the missing points of a Profile or a Surface
 
 
 def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ForeignHeights:
-    """Extract heights and spacing from a body of this package, or of SurfaceTopography, surfalize or xarray.
+    """Extract heights and spacing from a body of this package, SurfaceTopography, surfalize or xarray.
 
     `unit` applies to all lengths if the object has no unit. Messages refer to the object by the argument name `name`.
     """
@@ -44,13 +44,13 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Foreig
         heights = np.asarray(other.data, dtype=np.float64)
         return _make_heights(name, heights, (float(other.step_y), float(other.step_x)), 1.0, kind)
     raise ValueError(
-        f"{name} must be a Profile or a Surface, or one of SurfaceTopography, surfalize or xarray, got "
+        f"{name} must be a Profile or a Surface, or an object of SurfaceTopography, surfalize or xarray, got "
         f"{type(other).__name__}"
     )
 
 
 def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
-    """Convert heights and positions (µm) with units to a DataArray, as the inverse of `extract_heights`."""
+    """Convert heights and positions (µm) with units to a DataArray; the inverse of `extract_heights`."""
     import xarray
 
     along = {"units": "um", "long_name": "position"}
@@ -81,7 +81,8 @@ def _from_topography(name: str, other: Any, kind: str, unit: str | None) -> Fore
     masked_heights = np.ma.asarray(other.heights())
     if np.ma.is_masked(masked_heights):
         raise ValueError(
-            f"{name} has points without a height; fill them first, for example with interpolate_undefined_data()"
+            f"{name} must have a height at every point; fill missing points first, for example with "
+            "interpolate_undefined_data()"
         )
     heights = np.asarray(np.ma.getdata(masked_heights), dtype=np.float64)
     if heights.ndim == 1 and not other.is_uniform:
@@ -115,7 +116,7 @@ def _find_step(name: str, axis: str, positions: Any) -> float:
     coordinates = np.asarray(positions, dtype=np.float64)
     steps = np.diff(coordinates)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > STEP_TOLERANCE * steps.mean():
-        raise ValueError(f"{name} must have equal steps along {axis}, in increasing order")
+        raise ValueError(f"{name} must have increasing positions with equal steps along {axis}")
     first = float(steps[0])
     is_exact = np.array_equal(coordinates, coordinates[0] + np.arange(coordinates.size) * first)
     return first if is_exact else float((coordinates[-1] - coordinates[0]) / steps.size)
@@ -133,7 +134,10 @@ def _unit_factor(name: str, unit: Any, kind: str) -> float:
 
 def _make_heights(name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str) -> ForeignHeights:
     if np.isnan(heights).any():
-        raise ValueError(f"{name} has {int(np.isnan(heights).sum())} points without a height; fill them first")
+        raise ValueError(
+            f"{name} must have a height at every point, got {int(np.isnan(heights).sum())} points without a height; "
+            "fill them first"
+        )
     return ForeignHeights(
         np.ascontiguousarray(heights) * factor, tuple(step * factor for step in spacing), (f"taken from a {kind}",)
     )

@@ -1,4 +1,4 @@
-"""Spectrum of a surface combined from several scans, each used in its reliable band of wavelengths."""
+"""Spectrum of a surface combined from several scans; each scan contributes its reliable band of wavelengths."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_sha
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 MIN_POINTS_PER_WAVELENGTH = (
-    # Minimum number of points per wavelength for a wavelength of a scan to be used. Averaging over a pixel then
-    # transmits 95 % of the power.
+    # Minimum number of points per wavelength for a wavelength of a scan to be used.
+    # Averaging over a pixel then transmits 95 % of the power.
     8
 )
 MAX_WAVELENGTH_FRACTION = (
@@ -74,7 +74,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def shortest(self) -> float:
-        """Shortest wavelength of the spectrum, µm, at the edge of the last bin."""
+        """Shortest wavelength of the spectrum (µm), at the edge of the last bin."""
         return float(2 * math.pi / (self.wave_number[-1] * self._half_width))
 
     @property
@@ -99,7 +99,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def disagreement(self) -> Floats:
-        """(scans,) mean ratio of the density of a scan to the density of the other scans, where they overlap.
+        """Mean ratio of the density of each scan to that of the other scans in the overlap (scans,).
 
         The ratio is NaN for a scan without overlap.
         """
@@ -109,7 +109,7 @@ class JoinedSpectrum(TextRepr):
             occupied = shared & np.isfinite(ratio)
             weight = self.contribution[scan, occupied]
             if occupied.any() and (weight < 1).any():
-                # The combined density includes the scan itself, which is removed for the comparison.
+                # The combined density includes the scan itself, which must be removed for the comparison.
                 others = (1 - weight * ratio[occupied]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     logs = np.log(ratio[occupied] / others)
@@ -120,7 +120,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def chance(self) -> Floats:
-        """(scans,) standard deviation by which the logarithm of `disagreement` is expected to vary by chance."""
+        """Expected standard deviation of the logarithm of `disagreement` by chance (scans,)."""
         shared = (self.contribution > 0).sum(axis=0) > 1
         actual = self.contribution * self.count / _WAVE_VECTORS_PER_VALUE
         result = np.full(len(self.bands), np.nan)
@@ -133,7 +133,7 @@ class JoinedSpectrum(TextRepr):
         return read_only(result)
 
     def roughness(self) -> ScaleDependentRoughness:
-        """Return the rms slope and curvature of all wavelengths of the spectrum down to a shortest wavelength."""
+        """Return the rms slope and curvature of all wavelengths down to a shortest wavelength."""
         step = math.log(self.wave_number[1] / self.wave_number[0])
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
@@ -149,7 +149,7 @@ class JoinedSpectrum(TextRepr):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian surface with this spectrum, and with no wavelengths beyond the spectrum.
+        """Generate a periodic Gaussian surface with this spectrum and no wavelengths beyond the spectrum.
 
         Parameters
         ----------
@@ -234,7 +234,7 @@ def joined_spectrum(
         raise ValueError(f"scans must be a sequence of profiles or surfaces, got {type(scans).__name__}")
     bodies = [as_body("scans", scan) for scan in scans]
     if not bodies:
-        raise ValueError("scans must be at least one profile or surface, got none")
+        raise ValueError("scans must contain at least one profile or surface, got none")
     per_decade = whole_number("per_decade", per_decade, minimum=4)
     if names is not None and len(names) != len(bodies):
         raise ValueError(f"names must have one entry for each of the {len(bodies)} scans, got {len(names)}")
@@ -257,7 +257,7 @@ def joined_spectrum(
     occupied = all_waves > 0
     density = np.exp(
         np.interp(np.log(q), np.log(q[occupied]), np.log(total.sum(axis=0)[occupied] / all_waves[occupied]))
-    )  # interpolates linearly in logarithms across gaps
+    )  # interpolate linearly in logarithms across gaps
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
             wave_number=read_only(q), density=read_only(density), count=read_only(all_waves),
@@ -277,7 +277,7 @@ def _check_length(name: str, values: Sequence[float | None] | None, size: int) -
 
 
 def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
-    """Return the band of wavelengths to use from a scan, and the reason for its lower limit."""
+    """Return the band of usable wavelengths of a scan, and the reason for its lower limit."""
     spacing, side = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
         shortest, reason = limit, "given"
@@ -288,8 +288,8 @@ def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | No
     longest = MAX_WAVELENGTH_FRACTION * side
     if not shortest < longest:
         raise ValueError(
-            f"scans must have a reliable band, but the lower limit of a scan of {side:g} µm is {shortest:g} µm "
-            f"({reason}) and the upper limit is {longest:g} µm, a third of its side"
+            f"scans must have a reliable band, got a scan of {side:g} µm with a lower limit of {shortest:g} µm "
+            f"({reason}) and an upper limit of {longest:g} µm, a third of its side"
         )
     return (shortest, longest), reason
 
@@ -312,10 +312,10 @@ def _average_in_bins(
     for bin_ in np.unique(index).tolist():
         selected = index == bin_
         middle = 10 ** ((bin_ + 0.5) / per_decade)
-        # The spectrum decreases within a bin, but q³ C is nearly constant.
+        # The spectrum C decreases within a bin, but q³ C is nearly constant.
         level = float(np.average(density[selected] * (q[selected] / middle) ** 3, weights=waves[selected]))
         if level > 0:
             result[int(bin_)] = float(waves[selected].sum()), level
     if not result:
-        raise ValueError(f"scans must have a reliable band, but a scan has no power above {band[0]:g} µm")
+        raise ValueError(f"scans must have a reliable band, got a scan without power above {band[0]:g} µm")
     return result

@@ -1,4 +1,4 @@
-"""Roughness of a measured surface along its rows or columns, as in a measurement with a stylus."""
+"""Roughness of a measured surface along its rows or columns, like a stylus measurement."""
 
 from __future__ import annotations
 
@@ -16,14 +16,13 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat
 
-# Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so further lines add
-# little information.
+# Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so more lines add little.
 MAX_FITTED_LINES = 64
 _BOTH: tuple[Along, Along] = ("x", "y")
-MAX_MISFIT = 1.5  # largest rms factor between a spectrum and its power law for which the fit is accepted
-# Largest ratio of the ends of two bands that count as equal.
+MAX_MISFIT = 1.5  # a power law is accepted up to this rms factor between spectrum and power law
+# Two bands count as equal up to this ratio of their ends.
 _MAX_EQUAL_BAND_RATIO = 1.5
-_MODEL_VARIANCE = 0.04  # variance of the logarithm of a bin due to the model, added to its statistical variance
+_MODEL_VARIANCE = 0.04  # model variance of the logarithm of a bin, added to its statistical variance
 _MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
 
 
@@ -75,7 +74,7 @@ class LineRoughness(TextRepr):
 
     @property
     def is_straight(self) -> bool:
-        """True if the mean spectrum of the lines follows a power law."""
+        """True if the mean spectrum of the lines is close to a power law."""
         return self.misfit <= MAX_MISFIT
 
 
@@ -159,7 +158,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of the lines along x and along y, with exponents fitted in a common band.
+    """Compute the roughness of the lines along x and along y, with exponents fitted in the same band.
 
     Parameters
     ----------
@@ -217,7 +216,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor between a binned spectrum and a power law in a band, less the variance `chance`."""
+    """Return the rms factor between a binned spectrum and a power law in a band, without the variance `chance`."""
     inside = in_band(bins.wave_number, *band) & (bins.density > 0)
     if not inside.any():
         return math.nan
@@ -229,7 +228,7 @@ def power_law_misfit(
 
 
 def _fit_line(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a line; return None if the line is flat or has no self-affine band."""
+    """Estimate the Hurst exponent of a line, or return None if the line is flat or has no self-affine band."""
     try:
         return estimate_hurst_exponent(line, band=band)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Material ratio curve (bearing curve) of a profile or a surface, and its heights, volumes and core parameters."""
+"""Material ratio curve (bearing curve) of a profile or a surface, with its heights, volumes and core parameters."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from stiction._checks import Floats, float_array
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
-CORE_FRACTION = 0.4  # width of the core as a range of material ratios
-# Material ratios that separate peaks, core and valleys, with the defaults of ISO 25178-3.
+CORE_FRACTION = 0.4  # width of the core, as a range of material ratios
+# Material ratios that separate peaks, core and valleys: the defaults of ISO 25178-3.
 PEAK_RATIO, VALLEY_RATIO = 0.1, 0.8
-EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height, with the defaults of ISO 25178-3
+EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height: the defaults of ISO 25178-3
 
 
 def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
-    """Return the heights at given material ratios, which form the bearing curve of Abbott and Firestone.
+    """Return the heights at given material ratios: the bearing curve of Abbott and Firestone.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
     body = as_body("body", body)
     targets = float_array("ratios", ratios)
     if targets.size and not (targets.min() >= 0 and targets.max() <= 1):
-        raise ValueError(f"ratios must be from 0 to 1, got {targets.min():g} to {targets.max():g}")
+        raise ValueError(f"ratios must be between 0 and 1, got {targets.min():g} to {targets.max():g}")
     return heights_at_ratios(body.heights, targets)
 
 

@@ -1,4 +1,4 @@
-"""Missing data and outliers of a scan: interpolation and size of gaps, and detection of outliers."""
+"""Missing data and outliers of a scan: interpolation and size of gaps, detection of outliers."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ MAX_OUTLIER_GROUP = 4  # largest number of adjacent outliers; a larger group is 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
 # Minimum number of estimates of a height from its neighbours. One of three estimates may contain another outlier.
 _MIN_ESTIMATES = 3
-# Number of lines through neighbours, out of five or more, that an outlier may follow by chance.
+# Number of lines through neighbours, out of five or more, that may agree with an outlier by chance.
 _MAX_CHANCE_LINES = 2
 _MAX_PASSES = 8
-_MIN_EDGE_POINTS = 20  # minimum number of points at edges for which their scatter is estimated separately
+_MIN_EDGE_POINTS = 20  # minimum number of edge points for estimating their scatter separately
 
 
 def interpolate_missing(heights: Floats, *, extrapolate: bool) -> Floats:
@@ -62,7 +62,7 @@ def describe_missing(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> 
 
 
 def find_outliers(heights: Floats) -> NDArray[np.bool_]:
-    """Find outliers: single points or groups of up to four points that deviate from their neighbours.
+    """Find single points or groups of up to four points that deviate from their neighbours.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
 
 
 def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
-    """Return the median deviation over all points or, if larger, over the neighbourhood.
+    """Return the median deviation over all points, or over the neighbourhood if that is larger.
 
     Edge points are treated separately.
     """
@@ -114,12 +114,13 @@ def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edg
             usual[part | (usual == 0)] = np.median(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(is_measured & np.isfinite(distances) & (usual > 0), distances / usual, 1.0)
-    # A worn surface is smoother on plateaus than in valleys, so points are also compared with their neighbourhood.
+    # A worn surface is smoother on plateaus than in valleys.
+    # Points are therefore also compared with their neighbourhood.
     return np.asarray(usual * np.maximum(median_filter(ratio, size=_WINDOW_WIDTHS[distances.ndim]), 1.0))
 
 
 def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return deviations from means of opposite neighbours, deviations from lines through neighbours, and edge points.
+    """Return deviations from means of opposite neighbours and from lines through neighbours, and edge points.
 
     Deviations are NaN at points with too few measured neighbours.
     """
@@ -148,7 +149,7 @@ def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, 
 
 
 def _finite_median(values: Floats, min_count: int) -> Floats:
-    """Return the median of the finite values along the first axis; NaN if there are fewer than `min_count`."""
+    """Return the median of the finite values along the first axis, or NaN if there are fewer than `min_count`."""
     ordered = np.sort(values, axis=0)  # NaN last
     count = np.isfinite(ordered).sum(axis=0)
     lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)

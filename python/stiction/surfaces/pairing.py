@@ -1,4 +1,4 @@
-"""Pairs of surfaces from two scans: pairs of lines, pairs of pieces of maps, and pairs of surrogates.
+"""Pairs of surfaces from two scans: pairs of lines, of pieces of maps, and of surrogates.
 
 A pair depends only on the scans, the options and its index. It depends neither on the number of pairs nor on the
 process that computes it.
@@ -29,22 +29,22 @@ from stiction.surfaces.profile import Along, Profile, Side, index_mask
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Default number of pairs of lines, which take a second or two and suffice for an interval.
+# Default number of pairs of lines. They take a second or two, and suffice for an interval.
 DEFAULT_LINES = 128
-# Divisor of the length of a map that limits its shift: after a shift by a quarter, three quarters of the maps overlap.
+# Largest shift of a map is its length divided by this number. After a shift by a quarter, three quarters overlap.
 SHIFT_DIVISOR = 4
 MIN_PIECE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
 MAX_SURROGATE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
 Surrogates = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
-_PLASTIC_RATIO = 1.324717957244746  # real root of x^3 = x + 1, for two-dimensional quasi-random points
+_PLASTIC_RATIO = 1.324717957244746  # real root of x^3 = x + 1, the base of two-dimensional quasi-random points
 _QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1
 GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength of generated surfaces
 
 
 def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
-    """Return the point with the given index of a low-discrepancy sequence in the unit cube.
+    """Return the point with a given index of a low-discrepancy sequence in the unit cube.
 
     The sequence is an additive recurrence with the golden ratio.
     """
@@ -59,7 +59,7 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines of two scans, or of surrogates of the lines, as returned by `paired_lines`."""
+    """Pairs of lines of two scans, or of surrogates of these lines, as returned by `paired_lines`."""
 
     upper: Profile | Surface
     lower: Profile | Surface
@@ -69,17 +69,17 @@ class LinePairs:
     surrogates: Surrogates = "none"
     seed: int = 2016
     several: bool = False
-    count: int | None = None  # number of equally spaced pairs; None for a sequence of any length
+    count: int | None = None  # number of equally spaced pairs, or None for a sequence of any length
 
     def max_count(self) -> int | None:
-        """Return the number of different pairs; None if it is unlimited."""
+        """Number of different pairs, or None if it is unlimited."""
         if self.surrogates != "none":
             return None
         widths = [self._line_count(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
         return min(widths, default=1)
 
     def place(self, index: int) -> float:
-        """Return the position (µm) of the upper line of a pair perpendicular to the lines, which is 0 for profiles."""
+        """Return the position (µm) of the upper line of a pair across the lines; 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         across = self.upper.spacing[0 if self.along == "x" else 1]
@@ -111,26 +111,26 @@ class LinePairs:
         if left < 0 or 2 * slider < min(points, track) - 1:
             max_travel = (track - min(points, track) // 2) * spacing
             raise ValueError(
-                f"travel, the largest position, must be from 0 to {max_travel:g} µm, which leaves half of the shorter "
-                f"profile as slider, got {self.travel!r}"
+                f"travel must be between 0 and {max_travel:g} µm, the largest position that leaves half of the "
+                f"shorter profile as slider, got {self.travel!r}"
             )
         slider_profile = above if slider == points else cropped(above, 0.0, slider * spacing)
         return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
     def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
-        """Return line `index` of a surface; with `shifted`, shifted by a third of the width, with wrap-around."""
+        """Return line `index` of a surface; `shifted` shifts it by a third of the width with wrap-around."""
         if isinstance(body, Profile):
             return body
         line = body.row if self.along == "x" else body.column
         return line(self._line_number(body, index, shifted=shifted))
 
     def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the row or column number of line `index`. No line repeats before all lines have been used."""
+        """Return the row or column number of line `index`. No line repeats before all lines are used."""
         width = self._line_count(surface)
         start = max(width // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * width // self.count) % width
-        # The step is close to the golden ratio times the width, and has no common divisor with it.
+        # The step is close to the golden ratio times the width, and has no common divisor with the width.
         step = max(1, round(width * _GOLDEN_RATIO))
         while math.gcd(step, width) > 1:
             step += 1
@@ -155,7 +155,7 @@ def paired_lines(
     surrogates: Surrogates = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Convert two scans to pairs of profiles for `press`: flipped sliders, and their counterfaces.
+    """Convert two scans to pairs of profiles for `press`: flipped sliders and their counterfaces.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def _crop_to_equal_length(
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """Return the section of the lower profile below a slider at an offset (µm)."""
+    """Return the section of the lower profile that lies below a slider at an offset (µm)."""
     first = round(offset / lower.spacing)
     below = slice(first, first + len(slider))
     return Profile(lower.heights[below], spacing=lower.spacing, missing=index_mask(lower.missing, below))
@@ -256,22 +256,22 @@ class MapPairs:
     image.
     """
 
-    upper: Surface  # the map after flipping, so that its heights are measured upwards
+    upper: Surface  # map after flipping, with heights measured upwards
     lower: Surface
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016  # seed of the surrogates
-    # Shifts (x, y) of the upper map in µm, which replace the sequence of shifts.
+    # Shifts (x, y) of the upper map (µm), which replace the default sequence of shifts.
     shifts: tuple[tuple[float, float], ...] | None = None
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
-        """Spacings of rows and of columns, µm: the finer spacings of the two maps."""
+        """Spacings of rows and of columns (µm): the finer spacings of the two maps."""
         (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
         return min(uy, ly), min(ux, lx)
 
     @cached_property
     def _points(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Numbers of points along y and x of both maps on the finer spacing."""
+        """Numbers of points of both maps along y and x, at the finer spacing."""
         return tuple(  # type: ignore[return-value]
             tuple(
                 points if actual == step else math.floor((points - 1) * actual / step + 1e-9) + 1
@@ -305,8 +305,8 @@ class MapPairs:
             )
         if self.shifts is not None and min(rows, columns) < MIN_PIECE_POINTS:
             raise ValueError(
-                f"positions must leave an overlap of at least {MIN_PIECE_POINTS} rows and columns of both maps, got "
-                f"an overlap of {max(rows, 0)} by {max(columns, 0)} points"
+                f"positions must leave an overlap of at least {MIN_PIECE_POINTS} rows and columns, got {max(rows, 0)} "
+                f"by {max(columns, 0)} points"
             )
         if min(rows, columns) < MIN_PIECE_POINTS:
             raise ValueError(
@@ -327,7 +327,7 @@ class MapPairs:
         return tuple(float(pieces / np.prod(points)) for points in self._points)  # type: ignore[return-value]
 
     def max_count(self) -> int:
-        """Return the number of different relative positions that the shifts can reach."""
+        """Number of different relative positions that the shifts can reach."""
         if self.shifts is not None:
             return len(self.shifts)
         margins = [max(upper, lower) - size for upper, lower, size in zip(*self._points, self.shape, strict=True)]
@@ -335,7 +335,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first rows and columns of the upper piece and of the lower piece, on the finer spacing."""
+        """Return the first row and column of the upper piece and of the lower piece, at the finer spacing."""
         if self.shifts is not None:
             first, size = self._overlap(self._steps[index])
             below = tuple(start + (n - m) // 2 for start, n, m in zip(first, size, self.shape, strict=True))
@@ -367,7 +367,7 @@ class MapPairs:
         return self._cut_piece(self.upper, upper), self._cut_piece(self.lower, lower)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Return levelled pieces from a pair of surrogates of the whole maps."""
+        """Return levelled pieces from surrogates of the whole maps."""
         upper, lower = (
             self._cut_piece(
                 surrogate(body, self.seed, repetition=index, side=side), _centred_origin(points, self.shape)
@@ -410,9 +410,9 @@ class SquarePairs:
 
 @dataclass(frozen=True, eq=False)
 class IsotropicPairs(SquarePairs):
-    """Pairs of isotropic random surfaces that are generated with the spectra of two profiles."""
+    """Pairs of isotropic random surfaces generated from the spectra of two profiles."""
 
-    upper: Profile  # levelled profile, flipped so that heights of the upper body point upwards
+    upper: Profile  # levelled profile, flipped so that its heights point upwards for the upper body
     lower: Profile
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016
@@ -453,18 +453,18 @@ class IsotropicPairs(SquarePairs):
 
 
 def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
-    """Return the isotropic spectrum of a scan in its reliable band. A spectrum is returned unchanged."""
+    """Return the isotropic spectrum of a scan in its reliable band, or a given spectrum unchanged."""
     return scan if isinstance(scan, JoinedSpectrum) else joined_spectrum([scan], names=["one scan"])
 
 
 @dataclass(frozen=True, eq=False)
 class SpectrumPairs(SquarePairs):
-    """Pairs of pieces of random, periodic, isotropic surfaces that are generated with two spectra.
+    """Pairs of pieces of random, periodic, isotropic surfaces generated from two spectra.
 
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    # Spectrum of the upper body. It is not flipped, because flipping does not change the statistics of random phases.
+    # Spectrum of the upper body. Flipping would not change it, because the phases are random.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
@@ -491,7 +491,7 @@ class SpectrumPairs(SquarePairs):
 
     @property
     def used(self) -> tuple[float, float]:
-        """Ratio of the area of a piece to the area of the whole surface, for both bodies."""
+        """Ratio of the area of a piece to the area of the generated surface, for both bodies."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 

@@ -1,4 +1,4 @@
-"""Roughness parameters: names, standards, formulas, units and requirements, and sets of their values."""
+"""Roughness parameters: names, standards, formulas, units, requirements, and sets of values."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ NOT_LEVELLED = "no"  # description of heights that were not levelled
 
 @dataclass(frozen=True)
 class Parameter:
-    """A roughness parameter.
+    """Roughness parameter: its name, standard, formula, unit and requirements.
 
     Attributes
     ----------
@@ -163,7 +163,7 @@ PARAMETERS = {
 
 @dataclass(frozen=True, repr=False)
 class ParameterSet(TextRepr):
-    """Values of roughness parameters, which are also attributes.
+    """Values of roughness parameters, available as attributes.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class ParameterSet(TextRepr):
         return {"levelled": self.levelled}
 
     def __repr__(self) -> str:
-        """Return one line per parameter, with its unit."""
+        """Return a text with one line per parameter, including its unit."""
         lines = {name: f"{value} {unit}".strip() for name, value, unit in self._formatted_values()} | self._extra_rows()
         width = max(map(len, lines))
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in lines.items())])

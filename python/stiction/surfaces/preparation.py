@@ -17,10 +17,10 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-Align = Literal["start", "middle"]  # end of the longer body, or its middle, that is kept
-# Tolerance of positions on a grid, in spacings: 0.3 µm is point 3 at a spacing of 0.1 µm in spite of round-off.
+Align = Literal["start", "middle"]  # part of the longer body that is kept: an end, or the middle
+# Tolerance of positions on a grid, in spacings. Despite round-off, 0.3 µm is point 3 at a spacing of 0.1 µm.
 GRID_TOLERANCE = 1e-9
-LINE_ROUND_OFF = 1e-14  # residual of a subtracted straight line, relative to the largest height, that is round-off
+LINE_ROUND_OFF = 1e-14  # round-off of a subtracted straight line, relative to the largest height
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
@@ -31,7 +31,7 @@ _LEVELLED = {
     "plane": "levelled by a plane",
 }
 
-# Distance in points from the end of a spline beyond which the end condition has no effect.
+# Distance from the end of a spline, in points, beyond which the end condition has no effect.
 _SPLINE_MARGIN = 32
 _KEPT = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING = (np.floor, np.ceil)
@@ -109,7 +109,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
-    """Return polynomials of degree 0 to `degree` that are orthogonal on a uniform grid, with values of about 1."""
+    """Return polynomials of degree 0 to `degree`, orthogonal on a uniform grid and of order 1."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -119,7 +119,7 @@ def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
 
 
 def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Subtract the least-squares fit of orthogonal functions; the result is exactly zero if only round-off remains."""
+    """Subtract the least-squares fit of orthogonal functions. If only round-off remains, return exactly zero."""
     rest = heights
     if missing is not None:
         values = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
@@ -133,7 +133,7 @@ def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool
 
 
 def flipped(body: AnyBody) -> AnyBody:
-    """Flip a profile or a surface, so that it can be used as the upper body.
+    """Flip a profile or a surface for use as the upper body.
 
     Parameters
     ----------
@@ -209,21 +209,21 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the first point of a range and the point after its last point, and a description of the range."""
+    """Return the first point of a range, the point after its last point, and a description of the range."""
     extent = points * spacing
     start = number("start", start, unit="µm")
     stop = extent if stop is None else number("stop", stop, unit="µm")
     slack = GRID_TOLERANCE * spacing
     if not -slack <= start < stop <= extent + slack:
         raise ValueError(
-            f"start and stop must be ascending and within the extent of {extent:g} µm{along}, "
-            f"got {start:g} and {stop:g} µm"
+            f"start must be below stop, and both must be within the extent of {extent:g} µm{along}, got {start:g} and "
+            f"{stop:g} µm"
         )
     first, end = (min(max(math.ceil(place / spacing - GRID_TOLERANCE), 0), points) for place in (start, stop))
     if end - first < MIN_POINTS:
         raise ValueError(
-            f"at least {MIN_POINTS} points must remain, but from {start:g} to {stop:g} µm{along} there are "
-            f"{end - first} at a spacing of {spacing:g} µm"
+            f"start and stop must leave at least {MIN_POINTS} points, got {end - first} points from {start:g} to "
+            f"{stop:g} µm{along} at a spacing of {spacing:g} µm"
         )
     return first, end, f"{start:g} to {stop:g} µm{along}"
 
@@ -269,7 +269,9 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
     """
     check_choice("align", align, Align)
     if not any(isinstance(a, kind) and isinstance(b, kind) for kind in (Profile, Surface)):
-        raise ValueError(f"both must be a Profile or both a Surface, got {type(a).__name__} and {type(b).__name__}")
+        raise ValueError(
+            f"both bodies must be profiles or both must be surfaces, got {type(a).__name__} and {type(b).__name__}"
+        )
     spacing = tuple(map(min, a.spacings, b.spacings))
     lengths = (
         [(points - 1) * step for points, step in zip(value.heights.shape, value.spacings, strict=True)]
@@ -278,18 +280,18 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
     shape = tuple(_count_points(last, step) for last, step in zip(map(min, *lengths), spacing, strict=True))
     if len(shape) == 2 and (math.prod(shape) > MAX_POINTS or min(shape) < 2):
         raise ValueError(
-            f"the common grid would have {shape[0]} x {shape[1]} points; from 2 x 2 to {MAX_POINTS} are allowed"
+            f"the common grid must have at least 2 x 2 and at most {MAX_POINTS} points, got {shape[0]} x {shape[1]}"
         )
     return _resample_to_grid(a, spacing, shape, align), _resample_to_grid(b, spacing, shape, align)
 
 
 def _count_points(length: float, spacing: float) -> int:
-    """Return the number of points from 0 to a length (µm), including the end in spite of round-off."""
+    """Return the number of points from 0 to a length (µm), including the end despite round-off."""
     return math.floor(length / spacing + GRID_TOLERANCE) + 1
 
 
 def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
-    """Resample a body to spacings (µm) and a shape; a body that already has these is returned unchanged."""
+    """Resample a body to spacings (µm) and a shape, or return it unchanged if it already has both."""
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
@@ -309,7 +311,7 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
 def resample_piece(
     surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
 ) -> Surface:
-    """Resample a piece of a surface that starts at `origin` (row, column) to spacings (µm), by natural splines."""
+    """Resample a piece of a surface that starts at `origin` (row, column) to spacings (µm) by natural splines."""
     heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
         actual, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
@@ -335,7 +337,7 @@ def resample_piece(
 
 
 def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
-    """Return a mask at positions between points, which are missing if either adjacent point is missing."""
+    """Return a mask at positions between points. A position is missing if either adjacent point is."""
     if missing is None:
         return None
     below, above = (np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _NEIGHBOUR_ROUNDING)
@@ -350,7 +352,7 @@ def _resample_along(heights: Any, actual: float, spacing: float, points: int, ax
     if heights is None:
         return None
     last = heights.shape[axis] - 1
-    # position of the first new point, in points of the old grid
+    # position of the first new point, in units of the old spacing
     ratio = spacing / actual
     start = max(0.0, (last - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if actual == spacing:
@@ -409,7 +411,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
         missing = None if surface.missing is None else np.rot90(surface.missing, -int(quarters) % 4)
         return surface.changed(heights, f"rotated by {angle:g} degrees", spacing=spacing, missing=missing)
     if min(surface.heights.shape) < MIN_POINTS:
-        raise ValueError(f"a surface of {surface.heights.shape} points can only be rotated by multiples of 90 degrees")
+        raise ValueError(f"angle must be a multiple of 90 degrees for a surface of {surface.heights.shape} points")
     from scipy.interpolate import RectBivariateSpline
 
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
@@ -419,7 +421,8 @@ def rotated(surface: Surface, angle: float) -> Surface:
     shape = math.floor(height / dy) + 1, math.floor(width / dx) + 1
     if min(shape) < MIN_POINTS:
         raise ValueError(
-            f"angle {angle:g} leaves {shape[0]} rows of {shape[1]} points; at least {MIN_POINTS} are required"
+            f"angle must leave at least {MIN_POINTS} rows and points per row, got {shape[0]} rows of {shape[1]} "
+            f"points at {angle:g} degrees"
         )
     y = (np.arange(shape[0]) - (shape[0] - 1) / 2)[:, np.newaxis] * dy
     x = (np.arange(shape[1]) - (shape[1] - 1) / 2) * dx
@@ -443,12 +446,12 @@ def rotated(surface: Surface, angle: float) -> Surface:
 
 
 def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
-    """Return the height and width of the largest rectangle parallel to the axes within a rotated rectangle."""
+    """Return the height and width of the largest axis-parallel rectangle within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer, shorter = max(height, width), min(height, width)
-    if shorter <= 2 * sine * cosine * longer:  # in this case two corners of the result lie on the longer sides
+    if shorter <= 2 * sine * cosine * longer:  # here, two corners of the result lie on the longer sides
         half_shorter = shorter / 2
-        across, along = half_shorter / cosine, half_shorter / sine  # in this case the shorter side limits the result
+        across, along = half_shorter / cosine, half_shorter / sine  # here, the shorter side limits the result
         return (along, across) if height >= width else (across, along)
     span = cosine**2 - sine**2
     return (height * cosine - width * sine) / span, (width * cosine - height * sine) / span

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]  # body of a pair
-Along = Literal["x", "y"]  # direction of the lines of a surface, which are rows ("x") or columns ("y")
-MAX_POINTS = 100_000_000  # maximum number of points of a generated body, which take 0.8 GB
-MIN_POINTS = 4  # minimum number of points, so that a natural cubic spline has two interior points with curvature
+Along = Literal["x", "y"]  # direction of the lines of a surface: "x" for rows, "y" for columns
+MAX_POINTS = 100_000_000  # maximum number of points of a generated body (0.8 GB)
+MIN_POINTS = 4  # minimum number of points, so that a natural cubic spline has two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,7 +40,7 @@ class Body(PlotRepr):
 
     def _store(self, heights: Floats, spacing: Any) -> None:
         """Store heights and spacing, which must be valid, after checking the history and the mask."""
-        # copied, because another object may still modify the array
+        # copy the array, because another object may still modify it
         if heights.flags.writeable or not heights.flags.owndata:
             heights = read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
@@ -56,12 +56,12 @@ class Body(PlotRepr):
             object.__setattr__(self, "missing", read_only(mask) if mask.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # The constructor makes the heights read-only again after unpickling.
+        # Use the constructor, which makes the heights read-only again after unpickling.
         return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property
     def spacings(self) -> tuple[float, ...]:
-        """Distances between neighbouring points along x or, for surfaces, along y and x, µm."""
+        """Distances (µm) between neighbouring points along x or, for surfaces, along y and x."""
         return self.spacing if isinstance(self.spacing, tuple) else (self.spacing,)
 
     @property
@@ -74,7 +74,7 @@ class Body(PlotRepr):
         return replace(self, heights=heights, history=(*self.history, step), **others)
 
     def __repr__(self) -> str:
-        """Return the size, the roughness and the history in one line."""
+        """Return one line with the size, the roughness and the history."""
         return describe_body(type(self).__name__, self.heights, self.spacings, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -88,7 +88,7 @@ class Body(PlotRepr):
 
     @classmethod
     def from_(cls, other: Any, *, unit: str | None = None) -> Self:
-        """Convert an object of another library with its heights, spacing and unit.
+        """Convert an object of another library, including its heights, spacing and unit.
 
         Parameters
         ----------
@@ -114,7 +114,7 @@ class Body(PlotRepr):
         extracted = extract_heights("other", other, unit=unit)
         targets, result = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, extracted.heights.ndim))
         if result != targets:
-            raise ValueError(f"other must be a {targets}, got a {result}; see {result.capitalize()}.from_")
+            raise ValueError(f"other must be a {targets}, got a {result}; use {result.capitalize()}.from_ instead")
         spacing = extracted.spacing[0] if cls._ndim == 1 else extracted.spacing
         return cls(extracted.heights, spacing=spacing, history=extracted.history, missing=extracted.missing)
 
@@ -167,7 +167,7 @@ class Profile(Body):
 
     @property
     def x(self) -> Floats:
-        """(n,) positions of the points, µm. Point j lies at j Δx."""
+        """Positions of the points (µm); point j lies at j Δx (n,)."""
         return np.arange(self.heights.size, dtype=np.float64) * self.spacing
 
     @property
@@ -192,27 +192,27 @@ class Profile(Body):
 
 
 def index_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return a part of a mask, which may be None, by an index."""
+    """Return a part of a mask by an index, or None if the mask is None."""
     return None if mask is None else mask[index]
 
 
 def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
-    """Return the mask of points that are missing in either of two bodies; None if no point is missing.
+    """Return the mask of points that are missing in either of two bodies, or None if no point is missing.
 
     Raises a `ValueError` if no point is measured in both bodies.
     """
     masks = [body.missing for body in (upper, lower) if body.missing is not None]
     missing: NDArray[np.bool_] | None = np.logical_or.reduce(masks) if masks else None
     if missing is not None and missing.all():
-        raise ValueError("upper and lower must have at least one position that was measured in both")
+        raise ValueError("upper and lower must share at least one measured position, got none")
     return missing
 
 
 def reject_missing(body: Any, operation: str) -> None:
-    """Raise a `ValueError` if a scan has missing data, because the operation does not support them."""
+    """Raise a `ValueError` for a scan with missing data, because an operation does not support them."""
     if body.missing is not None:
         raise ValueError(
-            f"{operation} requires complete scans, but {int(body.missing.sum())} points are masked: use the half-space "
+            f"{operation} requires complete scans, got {int(body.missing.sum())} masked points; use the half-space "
             "solver, which accepts missing points, crop the scan, or interpolate"
         )
 
@@ -220,11 +220,11 @@ def reject_missing(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """Return a profile scaled to an amplitude. Its heights are written into `scaled`, which saves an allocation."""
+    """Scale a profile to an amplitude, and write its heights into `scaled`, which saves an allocation."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):
-        raise ValueError("a flat profile has no amplitude to scale")
+        raise ValueError("profile must not be flat, because a flat profile cannot be scaled to an amplitude")
     profile = object.__new__(Profile)
     object.__setattr__(profile, "heights", read_only(scaled[:]))
     object.__setattr__(profile, "spacing", spacing)

@@ -8,12 +8,12 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# smallest height of a hill relative to Rp, and smallest depth of a dale relative to Rv, for the feature to count
+# a hill counts above this fraction of Rp, and a dale above this fraction of Rv
 DISCRIMINATION_FRACTION = 0.1
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
-    """Return the spacings (points) and heights of the profile elements of a profile relative to its mean line.
+    """Return the spacings (points) and heights of the profile elements about the mean line of a profile.
 
     A hill counts if it rises above a tenth of the peak height, and a dale counts if it falls below a tenth of the pit
     depth; both limits must be above 0. An element is a hill and the following dale, or a dale and the following hill.
@@ -26,7 +26,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     side[heights < -DISCRIMINATION_FRACTION * pit] = -1
     counting = np.flatnonzero(side)
     turns = np.flatnonzero(np.diff(side[counting]))
-    # last point of a feature, and first point of the following feature
+    # last point of a feature, and first point of the next feature
     last, following = counting[turns], counting[turns + 1]
     above = heights > 0
     crossings = np.flatnonzero(above[:-1] != above[1:])
@@ -36,7 +36,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     first = crossing_positions[np.searchsorted(crossings, last)]
     final = crossing_positions[np.searchsorted(crossings, following) - 1]
     ends = (first + final) / 2
-    # The highest and the lowest point are searched between two successive ends.
+    # Search for the highest and the lowest point between two successive ends.
     starts = np.ceil(ends).astype(np.intp)
     highest = np.maximum.reduceat(heights, starts)[:-1]
     lowest = np.minimum.reduceat(heights, starts)[:-1]
@@ -45,7 +45,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
 
 
 def mean_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
-    """Return the mean spacing (points) and the mean height of the profile elements; NaN if there is no element."""
+    """Return the mean spacing (points) and mean height of the profile elements; NaN without elements."""
     spacings, tall = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan

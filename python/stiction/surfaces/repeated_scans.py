@@ -1,4 +1,4 @@
-"""Noise of an instrument, estimated from two scans of the same area, without assumptions about the noise spectrum."""
+"""Instrument noise estimated from two scans of the same area, without assumptions about the noise spectrum."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Largest fraction of the mean square slope that may be noise; the error of h' is then below 5 %.
+# Largest fraction of the mean square slope that may be noise. The error of h' is then below 5 %.
 MAX_NOISE_FRACTION = 0.1
 MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of smaller ranges would underflow
-MIN_CORRELATION = 0.5  # smallest correlation for which two scans are assumed to show the same area
+MIN_CORRELATION = 0.5  # smallest correlation at which two scans are assumed to show the same area
 # widths (points) of the Gaussian filters in successive stages of the alignment
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NEWTON_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
-# number of points per independent value of white noise after a filter with a width of 1 point
+# number of points per independent value of white noise after a 1-point-wide filter
 _CORRELATED_POINTS = 2 * math.sqrt(math.pi)
-_OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation needs
+_OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation requires
 _CANDIDATES = 400  # number of trial cutoffs
-# largest deviation of a shift from an integer, in points, that is attributed to round-off
+# largest deviation of a shift from an integer that counts as round-off, in points
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RepeatedScans(PlotRepr):
-    """Comparison of two scans of the same area. Arrays contain one value for each octave of the wavelength.
+    """Comparison of two scans of the same area, with one value for each octave of the wavelength.
 
     Attributes
     ----------
@@ -126,7 +126,9 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     _check_scans(first, second)
     kind: Any = type(first)
     if np.array_equal(first.heights, second.heights):
-        raise ValueError("first and second must be two scans, but are identical, so the noise cannot be estimated")
+        raise ValueError(
+            "first and second must be different scans, got identical heights, from which the noise cannot be estimated"
+        )
     trend: Any = "line" if kind is Profile else "plane"
     solution, other, shift_found = _align_scans(levelled(first, trend).heights, levelled(second, trend).heights)
     spacing = np.atleast_1d(first.spacing)
@@ -135,7 +137,7 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     variances = float(np.corrcoef(solution.ravel(), other.ravel())[0, 1])
     if not variances > MIN_CORRELATION:
         raise ValueError(
-            f"first and second must be scans of the same area, but their correlation is {variances:.2f} at best"
+            f"first and second must be scans of the same area, got scans with a correlation of {variances:.2f} at best"
         )
     step = f"mean of two scans of the same area, the second shifted by {', '.join(f'{item:.4g}' for item in shift)} µm"
     scan = kind((solution + other) / 2, spacing=first.spacing, history=(*first.history, step))
@@ -171,7 +173,7 @@ def _check_scans(first: Any, second: Any) -> None:
 
 
 def _find_noise_limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """Return the shortest cutoff wavelength at which noise is a small enough fraction of the mean square slope."""
+    """Return the shortest cutoff wavelength at which the noise fraction of the mean square slope is small enough."""
     if noise @ q**2 <= MAX_NOISE_FRACTION * (of_mean @ q**2):
         return shortest
     wave: float
@@ -198,8 +200,8 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
             columns = np.stack([function.ravel() for function in basis], axis=1)
             step, residual = np.linalg.lstsq(columns, (item[above] - second_heights).ravel())[:2]
             shift_found = shift_found + np.clip(step[: second_heights.ndim], -2 - width, 2 + width)
-        # The variance of the shift follows from the residual, which the filter correlates, and from the slopes of both
-        # scans.
+        # The variance of the shift depends on the residual,
+        # which the filter correlates, and on the slopes of both scans.
         variances = [float((actual * slope).mean()) for actual, slope in zip(_slopes(item[above]), slopes, strict=True)]
         spread = sum(
             float(np.square(slope).mean()) / variance**2 if variance**2 > 0 else math.inf
@@ -222,14 +224,14 @@ def _slopes(heights: Floats) -> list[Floats]:
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the integer shift with the largest correlation, among shifts with an overlap of more than half."""
+    """Return the integer shift with the largest correlation, for overlaps of more than half."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
     ones, others = ([rfftn(value, shape) for value in (np.ones(c.shape), c, c**2)] for c in (a, b))
 
     def sum_products(of_a: int, of_b: int) -> Floats:
-        """Return the sum over the overlap of products of powers of both scans' heights, at every shift."""
+        """Sum products of powers of both scans' heights over the overlap, at every shift."""
         return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -248,13 +250,13 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _overlap(
     shape: tuple[int, ...], other: tuple[int, ...], shift_found: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap in the first scan for a shift in points, and its positions in the second scan."""
+    """Return the overlap in the first scan at a shift in points, and its positions in the second scan."""
     selected, positions = [], []
     for points, others, step in zip(shape, other, shift_found.tolist(), strict=True):
         first = max(0, math.ceil(step) + (_OVERLAP_MARGIN if step > 0 else 0))
         end = min(points, math.floor(others + step) - (_OVERLAP_MARGIN if others + step < points else 0))
         if end - first <= min(points, others) / 2:
-            raise ValueError("first and second must overlap by more than half, or are not of the same area")
+            raise ValueError("first and second must be scans of the same area that overlap by more than half")
         selected.append(slice(first, end))
         positions.append(np.clip(np.arange(first, end) - step, 0, others - 1))
     return tuple(selected), positions

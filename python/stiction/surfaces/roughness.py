@@ -24,13 +24,13 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-DECAY_LEVEL = 0.2  # value of the autocorrelation that defines the decay lengths, with the default of ISO 25178-3
+DECAY_LEVEL = 0.2  # autocorrelation that defines the decay lengths: the default of ISO 25178-3
 _NUM_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
-_NUM_SECTORS = 90  # number of angular sectors, each two degrees wide, over which the spectral power is summed
+_NUM_SECTORS = 90  # number of angular sectors (two degrees wide) over which the spectral power is summed
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
-    """Return the form that was subtracted from heights, as recorded in their history."""
+    """Return the form that was subtracted from heights, according to their history."""
     steps = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return steps[-1] if steps else NOT_LEVELLED
 
@@ -113,7 +113,7 @@ def roughness_parameters(
 
 
 def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    """Compute height and slope parameters about the mean line; their names omit the first letter."""
+    """Compute height and slope parameters about the mean line, with names that omit the first letter."""
     scale = float(np.abs(z).max()) or 1.0
     unit = z / scale  # scaling prevents overflow and underflow of the fourth power
     rms = float(np.sqrt(np.mean(unit**2)))
@@ -230,7 +230,7 @@ def surface_parameters(
 
 
 def check_roughness(surface: Surface) -> None:
-    """Raise a `ValueError` for a surface that is flat or too small for roughness parameters."""
+    """Raise a `ValueError` for a surface that is flat, or too small for roughness parameters."""
     reject_flat(surface)
     least, shape = SEVEN_POINTS.size, surface.heights.shape
     if min(shape) < least:
@@ -314,7 +314,7 @@ def _slopes_along(heights: Floats, axis: int, derivative: Derivative) -> Floats:
 
 
 def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> float:
-    """Return the ratio of the area of the triangles between points to the projected area, minus 1."""
+    """Return the area of the triangles between points divided by the projected area, minus 1."""
     total = 0.0
     corners = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
     # Each triangle has one side along x and one side along y, which determine its slopes.
@@ -332,10 +332,9 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     """
     correlation = autocorrelation(deviation)
     half = [points // 2 for points in deviation.shape]
-    # the other half of the directions has the same autocorrelation
+    # the opposite directions have the same autocorrelation
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
     # Steps are half of the finer spacing. They end where a direction leaves the central half of the surface.
-    # grid points per µm along the direction
     towards = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):
         max_distance = np.min(np.array(half)[:, np.newaxis] / towards, axis=0)

@@ -25,37 +25,37 @@ TIP_FACTOR = 0.1
 _PER_DECADE = 48  # number of wave number bins per decade for slope and curvature
 _PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
 _WINDOW_OCTAVES = (1.0, 2.0)  # widths, in octaves, of the windows in which a spectral exponent is fitted
-# Minimum difference of a measured exponent from the exponent for H = 0, the roughest self-affine surface, in standard
-# deviations.
+# Minimum difference of a measured exponent from the exponent for H = 0,
+# the roughest self-affine surface, in standard deviations.
 _DEVIATIONS = 3.0
-# Largest wavelength, in points, of a hump that is attributed to the instrument. A hump at a longer wavelength is
-# texture.
+# Largest wavelength, in points, of a hump that is attributed to the instrument.
+# A hump at a longer wavelength is attributed to the surface.
 _MAX_HUMP_POINTS = 24.0
-# Ratio of the density to the lowest density of the spectrum above which wavelengths are trusted.
+# Wavelengths are trusted if their density exceeds the lowest density of the spectrum by this ratio.
 _MIN_TRUSTED_RATIO = 4.0
-# Smallest ratio of a density to the lowest density at longer wavelengths that counts as a rise. No surface has such a
-# rise.
+# Smallest ratio of a density to the lowest density at longer wavelengths that counts as a rise.
+# No surface has such a rise.
 _MIN_RISE_RATIO = 3.0
-# Largest fraction of the mean square slope from unattributed wavelengths with which a result may be quoted.
+# Largest fraction of the mean square slope at unattributed wavelengths for which a result may be quoted.
 MAX_UNKNOWN_FRACTION = 0.1
-# Ratio of the cutoff to the wavelength to be removed, of which a Gaussian filter then transmits 8 % of the amplitude.
+# Ratio of a cutoff to the wavelength to be removed. The Gaussian filter transmits 8 % of its amplitude.
 CUTOFF_MARGIN = 1.9
-_MIN_SLOPE_FRACTION = 1e-4  # fraction of the mean square slope below which a contribution may be round-off
+_MIN_SLOPE_FRACTION = 1e-4  # a smaller fraction of the mean square slope may be round-off
 # Smallest exponent of a rough surface in its last octave, including the effect of aliasing.
 _MAX_ALIASED_EXPONENT = 0.6
-# Smallest fraction of the mean square second difference that rounding must explain for heights to count as quantised.
+# Heights count as quantised if rounding explains this fraction of the mean square second difference.
 _MIN_ROUNDED_FRACTION = 0.3
 _MAX_FLAT_EXPONENT = 0.35  # largest exponent of a flat spectrum, and largest rms deviation of its log density
-# Largest exponent of a noise floor if the range of its fit includes a part of the spectrum of the surface.
+# Largest exponent of a noise floor if its fitted range includes a part of the spectrum of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
-# Ratio of a wavelength to the limit below which the spectrum consists only of noise.
+# Below this fraction of the limiting wavelength, the spectrum consists only of noise.
 _NOISE_WAVELENGTH_RATIO = 0.7
 # reasons that are always due to the instrument, never to the surface
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-_MAX_NOISE_RATIO = 2.0  # largest ratio of the noise densities along the two axes for the noise to count as the same
-# smallest ratio of a density to the density of noise that may be hidden in it; below 1 to allow for scatter
+_MAX_NOISE_RATIO = 2.0  # noise along two axes counts as equal up to this ratio of densities
+# smallest ratio of a density to the noise density that it may hide; below 1 to allow for scatter
 _MIN_HIDDEN_RATIO = 0.8
-_MIN_NOISE_LINES = 8.0  # smallest number of independent lines for noise that differs from line to line
+_MIN_NOISE_LINES = 8.0  # minimum number of independent lines for noise that differs from line to line
 # Shortest wavelength of an extrapolation as a fraction of the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _HALVINGS = 60
@@ -69,7 +69,7 @@ Spectrum = tuple[Floats, Floats, Floats, float]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScaleDependentRoughness(TextRepr):
-    """Root-mean-square slope and curvature of all wavelengths from the longest wavelength down to a given one.
+    """Root-mean-square slope and curvature of all wavelengths down to a shortest wavelength.
 
     Attributes
     ----------
@@ -101,22 +101,22 @@ class ScaleDependentRoughness(TextRepr):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h'_rms of all wavelengths at or above the given wavelengths (µm), which may have any shape.
+        """Return h'_rms of all wavelengths at or above the given wavelengths (µm) of any shape.
 
         The result is constant below the shortest wavelength of the body.
         """
         return _interpolate_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h''_rms (1/µm) of all wavelengths at or above the given wavelengths (µm), like `gradient_at`."""
+        """Return h''_rms (1/µm) of all wavelengths at or above the given wavelengths (µm) of any shape."""
         return _interpolate_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """Return the fraction of the mean square slope that is due to wavelengths below the given wavelength (µm)."""
+        """Return the fraction of the mean square slope at wavelengths below a given wavelength (µm)."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return h'_rms down to unresolved wavelengths (µm).
+        r"""Return h'_rms extrapolated to unresolved wavelengths (µm).
 
         The power law of a Hurst exponent extrapolates the spectrum.
 
@@ -136,7 +136,7 @@ class ScaleDependentRoughness(TextRepr):
         return np.asarray(np.sqrt(np.square(measured) + extrapolated_slope(estimate, finer)))
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
-        """Find the wavelength (µm) above which all wavelengths together have a given rms gradient.
+        """Find the wavelength (µm) down to which all wavelengths together have a given rms gradient.
 
         The power law of `estimate`, if given, extrapolates the spectrum.
 
@@ -160,7 +160,7 @@ class ScaleDependentRoughness(TextRepr):
 
 
 def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and two power laws with the lower and the upper exponent.
+    """Return the fitted power law, and two power laws with the lowest and the highest exponent.
 
     All three power laws agree at the centre of the band.
     """
@@ -173,11 +173,11 @@ def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEs
 
 
 def extrapolated_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope of the power law from a wavelength (µm) to the shortest wavelength of the band."""
+    """Return the mean square slope of a power law between a wavelength (µm) and the shortest wavelength of the band."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
-    # This expression equals (end^x - start^x) / x, and is also valid for x = 0.
+    # This expression equals (end^x - start^x) / x, and remains valid for x = 0.
     grown = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * grown)
 
@@ -419,7 +419,7 @@ def instrument_limit(
     first, is_common, noise, slope = 0, True, waves[0], slopes[0]
     if len(spectra) == 2 and any(wave > 0 for wave in waves):
         is_common, hidden = _compare_axes(spectra, waves)
-        # If the noise differs between the axes, the axis with the larger contribution is reported.
+        # If the noise differs between the axes, report the axis with the larger contribution.
         first = int(np.nanargmax(waves if is_common else slopes))
         is_floor = [item.kind in INSTRUMENT_REASONS for item in disturbances]
         noise = float(np.nanmin(waves)) if is_common else waves[first]
@@ -509,7 +509,7 @@ def _independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> 
 
 
 def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, float]:
-    """Compare the noise of the lines of a surface along x and along y, if noise was found along one axis or both.
+    """Compare the noise of lines along x and along y, if it was found along at least one axis.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -547,14 +547,14 @@ class _Disturbance(NamedTuple):
 
     wave: float  # upper limit of the wavelengths in this part, µm; NaN if there is no such part
     kind: str
-    slope: float  # mean square slope of the lines at these wavelengths, without harmonics of a texture
+    slope: float  # mean square slope of the lines at these wavelengths, without texture harmonics
     period: float  # period of a texture, µm; NaN if there is no texture
 
 
 def _find_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _Disturbance:
-    """Find the wavelengths that are not attributed to the surface, after removal of the harmonics of a texture."""
+    """Remove the harmonics of a texture, and find the wavelengths that are not attributed to the surface."""
     first, distance = find_period(density)
     period = 2 * math.pi / (float(q[0]) * first)
     if first > 0:
@@ -568,7 +568,8 @@ def _find_disturbance(
         return _Disturbance(math.nan, kind, 0.0, period)
     below = q * wave > 2 * math.pi
     slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
-    if kind in INSTRUMENT_REASONS:  # a noise floor has the density at the end of the spectrum at all wave numbers
+    # a noise floor has the same density at all wave numbers as at the end of the spectrum
+    if kind in INSTRUMENT_REASONS:
         level = float(density[q * math.sqrt(2) > q[-1]].mean())
         slope = min(slope, level * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
     return _Disturbance(wave, kind, slope, period)
@@ -580,7 +581,7 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
     The limit is NaN if there is no noise.
     """
     nothing = math.nan, "noise floor"
-    if not periodic:  # the first two harmonics contain leakage of the window
+    if not periodic:  # exclude the first two harmonics, which contain leakage of the window
         q, density, count = q[2:], density[2:], count[2:]
     if q.size < _PER_OCTAVE:
         return nothing
@@ -618,7 +619,7 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
 
 
 def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to values with given variances, and return its slope with the standard deviation."""
+    """Fit a straight line to values with given variances, and return its slope and standard deviation."""
     weight = 1 / (variance + 0.01)
     deviation = x - np.average(x, weights=weight)
     square = float(weight @ deviation**2)
@@ -626,7 +627,7 @@ def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
 
 
 def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
-    """Return True if the spectrum is nearly flat below a limiting wavelength (µm), and flat at its end."""
+    """Return True if the spectrum is nearly flat below a wavelength (µm), and flat at its end."""
     for max_wave, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wave[-1]), _MAX_FLAT_EXPONENT),
@@ -647,7 +648,7 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
-    """Yield the bins, the exponent and its standard deviation for each window of `octaves` octaves.
+    """Yield the bins, the exponent and its standard deviation for each window of a number of octaves.
 
     Bins are given as the first bin and the bin after the last.
     """
@@ -661,7 +662,7 @@ def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator
 def _find_flattening(
     law: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
 ) -> int | None:
-    """Return the lowest bin at which a decreasing spectrum becomes flatter than the spectrum of any surface.
+    """Return the lowest bin at which a decreasing spectrum becomes flatter than that of any surface.
 
     Returns None if there is no such bin.
     """
@@ -677,7 +678,7 @@ def _find_flattening(
 
 
 def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
-    """Return the lowest bin before a strong rise at short wavelengths; None if there is no such rise."""
+    """Return the lowest bin before a strong rise at short wavelengths, or None if there is no such rise."""
     lowest, lowest_bin = math.inf, 0
     for bin_ in np.flatnonzero(chance < 1 / 4):
         if (
@@ -696,6 +697,6 @@ def _is_quantised(body: Profile | Surface) -> bool:
     """Return True if the heights have so few levels that rounding explains the noise."""
     steps = np.diff(np.unique(body.heights))
     bends = float(np.square(np.diff(body.heights, 2)).mean())
-    # Rounding to a step s has the variance s²/12. Second differences of white noise have six times the variance of the
-    # noise.
+    # Rounding to a step s has the variance s²/12.
+    # Second differences of white noise have six times the variance of the noise.
     return bool(steps.size < body.heights.size / 4 and np.median(steps) ** 2 / 2 > _MIN_ROUNDED_FRACTION * bends)

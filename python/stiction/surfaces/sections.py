@@ -1,4 +1,4 @@
-"""Roughness and waviness parameters of a profile, with filters, section lengths and setting classes of ISO 21920."""
+"""Roughness and waviness parameters of a profile, with filters, section lengths and setting classes (ISO 21920)."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat
 
 DEFAULT_SECTIONS = 5  # default number of section lengths in an evaluation length
-_HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios whose difference in height is Rdc
+_HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios whose height difference is Rdc
 
 
 class SettingClass(NamedTuple):
-    """Setting class: default settings, and limits of Ra and RSm. Lengths are in µm."""
+    """Setting class: default settings (µm), and limits of Ra and RSm."""
 
     name: str
     section_length: float
@@ -54,7 +54,7 @@ class SectionError(ValueError):
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filters and section lengths for roughness and waviness parameters, and the reason for choosing them.
+    """Filters and section lengths for roughness and waviness parameters, and the reason for this choice.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class SectionFilters:
     reason: str
 
     def __repr__(self) -> str:
-        """Return the cutoffs (µm), the number of sections and the reason in one line."""
+        """Return one line with the cutoffs (µm), the number of sections and the reason."""
         shortest = "no ls" if self.ls is None else f"ls {self.ls:g} µm"
         kind = ", robust" if self.robust else ""
         return f"SectionFilters: lc {self.lc:g} µm, {shortest}, {self.sections} sections{kind}; {self.reason}"
@@ -129,7 +129,7 @@ def section_parameters(
     sections: int = DEFAULT_SECTIONS, robust: bool = False, derivative: Derivative = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
-    r"""Compute the R- and W-parameters of a profile, as specified on drawings.
+    r"""Compute the R- and W-parameters of a profile as specified on drawings.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def section_parameters(
 def _compute_by_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: Derivative
 ) -> SectionParameters:
-    """Compute the parameters with the setting class to which the resulting Ra and RSm belong."""
+    """Compute the parameters with the setting class that matches the resulting Ra and RSm."""
     lengths = [setting.section_length for setting in SETTING_CLASSES]
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionError(_too_short(profile, lengths[0]))
@@ -226,7 +226,7 @@ def _compute_by_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_class(index: int) -> int:
-        """Return the setting class that fits the Ra and RSm computed with the given class."""
+        """Return the setting class that matches the Ra and RSm computed with a given class."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -242,11 +242,11 @@ def _compute_by_class(
         if following not in fitting:
             remedy = _too_short_remedy(profile) if targets > index else _too_coarse(profile)
             raise SectionError(
-                f"{_format_reasons(results_by_class[index])} call for a section length of "
+                f"{_format_reasons(results_by_class[index])} require a section length of "
                 f"{_format_length(lengths[targets])}; {remedy}"
             )
         index = following
-    if targets != index:  # neither class is consistent, because each leads to the other
+    if targets != index:  # neither class is consistent, because each one leads to the other
         index = max(index, max(visited & {index - 1, index, index + 1}))
     elif index - 1 in fitting and find_matching_class(index - 1) == index - 1:
         index -= 1
@@ -266,7 +266,7 @@ def _format_length(length: float) -> str:
 
 
 def _min_section_length(spacing: float) -> float:
-    """Return the shortest section length (µm) that is possible with a spacing."""
+    """Return the shortest possible section length (µm) at a spacing."""
     return SEVEN_POINTS.size * spacing
 
 
@@ -303,7 +303,7 @@ def _compute_with_cutoff(
         )
         ls = ls if ls >= 2 * spacing else 0.0
     elif ls and not 2 * spacing <= ls * ROUND_OFF_FACTOR <= lc:
-        raise ValueError(f"ls must be 0 or from two points, {2 * spacing:g} µm, to lc, {lc:g} µm, got {ls:g} µm")
+        raise ValueError(f"ls must be 0, or between two points, {2 * spacing:g} µm, and lc, {lc:g} µm, got {ls:g} µm")
     primary = profile if not ls else profile.changed(gaussian_mean(profile, ls), "S-filter")
     waviness = robust_mean(primary, lc) if robust else gaussian_mean(primary, lc)
     count = min(sections, math.floor(profile.extent / lc * ROUND_OFF_FACTOR))

@@ -113,7 +113,7 @@ def self_affine(
         period *= 2
     if period > MAX_POINTS:
         raise ValueError(
-            f"points and longest_wavelength need a period of {period} points, and at most {MAX_POINTS} are allowed"
+            f"points and longest_wavelength must give a period of at most {MAX_POINTS} points, got {period} points"
         )
     harmonics = min((period - 1) // 2, int(period * spacing / shortest * ROUND_OFF_FACTOR))
     if harmonics < 1:
@@ -137,7 +137,7 @@ def _exponent_and_height(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
 
 
 def _check_shortest_wavelength(wavelength: Any, finest: float, of: str) -> float:
-    """Return the shortest wavelength (µm) after checking that the grid resolves it.
+    """Check that the grid resolves the shortest wavelength (µm), and return it.
 
     The default is the shortest wavelength of the grid, which is twice the spacing.
     """
@@ -235,8 +235,8 @@ def self_affine_surface(
         min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))
         for size, extent in ((columns, extent_x), (rows, extent_y))
     ]
-    # The indices are 0, 1, -1, 2, -2 and so on. In this order, the random word of a wave vector does not depend on the
-    # grid.
+    # The indices are 0, 1, -1, 2, -2 and so on.
+    # In this order, the random word of a wave vector is independent of the grid.
     order = np.arange(1, 2 * along[1] + 2)
     j = np.where(order % 2 == 0, order // 2, -(order // 2))
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
@@ -246,7 +246,7 @@ def self_affine_surface(
         q = longest * np.hypot(i / extent_x, j / extent_y)
         selected = q * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
-            selected &= j > 0  # the other half of the coefficients consists of complex conjugates
+            selected &= j > 0  # the other half of the coefficients are complex conjugates
         count = int(np.flatnonzero(selected)[-1]) + 1 if selected.any() else 0
         if count == 0:
             continue

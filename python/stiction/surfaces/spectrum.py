@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off in ratios of lengths
 _PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
-_PEAK_WINDOW_BINS = 6  # number of bins on each side that contribute to the median level at a bin
+_PEAK_WINDOW_BINS = 6  # number of bins on each side for the median level at a bin
 
 HANN_CORRELATION = 35 / 18
 """Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""
@@ -61,7 +61,7 @@ class PowerSpectrum(PlotRepr):
     resolution: float = field(metadata={"unit": "1/µm"})
 
     def moment(self, order: int) -> float:
-        """Return 1/π times the integral of q^order C1D, in µm^(2 - order).
+        """Return the integral of q^order C1D divided by π, in µm^(2 - order).
 
         For a binned spectrum the result is exact only for order 0.
         """
@@ -69,7 +69,7 @@ class PowerSpectrum(PlotRepr):
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
     def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
-        """Return the spectrum averaged over bins of equal width in log q; bins without a harmonic are omitted.
+        """Average the spectrum over bins of equal width in log q, omitting bins without a harmonic.
 
         Examples
         --------
@@ -82,7 +82,7 @@ class PowerSpectrum(PlotRepr):
         return PowerSpectrum(*_average_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the spectrum and its means over tenths of a decade on logarithmic scales.
+        """Draw the spectrum, and its means over tenths of a decade, on logarithmic scales.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -91,8 +91,9 @@ class PowerSpectrum(PlotRepr):
 
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the geometric mean wave number, the mean density and the number of harmonics of each bin of log q."""
-    # Harmonics are multiples of the first harmonic. Round-off must not move harmonics at exact decades to another bin.
+    """Return the geometric mean wave number, mean density and number of harmonics of each bin of log q."""
+    # Harmonics are multiples of the first harmonic.
+    # Round-off must not move a harmonic at an exact decade to another bin.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     number = np.bincount(index, count).astype(np.float64)
     middle = np.exp(np.bincount(index, count * np.log(q)) / number)
@@ -173,7 +174,7 @@ def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> Powe
 
 @dataclass(frozen=True, repr=False)
 class ProfileMoments(TableRepr):
-    """Variances of a profile and of its derivatives, which are its spectral moments m0, m2 and m4.
+    """Variances of a profile and of its derivatives: the spectral moments m0, m2 and m4.
 
     Attributes
     ----------
@@ -199,7 +200,7 @@ class ProfileMoments(TableRepr):
 
     @property
     def nayak_parameter(self) -> float:
-        """Nayak's α = m0 m4 / m2² of the profile: 1 for a single sinusoid, and larger for a wider spectrum."""
+        """Nayak's parameter α = m0 m4 / m2² of the profile. It is 1 for a sinusoid, and larger for a wider spectrum."""
         return self.height * self.curvature / self.slope**2
 
 
@@ -255,8 +256,8 @@ def spectral_moments(
     selected = in_band(spectrum.wave_number, shortest, longest_wavelength)
     if not selected.any():
         raise ValueError(
-            f"no wavelength of the profile lies from shortest_wavelength {shortest:g} µm to longest_wavelength "
-            f"{longest_wavelength:g} µm; it has {2 * profile.spacing:g} to {profile.extent:g} µm"
+            "shortest_wavelength and longest_wavelength must include a wavelength of the profile "
+            f"({2 * profile.spacing:g} to {profile.extent:g} µm), got {shortest:g} to {longest_wavelength:g} µm"
         )
     part = PowerSpectrum(
         spectrum.wave_number[selected], spectrum.density[selected], spectrum.count[selected], spectrum.resolution
@@ -265,7 +266,7 @@ def spectral_moments(
 
 
 def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
-    """Return a mask of the wave numbers whose wavelengths lie within a band.
+    """Return a mask of the wave numbers whose wavelengths are within a band.
 
     Wavelengths at the ends of the band are included in spite of round-off.
     """
@@ -355,7 +356,7 @@ class SurfaceSpectrum(TextRepr):
         )
 
     def steepest_direction(self) -> float:
-        r"""Return the direction with the largest mean square slope, in degrees from +x towards +y, in [0, 180).
+        r"""Return the direction with the largest mean square slope, in degrees from +x towards +y (0 to 180).
 
         A lay is perpendicular to this direction. In simulations of maps of 128 by 160 points that were stretched in one
         direction by 1.5, 2 and 3, nine tenths of the results were within 5.3, 3.1 and 2.2 degrees. Std of ISO 25178-2,
@@ -372,7 +373,7 @@ class SurfaceSpectrum(TextRepr):
         return math.degrees(twice) / 2 % 180
 
     def waves(self) -> tuple[Floats, Floats, Floats]:
-        """Return wave number, direction (degrees from +x towards +y, in [0, 180)) and density of every wave vector.
+        """Return wave number, direction (degrees from +x towards +y, 0 to 180) and density of every wave vector.
 
         Wave numbers are limited to the smaller Nyquist wave number, up to which all directions exist, and are in
         ascending order.
@@ -380,7 +381,7 @@ class SurfaceSpectrum(TextRepr):
         y, x = self.wave_number_y[:, np.newaxis], self.wave_number_x
         q = np.hypot(y, x)
         limit = min(float(-value[0]) if value.size % 2 == 0 else float(value[-1]) for value in (y[:, 0], x))
-        # A wave vector and the opposite wave vector describe the same wave, so only one of them is used.
+        # A wave vector and its opposite describe the same wave, so only one of them is used.
         selected = ((y > 0) | ((y == 0) & (x > 0))) & (q < limit * (1 - 1e-9))
         order = np.argsort(q[selected], kind="stable")
         angle = np.degrees(np.arctan2(np.broadcast_to(y, q.shape)[selected], np.broadcast_to(x, q.shape)[selected]))[
@@ -389,7 +390,7 @@ class SurfaceSpectrum(TextRepr):
         return q[selected][order], angle % 180, self.density[selected][order]
 
     def radial(self, per_decade: int = 10) -> RadialSpectrum:
-        """Return means over rings of equal width in log q.
+        """Return the spectrum averaged over rings of equal width in log q.
 
         There are `per_decade` rings per decade; empty rings are omitted.
 

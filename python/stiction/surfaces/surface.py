@@ -17,9 +17,9 @@ AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # a Profile, a Surface, or an array of heights
 
-# Names of the amplitude measures in the core, which do not depend on the order of the points.
+# Core names of the amplitude measures that do not depend on the order of the points.
 _CORE_MEASURES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-_MIN_HEIGHT = 1e-50  # smallest height, µm, for which the fourth power of heights neither overflows nor underflows
+_MIN_HEIGHT = 1e-50  # smallest height (µm) whose fourth power does not underflow; its inverse does not overflow
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,17 +62,17 @@ class Surface(Body):
 
     @property
     def x(self) -> Floats:
-        """(columns,) positions of the columns, µm."""
+        """Positions of the columns (µm) (columns,)."""
         return np.arange(self.heights.shape[1], dtype=np.float64) * self.spacing[1]
 
     @property
     def y(self) -> Floats:
-        """(rows,) positions of the rows, µm."""
+        """Positions of the rows (µm) (rows,)."""
         return np.arange(self.heights.shape[0], dtype=np.float64) * self.spacing[0]
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Number of points times the spacing, along y and along x, µm."""
+        """Number of points times the spacing (µm), along y and along x."""
         rows, columns = self.heights.shape
         return rows * self.spacing[0], columns * self.spacing[1]
 
@@ -106,12 +106,12 @@ class Surface(Body):
         amplitude = number("amplitude", amplitude, unit="µm", above=0)
         scaled = np.empty(self.heights.size)
         if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _CORE_MEASURES[measure], scaled):
-            raise ValueError("a flat surface has no amplitude to scale")
+            raise ValueError("surface must not be flat, because a flat surface cannot be scaled to an amplitude")
         return self.changed(scaled.reshape(self.heights.shape), f"scaled to {measure} {amplitude:g} µm")
 
 
 def parse_lengths(name: str, value: Any) -> tuple[float, float]:
-    """Parse a length above 0 for each of y and x, given as a pair or as one number for both axes."""
+    """Parse a positive length for y and x, given as a pair or as one number for both axes."""
     pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")
@@ -120,7 +120,7 @@ def parse_lengths(name: str, value: Any) -> tuple[float, float]:
 
 
 def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit: str = "um") -> Any:
-    """Return a profile or a surface unchanged, and convert an array to a profile or a surface.
+    """Return a profile or a surface unchanged, or convert an array to one.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
 
 
 def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
-    """Convert two bodies with `as_body`; spacing and unit apply to arrays only."""
+    """Convert two bodies with `as_body`. Spacing and unit apply only to arrays."""
     if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
         raise ValueError("spacing must be omitted, because upper and lower have their own spacings")
     upper, lower = (
@@ -177,16 +177,16 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
         raise ValueError(f"shape must be (rows, columns), got {shape!r}")
     rows, columns = (whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)
     if rows * columns > MAX_POINTS:
-        raise ValueError(f"shape must hold at most {MAX_POINTS} points, got {shape!r}")
+        raise ValueError(f"shape must have at most {MAX_POINTS} points, got {shape!r}")
     return rows, columns
 
 
 def reject_flat(body: Profile | Surface) -> None:
-    """Raise a `ValueError` for a flat body, or for a body with heights whose powers overflow or underflow."""
+    """Raise a `ValueError` for a flat body, or for heights whose powers overflow or underflow."""
     name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:
-        raise ValueError(f"a flat {name} has no roughness")
+        raise ValueError(f"{name} must not be flat, because a flat {name} has no roughness")
     if not _MIN_HEIGHT < height < 1 / _MIN_HEIGHT:
         raise ValueError(
-            f"the height of the {name} must be above {_MIN_HEIGHT:g} and below {1 / _MIN_HEIGHT:g} µm, got {height:g}"
+            f"the height of the {name} must be between {_MIN_HEIGHT:g} and {1 / _MIN_HEIGHT:g} µm, got {height:g}"
         )

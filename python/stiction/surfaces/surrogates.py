@@ -15,18 +15,18 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, re
 _RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings are merged with their neighbours
 # Weight of the smoothness penalty, in harmonics. The penalty dominates in rings with only one or two harmonics.
 _SMOOTHNESS_PENALTY = 2.0
-_ROUND_OFF_FRACTION = 1e-14  # ratio to the largest density below which a density is round-off
-_MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are typical
-# Largest change of the logarithm of a density in one iteration for which the fit has converged.
+_ROUND_OFF_FRACTION = 1e-14  # a density below this fraction of the largest density is round-off
+_MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit, typically about ten
+# The fit has converged if the logarithm of each density changes by less than this in one iteration.
 _CONVERGENCE_TOLERANCE = 1e-6
-# Default limit of the number of rows and columns, for which a half-space solution takes some tenths of a second.
+# Default limit of the number of rows and columns. A half-space solution of this size takes some tenths of a second.
 _MAX_DEFAULT_POINTS = 512
 
 
 def surrogate(
     body: AnyBody, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
 ) -> AnyBody:
-    """Generate a profile or a surface with random phases and with the spectrum of a given profile or surface.
+    """Generate a profile or a surface with random phases and the spectrum of a given profile or surface.
 
     Surrogates with different seeds or repetitions form an ensemble for a measured surface.
 
@@ -92,8 +92,9 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # The mirror image extends the profile without a jump and halves the distance between harmonics. Every second
-        # harmonic belongs to the original profile. Half of each other harmonic is added to both of its neighbours.
+        # The mirror image extends the profile without a jump, and halves the distance between harmonics.
+        # Every second harmonic belongs to the original profile.
+        # Each other harmonic is split equally between its neighbours.
         image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         image = np.append(image, image[-2])
         actual = 2 * np.arange(points // 2 + 1)
@@ -114,7 +115,7 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
     amplitude = np.sqrt(ifftshift(surface_spectrum(surface, periodic=periodic).density))
     rows, columns = amplitude.shape
     phases = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=columns)
-    # Opposite wave vectors have opposite phases, and self-conjugate coefficients are real.
+    # Opposite wave vectors have opposite phases. Self-conjugate coefficients are real.
     opposite = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
     heights = ifft2(amplitude * np.exp(1j * (phases - opposite))).real
     actual = np.zeros((rows, columns), dtype=bool)
@@ -184,7 +185,7 @@ def isotropic_surface(
     side: Side = "lower",
     periodic: bool = False,
 ) -> Surface:
-    """Generate an isotropic Gaussian surface with the spectrum of a profile, an areal surrogate.
+    """Generate an isotropic Gaussian surface with the spectrum of a profile: an areal surrogate.
 
     An ensemble of areal surrogates represents the surface from which the profile was measured, *if* this surface is
     isotropic. A profile across the grooves of a ground surface yields hills instead of grooves, with an rms gradient
@@ -231,7 +232,7 @@ def isotropic_surface(
     edges, density, _ = _fit_rings(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    ring = np.searchsorted(edges, q, side="right")  # index 0 stands for wavelengths longer than the profile
+    ring = np.searchsorted(edges, q, side="right")  # index 0 is for wavelengths longer than the profile
     power = np.concatenate([[0.0], density, density[-1:]])[ring] * (rows * columns / profile.spacing**2)
     step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
     heights, spacings = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
@@ -239,19 +240,19 @@ def isotropic_surface(
 
 
 def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
-    """Generate periodic Gaussian heights, where `power` (rows, columns) is the expected power of every wave vector."""
+    """Generate periodic Gaussian heights from the expected power of every wave vector (rows, columns)."""
     from scipy.fft import ifft2
 
     rows, columns = power.shape
     random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
-    # The real part combines each wave vector with the opposite wave vector, which halves the power.
+    # Taking the real part combines opposite wave vectors, which halves the power.
     waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)
     return np.asarray(ifft2(waves, overwrite_x=True).real)
 
 
 def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Return the edges of the rings, the fitted densities C2D, and the number of harmonics in each ring."""
+    """Return the edges, the fitted densities C2D, and the number of harmonics of the rings."""
     check_bool("periodic", periodic)
     reject_flat(profile)
     reject_missing(profile, "an isotropic surrogate")
@@ -266,9 +267,9 @@ def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats
     count = np.bincount(index, spectrum.count).astype(np.float64)
     measured = np.bincount(index, spectrum.count * spectrum.density) / count
     measured = np.maximum(measured, _ROUND_OFF_FRACTION * measured.max())
-    # The corners of the grid belong to rings beyond the Nyquist wave number of either axis.
+    # The corners of the grid belong to rings beyond the Nyquist wave number of both axes.
     edges = np.append(edges, math.sqrt(2) * limit * (1 + 1e-9))
-    # Spectrum of a section through a ring of unit density, averaged over the harmonics of every bin.
+    # Section spectrum of a ring of unit density, averaged over the harmonics of every bin.
     reach = np.minimum(np.sqrt(np.maximum(edges**2 - k[:, np.newaxis] ** 2, 0)), limit)
     of_harmonic = np.diff(reach, axis=1) / math.pi
     fraction = np.zeros((count.size, edges.size - 1))
@@ -279,14 +280,14 @@ def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats
     density[-1] = density[-2]
     density = _fit_densities(fraction, measured, count, density)
     made = fraction @ density
-    # The densities are scaled so that the mean square slope of the profile is reproduced exactly.
+    # Scale the densities so that the mean square slope of the profile is reproduced exactly.
     squares = np.bincount(index, spectrum.count * k**2)
     density *= float(squares @ measured / (squares @ made))
     return edges, density, np.append(count, 0.0)
 
 
 def _fit_densities(response: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit the densities of rings to a section spectrum by maximum likelihood, using Fisher scoring."""
+    """Fit ring densities to a section spectrum by maximum likelihood with Fisher scoring."""
 
     def cost(logarithm: Floats) -> float:
         made = response @ np.exp(logarithm)

@@ -12,11 +12,11 @@ from stiction._checks import Floats, number, read_only
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
-_TOUCH_TOLERANCE = 1e-9  # largest distance, relative to the height of the scan, at which the tip counts as touching
+_TOUCH_TOLERANCE = 1e-9  # the tip counts as touching up to this distance, relative to the height of the scan
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
-    r"""Reconstruct the highest surface that a spherical tip would record as the given scan.
+    r"""Reconstruct the highest surface for which a spherical tip would record the given scan.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 def _tip_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Return grid points, their neighbours within reach of the tip, and heights of the tip above its lowest point."""
+    """Return grid points, their neighbours within the reach of the tip, and tip heights above its lowest point."""
     reach, limit = _tip_reach(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in limit)):
         offsets = np.subtract(steps, limit)

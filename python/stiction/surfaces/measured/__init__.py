@@ -1,1 +1,1 @@
-"""Files of measured profiles and surfaces: a reader for each format, the interpretation of the content, and writing."""
+"""Files of measured profiles and surfaces: readers for each format, interpretation of the content, and writing."""

@@ -1,4 +1,4 @@
-"""First step of reading text: convert the bytes to UTF-8, and classify the lines."""
+"""First step of reading text: convert the bytes to UTF-8 and classify the lines."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS = 25_000_000, 4_000_000
 """Maximum number of lines of a text, and maximum number of cells of a line."""
 
-# maximum number of lines, and of characters per line, that are searched for a layout
+# maximum number of lines, and of characters per line, in the search for a layout
 HEAD_LINES, HEAD_WIDTH = 200, 1000
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line in a message
 
@@ -69,18 +69,18 @@ class Text:
         return np.concatenate([[0], ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
-        """Return whether lines contain characters that do not occur in numbers, such as words for missing points."""
+        """Return whether lines contain characters that numbers do not contain, such as words for missing points."""
         return bool((self.bits[lines] & _NON_NUMERIC_BIT).any())
 
     def __len__(self) -> int:
         return self.starts.size - 1
 
     def raw(self, line_number: int) -> bytes:
-        """Return a line without its line feed; `line_number` counts from 0."""
+        """Return a line without its line feed; line numbers count from 0."""
         return self.data[self.starts[line_number] : self.starts[line_number + 1] - 1]
 
     def line(self, line_number: int) -> str:
-        """Return a line without its line feed and surrounding blanks; `line_number` counts from 0."""
+        """Return a line without its line feed and surrounding blanks; line numbers count from 0."""
         return self.raw(line_number).decode("utf-8", "replace").strip(" \r")
 
     def lines(self, first: int, end: int) -> list[str]:
@@ -88,7 +88,7 @@ class Text:
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
     def describe_line(self, line_number: int) -> str:
-        """Return the number and the beginning of a line for a message; `line_number` counts from 0."""
+        """Return the number and the beginning of a line for a message; line numbers count from 0."""
         text = " ".join(self.line(line_number).split())
         return (
             f"line {line_number + 1} ({text if len(text) <= _MAX_SHOWN_LENGTH else text[:_MAX_SHOWN_LENGTH] + '...'!r})"
@@ -113,7 +113,7 @@ class Text:
 
     @cached_property
     def bits(self) -> NDArray[np.uint8]:
-        """Kinds of characters in each line, as bits."""
+        """Bit mask of the kinds of characters in each line."""
         return np.bitwise_or.reduceat(np.frombuffer(self.data.translate(_KIND_TABLE), np.uint8), self.starts[:-1])
 
     @cached_property
@@ -127,8 +127,8 @@ class Text:
             remainder, marks = self.missing.subn(b"", self.raw(line_number))
             is_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBERS if is_row else TEXT
-        # Lines of asterisks or dashes are rows of missing points if they are between rows of numbers. Otherwise they
-        # are rulers.
+        # Lines of asterisks or dashes between rows of numbers are rows of missing points.
+        # Otherwise they are separators.
         filled = np.flatnonzero(kinds != BLANK)
         is_ruler = (kinds[filled] == TEXT) & (bits[filled] & (_NON_NUMERIC_BIT | _DIGIT_BIT) == 0)
         others = np.flatnonzero(~is_ruler)
@@ -164,7 +164,7 @@ def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
     text = text if text.endswith(b"\n") else text + b"\n"
     decoded = Text(text, encoding, words)
     if len(decoded) > MAX_LINES:
-        raise FormatError(f"has {len(decoded)} lines; at most {MAX_LINES} can be read as text: save it as .npy")
+        raise FormatError(f"has {len(decoded)} lines; at most {MAX_LINES} can be read as text; save it as .npy")
     if (control := int(np.count_nonzero(decoded.bits & _CONTROL_BIT))) > 0:
         raise FormatError(f"is binary, not text (control characters in {control} lines)")
     return decoded
@@ -202,7 +202,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
 
 
 def _detect_utf16(start: bytes) -> str | None:
-    """Return the UTF-16 encoding of text without a byte order mark. In such text, every second byte is mostly zero."""
+    """Return the UTF-16 encoding of text without a byte order mark, which has zeros in every second byte."""
     half = len(start) // 2
     if half < 4:
         return None

@@ -1,4 +1,4 @@
-"""Reading of Excel workbooks (.xlsx) with openpyxl: the cells of each sheet with numbers are parsed as text."""
+"""Reading of Excel workbooks (.xlsx) with openpyxl. The cells of each sheet with numbers are parsed as text."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stiction.surfaces.measured.text import parse_table
 
 # Maximum number of XML tags in a workbook. A number takes four tags, so this allows 2.5 million heights.
 MAX_TAGS = 10_000_000
-# Maximum number of XML tags in a row, which is held in memory: eight for each column of the largest sheet.
+# Maximum number of XML tags in a row, which is stored in memory: eight for each column of the largest sheet.
 MAX_TAGS_PER_ROW = 8 * 16_384
 _ROW_TAG = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
@@ -31,7 +31,7 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
             from openpyxl import load_workbook
     except ImportError:
         raise FormatError(
-            "is an Excel workbook, which needs the package openpyxl: pip install openpyxl; or save the sheet as .csv"
+            "is an Excel workbook; install openpyxl to read it (pip install openpyxl), or save the sheet as .csv"
         ) from None
     try:
         _reject_zip_bombs(data)
@@ -64,22 +64,22 @@ def _set_layout(table: ColumnTable, layout: str) -> ColumnTable:
 
 
 def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> ColumnTable:
-    """Parse the table of a sheet, which has the most numbers, and the header above it."""
+    """Parse the largest table of numbers in a sheet, and the header above it."""
     columns = _find_table_columns(rows)
     lines = [_join_row(row, columns) for row in rows]
     content = parse_table(decode(("\n".join(lines) + "\n").encode(), words))
     if not isinstance(content, ColumnTable):
-        raise FormatError("has a sheet with several tables below each other; keep only one of them")
+        raise FormatError("has a sheet with several tables below each other; keep only one table")
     column_numbers = columns[: content.values.shape[1]]
     return replace(content, places=tuple(column_numbers), source=replace(content.source, encoding="", separator=""))
 
 
 def _reject_zip_bombs(data: bytes) -> None:
-    """Reject an archive with more text or XML tags than fit into memory, whatever sizes its directory declares."""
+    """Reject an archive whose text or XML tags do not fit into memory, regardless of its declared sizes."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         remaining, tags = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
-            tags_in_row = -math.inf  # no row has started, or the tag is outside a sheet
+            tags_in_row = -math.inf  # no row has started yet, or the tag is outside a sheet
             for chunk in read_chunks(archive, name, remaining):
                 remaining -= len(chunk)
                 tags += chunk.count(b"<")
@@ -105,7 +105,7 @@ def _is_number(cell: Any) -> bool:
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the columns that have two or more numbers, and at least a quarter as many as the fullest column."""
+    """Return the columns with at least two numbers and a quarter as many as the fullest column."""
     numbers: Counter[int] = Counter(index for row in rows for index, cell in enumerate(row) if _is_number(cell))
     max_count = max(numbers.values(), default=0)
     return sorted(index for index, count in numbers.items() if count > 1 and 4 * count >= max_count)
@@ -120,7 +120,7 @@ def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> ra
 
 
 def _find_table_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the numeric columns and all columns that adjoin them in the data rows.
+    """Return the numeric columns and all columns next to them in the data rows.
 
     An adjoining column contains words, or numbers in a few rows only. An empty column separates two tables.
     """

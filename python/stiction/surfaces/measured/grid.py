@@ -9,20 +9,20 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FormatError
 
-EXACT_TOLERANCE = 1e-3  # largest deviation, in steps, of nominally exact positions from a grid
-# Largest deviation, in steps, of a point from the grid, in addition to the rounding of the printed position.
+EXACT_TOLERANCE = 1e-3  # largest deviation from a grid of nominally exact positions, in steps
+# Largest deviation of a point from the grid in steps, beyond the rounding of the printed position.
 MAX_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
 MIN_ROUNDED_STEP = 2.0  # smallest step of rounded positions, in units of the last printed digit
-# Largest scatter, in last printed digits, of rounded positions about a grid: 1, plus a margin for the fitted step.
+# Largest scatter of rounded positions about a grid, in last printed digits: 1 plus a margin for the fitted step.
 MAX_SCATTER_DIGITS = 1.2
-MIN_GAP_RATIO = 4.0  # smallest ratio of a gap between grid points to a gap that results from rounding
+MIN_GAP_RATIO = 4.0  # smallest ratio of a gap between grid points to a gap due to rounding
 
 
 def to_grid(
     x: Floats, y: Floats, z: Floats, digits: Sequence[Callable[[], Floats] | None]
 ) -> tuple[Floats, tuple[float, float], str]:
-    """Return heights (rows, columns) with NaN at missing nodes, the spacings (Δy, Δx), and an entry for the history.
+    """Return heights (rows, columns) with NaN at missing nodes, the spacings (Δy, Δx), and a history entry.
 
     Rows are in ascending order of y, and columns in ascending order of x. Raises `FormatError` if the points are not on
     a grid.
@@ -35,7 +35,7 @@ def to_grid(
     nodes = shape[0] * shape[1]
     if nodes > MAX_NODES_PER_POINT * z.size + 10:
         raise FormatError(
-            f"lists {z.size} points that are not on a grid: it would have {shape[0]} × {shape[1]} nodes; "
+            f"lists {z.size} points that are not on a grid, because it would have {shape[0]} × {shape[1]} nodes; "
             "interpolate them onto a grid, or export a matrix"
         )
     node = rows * shape[1] + columns
@@ -57,12 +57,12 @@ def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats
         raise FormatError(f"lists a point without {name}")
     step = _rounded_step(positions, digits) or estimate_step(positions)
     if step is None:
-        raise FormatError(f"lists points with a single {name}: they are a profile; choose columns (--columns)")
+        raise FormatError(f"lists points with a single {name}, which form a profile; choose columns (--columns)")
     nodes = np.round((positions - positions.min()) / step)
     count = int(nodes.max())
     step = float(positions.max() - positions.min()) / count
     deviations = np.abs(positions - positions.min() - nodes * step)
-    # Measured positions at both ends are as uncertain as all other positions.
+    # Measured end positions are as uncertain as all other positions.
     if deviations.max() > EXACT_TOLERANCE * step:
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
         deviations = np.abs(positions - first - nodes * step)
@@ -80,7 +80,7 @@ def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats
 
 
 def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Return the step of a grid without missing nodes, whose positions were rounded when printed.
+    """Return the step of a grid without missing nodes whose printed positions are rounded.
 
     Returns None if there is no such grid.
     """
@@ -95,12 +95,12 @@ def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> flo
 
 
 def estimate_step(positions: Floats) -> float | None:
-    """Return the median gap between positions that repeat with small deviations, excluding gaps from rounding."""
+    """Return the median gap between positions that repeat with small deviations, ignoring gaps due to rounding."""
     distinct = np.unique(positions)
     gaps = np.diff(distinct)
     if not gaps.size:
         return None
-    # Gaps are grid steps, multiples of grid steps at missing nodes, or much smaller differences from rounding.
+    # Gaps are grid steps, multiples of grid steps at missing nodes, or much smaller differences due to rounding.
     ordered = np.sort(gaps)
     ratios = ordered[1:] / ordered[:-1]
     if ratios.size and ratios.max() > MIN_GAP_RATIO:

@@ -1,4 +1,4 @@
-"""Declarations in the header of a table: column names, units, spacings, sizes, factors and codes for missing points."""
+"""Declarations in the header of a table: column names, units, spacings, sizes, factors and missing-point codes."""
 
 from __future__ import annotations
 
@@ -117,20 +117,20 @@ _VALUE_PATTERN = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+
 
 @dataclass(frozen=True)
 class ColumnHeads:
-    """Names and units of the columns of a table, if it has any."""
+    """Names and units of the columns of a table, if the table has them."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    height_unit: str | None = None  # unit in a line that names heights only
+    height_unit: str | None = None  # unit in a line that names only heights
 
 
 def normalise_line(line: str) -> str:
-    """Replace full-width characters, unit ligatures and quotes of a line by plain characters."""
+    """Replace full-width characters, unit ligatures and quotes in a line by plain characters."""
     return unicodedata.normalize("NFKC", line).replace('"', "").replace("\u03bc", "µ")
 
 
 def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> Declarations:
-    """Parse the declarations above and below the numbers. The first match of each kind counts."""
+    """Parse the declarations above and below the numbers. The first match of each kind is used."""
     lines = [normalise_line(line) for line in (*header, *below)]
     pixel = _find_first_match(
         _SPACING_PATTERN,
@@ -215,7 +215,7 @@ def _parse_spacing(match: re.Match[str]) -> StatedLength | None:
 
 
 def _parse_bracketed_length(match: re.Match[str]) -> StatedLength | None:
-    """Parse a length whose unit follows the number, or is in brackets after the name."""
+    """Parse a length with its unit after the number, or in brackets after the name."""
     return parse_length(match[2], match[3] or match[1])
 
 
@@ -226,7 +226,7 @@ def _parse_unitless_number(match: re.Match[str]) -> float | None:
 
 
 def parse_length(digits: str, unit: str | None) -> StatedLength | None:
-    """Parse a number and its unit. Return None if the unit is not a length."""
+    """Parse a number and its unit. Return None if the unit is not a unit of length."""
     if unit is None or length_unit(unit) is None:
         return None
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
@@ -244,7 +244,7 @@ def _unit_of_factor(match: re.Match[str]) -> str | None:
 
 
 def _is_declaration(line: str) -> bool:
-    """Return whether a line is a declaration. A declaration is not a line of column names."""
+    """Return whether a line is a declaration, as opposed to a line of column names."""
     full_patterns = (_HEIGHT_UNIT_PATTERN, _FACTOR_PATTERN, _CODE_PATTERN, _POINT_COUNT_PATTERN)
     prefix_patterns = (_SPACING_PATTERN, *_AXIS_SPACING_PATTERNS.values(), *_SIZE_PATTERNS)
     return any(pattern.fullmatch(line) for pattern in full_patterns) or any(
@@ -258,7 +258,7 @@ def _last_line_of_names(lines: Sequence[str]) -> str | None:
 
 
 def _names_heights_alone(line: str) -> bool:
-    """Return whether a line names heights with their unit, but no positions or other lengths."""
+    """Return whether a line names heights with their unit, but neither positions nor other lengths."""
     return bool(
         len(_units_in(line)) == 1
         and not _has_value(line)
@@ -305,7 +305,7 @@ def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> C
 
 
 def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
-    """Split a line of names into `width` cells. The separator may differ from the separator of the numbers below."""
+    """Split a line of names into `width` cells. Names and numbers may have different separators."""
     uncommented = line.lstrip(COMMENT_CHARACTERS) if line.lstrip(" ")[:1] in tuple("#%!/") else line
     candidates = [
         dialect.cells(uncommented),
@@ -357,6 +357,7 @@ def unit_in_name(cell: str) -> str | None:
     """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm"."""
     bracketed = _BRACKET_PATTERN.findall(cell)
     last = bracketed[-1].strip() if bracketed else cell.strip(" \"'")
-    if NON_LENGTH_UNIT_PATTERN.fullmatch(last):  # a column with another unit raises an error if it is used as heights
+    # a column with another unit is rejected later, if it is used as heights
+    if NON_LENGTH_UNIT_PATTERN.fullmatch(last):
         return last
     return length_unit((last if bracketed else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))

@@ -1,4 +1,4 @@
-"""Reading of instrument files with SurfaceTopography."""
+"""Reading of instrument files with the package SurfaceTopography."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def read_instrument(path: Path) -> Channels:
             import SurfaceTopography  # noqa: F401
     except ImportError:
         raise FormatError(
-            f"ends in {path.suffix}, which the package SurfaceTopography may be able to read: "
-            "pip install SurfaceTopography; text should end in .csv or .txt"
+            f"ends in {path.suffix}; the package SurfaceTopography may be able to read it (pip install "
+            "SurfaceTopography); text should end in .csv or .txt"
         ) from None
     with _open_reader(path) as reader:
         names = tuple(str(channel.name)[:80] for channel in reader.channels)
@@ -47,7 +47,7 @@ def _open_reader(path: Path) -> Iterator[Any]:
         raise
     except Exception as error:  # the readers raise many kinds of errors
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        # the message of this error lists the errors of all readers
+        # skip this message, which lists the errors of all readers
         if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
         raise FormatError(
@@ -61,7 +61,8 @@ def _read_channel(path: Path, index: int, name: str) -> Raw:
         points = int(np.prod(channel.nb_grid_pts))
         if points > MAX_POINTS:
             raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
-        if isinstance(channel.unit, tuple):  # positions and values have different units, so the values are not lengths
+        # different units of positions and values mean that the values are not lengths
+        if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
         # SurfaceTopography requires sizes even if the file has none. The spacing from these placeholders is not used.
@@ -77,5 +78,5 @@ def _read_channel(path: Path, index: int, name: str) -> Raw:
         if has_sizes:
             along_x_first = np.atleast_1d(body.pixel_size)
             spacing = tuple(float(item) for item in reversed(along_x_first))
-    # The first axis of an array in SurfaceTopography is x.
+    # The first axis of a SurfaceTopography array is x.
     return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit, source=source)

@@ -30,14 +30,14 @@ The spacing then has a relative error of at most 1/1000.
 """
 
 _SPACING_RANGE = (1e-6, 1e6)
-_MAX_LENGTH = 1e9  # µm; larger values have a wrong unit, or mark missing points
-CODE_TOLERANCE = 1e-6  # relative tolerance for missing-value codes that are stored in single precision
+_MAX_LENGTH = 1e9  # µm; larger values have a wrong unit or mark missing points
+CODE_TOLERANCE = 1e-6  # relative tolerance for missing-value codes stored in single precision
 _Length = TypeVar("_Length", float, Floats)
 
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Options of the caller for reading a file, after validation."""
+    """Validated options for reading a file."""
 
     position_unit: str | None
     height_unit: str | None
@@ -46,11 +46,11 @@ class ReadOptions:
     channel: Selection | None
     columns: tuple[Selection, ...] | None
     outliers: Outliers
-    crop: tuple[float, ...] | None  # first and last x, followed by first and last y for a surface, µm
+    crop: tuple[float, ...] | None  # first and last x and, for a surface, first and last y, µm
     codes: tuple[float, ...] = ()  # numbers that mark missing points, as written in the file
     words: tuple[str, ...] = ()  # words that mark missing points
     accept: tuple[str, ...] = ()  # names of accepted caveats
-    # True if `unit` is a single unit, which then also applies to lengths without a unit in the file
+    # True if `unit` is a single unit; it then also applies to lengths without a unit in the file
     one_unit: bool = False
 
 
@@ -62,7 +62,7 @@ def read_options(
     codes, words = _parse_codes(missing_value)
     accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
     if not set(accepted) <= set(CAVEATS):
-        raise ValueError(f"accept must be one or several of {', '.join(CAVEATS)}, got {accept!r}")
+        raise ValueError(f"accept must be one or more of {', '.join(CAVEATS)}, got {accept!r}")
     check_choice("missing", missing, Missing)
     check_choice("outliers", outliers, Outliers)
     crop = crop.split(",") if isinstance(crop, str) else crop
@@ -75,8 +75,8 @@ def read_options(
         columns = (columns,) if isinstance(columns, (str, int)) else columns
         if not isinstance(columns, (tuple, list)) or len(columns) not in (1, 2, 3):
             raise ValueError(
-                "columns must be one for heights, two for positions and heights, or three for x, y and z, "
-                f"got {columns!r}"
+                "columns must be one column (heights), two (positions and heights), or three (x, y and z), got "
+                f"{columns!r}"
             )
     for name, selection in (("channel", channel), *(("columns", column) for column in columns or ())):
         if selection is not None and (isinstance(selection, bool) or not isinstance(selection, (str, int))):
@@ -100,13 +100,13 @@ def read_options(
 
 
 def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Split the marks of missing points into numbers and words."""
+    """Split the markers of missing points into numbers and words."""
     values_given = given.split(",") if isinstance(given, str) else () if given is None else given
     values_given = (values_given,) if isinstance(values_given, (int, float)) else values_given
     codes, words = [], []
     for part in values_given:
         if isinstance(part, bool) or not isinstance(part, (str, int, float)) or not str(part).strip():
-            raise ValueError(f"missing_value must be one or several numbers or words, got {given!r}")
+            raise ValueError(f"missing_value must be one or more numbers or words, got {given!r}")
         try:
             codes.append(float(part))
         except ValueError:
@@ -136,7 +136,7 @@ class InterpretedScan(Generic[_Body]):
 
 
 def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
-    """Convert the content of a file to a profile or a surface, whichever it contains."""
+    """Convert the content of a file to a profile or a surface, depending on the content."""
     if _remove_unit_axis(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
@@ -147,17 +147,17 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Pro
     raw = _remove_unit_axis(raw)
     if raw.heights.ndim != 1:
         raise FormatError(
-            f"contains {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns; a profile has one column of "
-            "heights or two of positions and heights, and read_surface() reads surfaces"
+            f"contains {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns, but a profile has one column of "
+            "heights or two columns of positions and heights; read surfaces with read_surface()"
         )
     if raw.heights.size < MIN_POINTS:
         raise FormatError(
-            f"contains too few points, {raw.heights.size}: a profile needs at least {MIN_POINTS}, a map two rows and "
-            "two columns"
+            f"contains too few points, {raw.heights.size}; a profile must have at least {MIN_POINTS} points, and a "
+            "map two rows and two columns"
         )
     given, other = options.spacing
     if given != other:
-        raise FormatError("contains a profile, which has one spacing, but two are given")
+        raise FormatError("contains a profile, which has one spacing, but two spacings are given")
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, coded = _convert_heights(raw, options)
     dx, steps, spacing_caveats = _profile_spacing(raw, _position_unit(raw, options), given)
@@ -174,7 +174,7 @@ def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Sur
     """Convert the content of a file to a surface."""
     raw = _remove_unit_axis(raw)
     if raw.heights.ndim != 2:
-        raise FormatError(f"contains a profile of {raw.heights.size} points; read_profile() reads profiles")
+        raise FormatError(f"contains a profile of {raw.heights.size} points; read profiles with read_profile()")
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, steps = _convert_heights(raw, options)
     if raw.size is not None and raw.spacing is None:
@@ -192,7 +192,7 @@ def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Sur
         declared, tolerance = _declared_spacing(raw) or (
             dx,
             0.0,
-        )  # the declared spacing may be the spacing of rows or of columns
+        )  # the declared spacing may apply to rows or to columns
         if min(abs(declared - dy), abs(declared - dx)) > tolerance:
             raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
         _compare_with_unitless_spacing(raw, (dy, dx))
@@ -221,7 +221,7 @@ def _to_body(
         codes = [item for item in remaining if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *filled)
-    heights = read_only(heights) if heights.base is None else heights  # a body need not copy an array that is read-only
+    heights = read_only(heights) if heights.base is None else heights  # a read-only array need not be copied
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining)
 
@@ -238,7 +238,7 @@ def _parse_units(unit: Any) -> tuple[str | None, str | None]:
 
 
 def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
-    """Parse a length above 0. With `zero`, parse a position of any sign."""
+    """Parse a length above 0 or, with `zero`, a position of any sign."""
     try:
         length = quantity(text.strip() if zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -249,7 +249,7 @@ def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
 
 
 def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
-    """Return the unit from the file or from the caller. One of them is required, and they must agree."""
+    """Return the unit from the file or from the caller. One of both is required, and they must agree."""
     file_unit = None if of_file is None else length_unit(of_file)
     if of_file is not None and file_unit is None:
         raise FormatError(
@@ -265,7 +265,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
-    """Return the given unit of the positions. A single unit for all lengths does not replace a unit in the file."""
+    """Return the given unit of the positions. A single unit for all lengths does not override a unit in the file."""
     has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
     return None if has_own_unit else options.position_unit
 
@@ -299,8 +299,8 @@ def _convert_heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[
             if is_missing.sum() < 2 or np.isinf(value):
                 num_outside = int((np.abs(heights) > _MAX_LENGTH).sum())
                 raise FormatError(
-                    f"contains a height of {value:.3g} µm, which is impossible ({num_outside} such values); "
-                    f"if it marks missing points, use --missing-value {value / LENGTH_UNITS[unit]:.6g}"
+                    f"contains an impossible height of {value:.3g} µm ({num_outside} such values); if it marks "
+                    f"missing points, use --missing-value {value / LENGTH_UNITS[unit]:.6g}"
                 )
             heights = np.where(is_missing, np.nan, heights)
             steps.append(f"{int(is_missing.sum())} points of {value:.3g} µm, an impossible height, are missing points")
@@ -309,7 +309,7 @@ def _convert_heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[
 
 
 def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the unit of the heights. The caller need not give it if the file declares a factor and a unit."""
+    """Return the unit of the heights. The unit may be omitted if the file declares a factor and a unit."""
     if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
     actual, caller_unit = str(length_unit(raw.unit)), str(length_unit(given))
@@ -345,7 +345,7 @@ def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
 
 
 def _compare_with_unitless_spacing(raw: Raw, given: tuple[float, ...]) -> None:
-    """Reject a spacing that differs from a declared spacing without a unit by more than a change of unit."""
+    """Reject a spacing that differs from a unitless declared spacing by more than a unit conversion."""
     if raw.bare_spacing is None:
         return
     actual = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
@@ -374,7 +374,7 @@ def _compare_with_declarations(raw: Raw, spacing: tuple[float, float]) -> None:
 def _spacings_from_size(
     size: tuple[StatedLength, StatedLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Return the spacings that follow from a declared size, and a history entry."""
+    """Return the spacings computed from a declared size, and a history entry."""
     spacings = []
     for actual, points, declared in zip(size, shape, given, strict=True):
         length = actual.length * LENGTH_UNITS[actual.unit] / points
@@ -411,7 +411,9 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         x = _to_micrometres(raw.positions, length)
         if not np.isfinite(x).all() or np.abs(x).max() > _MAX_LENGTH:
             point = int(np.flatnonzero(~(np.abs(x) <= _MAX_LENGTH))[0])
-            raise FormatError(f"has no usable position at point {point}, counted from 0; each height needs one")
+            raise FormatError(
+                f"has no usable position at point {point}, counted from 0; each height must have a position"
+            )
         digit = _PositionDigits(raw, length)
         measured = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if measured < 0 else 1.0
@@ -471,18 +473,18 @@ class _PositionDigits:
 def _worst_printed_deviation(
     x: Floats, spacing: float, digit: _PositionDigits, slack: float
 ) -> tuple[int, float] | None:
-    """Return `_worst_deviation` with the printed digits, which are parsed only if they are needed."""
+    """Return `_worst_deviation` with the printed digits, which are parsed only if needed."""
     if _worst_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
     return _worst_deviation(x, spacing, digit.values, slack)
 
 
 def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
-    """Return the point farthest from a uniform grid; None if the printed digits explain the deviation."""
+    """Return the point farthest from a uniform grid, or None if the printed digits explain the deviation."""
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounding displaces the first and the last point by up to half a digit each. Truncation displaces them by less than
-    # one digit relative to each other.
+    # Rounding displaces the first and the last point by up to half a digit each.
+    # Truncation displaces them by less than one digit relative to each other.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off
@@ -491,15 +493,15 @@ def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> 
 
 
 def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
-    """Reject positions that are not uniform, or whose digits are too few for their spacing."""
+    """Reject positions that are not uniform, or that have too few digits for their spacing."""
     if measured == 0:
         raise FormatError("has its first and last point at the same position")
     worst = _worst_printed_deviation(x, measured, digit, MAX_UNEVENNESS * abs(measured))
     if worst is not None:
         point, deviations = worst
         raise FormatError(
-            f"is not uniform: point {point}, counted from 0, is at {x[point]:.7g} µm, {abs(deviations):.3g} µm "
-            f"from its position at a spacing of {abs(measured):.6g} µm; resample it first"
+            f"is not uniform: point {point}, counted from 0, is at {x[point]:.7g} µm, {abs(deviations):.3g} µm from "
+            f"its position at a spacing of {abs(measured):.6g} µm; resample the profile first"
         )
     is_uniform = np.abs(np.diff(x) - measured).max() <= MAX_UNEVENNESS * abs(measured)
     if not is_uniform and abs(x[-1] - x[0]) < MIN_LENGTH_DIGITS * digit.values.max():
@@ -518,7 +520,7 @@ def _check_agreement(actual: float, given: Quantity | None) -> float:
 def _check_spacing(spacing: float) -> float:
     lowest, highest = _SPACING_RANGE
     if not lowest <= spacing <= highest:
-        raise FormatError(f"has a spacing of {spacing:g} µm; from {lowest:g} to {highest:g} µm is allowed")
+        raise FormatError(f"has a spacing of {spacing:g} µm, but it must be between {lowest:g} and {highest:g} µm")
     return spacing
 
 
@@ -528,7 +530,7 @@ def _check_spacing(spacing: float) -> float:
 def _fill_gaps(
     heights: Floats, spacing: tuple[float, ...], options: ReadOptions
 ) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
-    """Return cropped heights, with missing points interpolated or masked as requested, the mask, and a history."""
+    """Return cropped heights with missing points interpolated or masked, the mask, and history entries."""
     steps: list[str] = []
     if options.crop is not None:
         if len(options.crop) != 2 * heights.ndim:
@@ -546,9 +548,9 @@ def _fill_gaps(
         first = np.argwhere(gaps)[0].tolist()
         position = f"point {first[0]}" if gaps.ndim == 1 else f"row {first[0]}, column {first[1]}"
         raise FormatError(
-            f"misses {int(gaps.sum())} of {gaps.size} points, the first at {position}, counted from 0; "
-            'missing="mask" (--missing mask) uses only measured points, and missing="interpolate" '
-            "(--missing interpolate) interpolates between their neighbours"
+            f'lacks {int(gaps.sum())} of {gaps.size} heights, the first at {position}, counted from 0; missing="mask" '
+            '(--missing mask) uses only measured points, and missing="interpolate" (--missing interpolate) '
+            "interpolates between their neighbours"
         )
     if options.outliers == "mask" and (outlying := find_outliers(heights)).any():
         missing = "mask" if missing == "error" else missing
@@ -566,7 +568,7 @@ def _fill_gaps(
     filled = interpolate_missing(heights, extrapolate=missing == "mask")
     if num_left := int(np.isnan(filled).sum()):
         raise FormatError(
-            f"has {num_left} missing points at its edges without neighbours on both sides to interpolate from; "
+            f"has {num_left} missing points at its edges, which lack neighbours on one side for interpolation; "
             'missing="mask" (--missing mask) uses only measured points'
         )
     treatment = "masked" if missing == "mask" else "interpolated"

@@ -1,4 +1,4 @@
-"""Layouts of the text files and workbooks of particular instruments."""
+"""Base classes for the text and workbook layouts of particular instruments."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from typing import Any
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.raw import Content, FormatError
 
-Sheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells of each sheet, by the name of the sheet
+Sheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells, by sheet name
 
-MAX_COUNT = 100_000_000  # maximum number of points, or of lines, that a header may declare
+MAX_COUNT = 100_000_000  # maximum number of points or lines that a header may declare
 _LEADING_NUMBER = re.compile(r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,])")
 
 
@@ -44,7 +44,7 @@ def integer(header: Mapping[str, str], name: str, minimum: int = 1, maximum: int
 
 @dataclass(frozen=True)
 class Layout:
-    """Layout of text files: how the files of an instrument are recognised and read."""
+    """Text layout of an instrument: how its files are recognised and read."""
 
     name: str
     recognise: Callable[[Text], bool]
@@ -53,7 +53,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class WorkbookLayout:
-    """Layout of workbooks: how the workbooks of an instrument are recognised and read."""
+    """Workbook layout of an instrument: how its workbooks are recognised and read."""
 
     name: str
     recognise: Callable[[Sheets], bool]

@@ -18,23 +18,23 @@ from stiction.surfaces.profile import MAX_POINTS
 SPACINGS = ("spacing_y_um", "spacing_x_um")
 """Fields of the second array in a file of `write_surface`. A file of `write_profile` has only the last one."""
 
-_MAX_HISTORY_LENGTH = 1_000_000  # maximum number of characters of the history, which is the third array
+_MAX_HISTORY_LENGTH = 1_000_000  # maximum number of characters of the history (the third array)
 
 
 def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> None:
-    """Write heights, spacings in µm, and history as three successive arrays. `numpy.load` returns the heights."""
+    """Write heights, spacings (µm) and history as three successive arrays. `numpy.load` returns the heights."""
     np.save(file, heights)
     np.save(file, np.array(spacing, dtype=[(name, np.float64) for name in SPACINGS[-len(spacing) :]]))
     np.save(file, np.array(history, dtype=np.str_))
 
 
 def read_npy(data: bytes) -> ColumnTable | Raw:
-    """Read an array, with the spacing and history that may follow it. Pickled objects are not loaded."""
+    """Read an array of heights, followed by optional spacing and history. Pickled objects are not loaded."""
     file = io.BytesIO(data)
     stored = _read_array(file, data)
     if stored.dtype.kind not in "iuf" or stored.ndim not in (1, 2):
         raise FormatError(
-            f"contains an array of {stored.dtype} and shape {stored.shape}; heights must be real numbers along x, "
+            f"contains an array of {stored.dtype} and shape {stored.shape}, but heights must be real numbers along x, "
             "or along y and x"
         )
     if stored.size == 0:
@@ -76,14 +76,14 @@ def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
             is_version_1 = np.lib.format.read_magic(file) == (1, 0)
             header = np.lib.format.read_array_header_1_0 if is_version_1 else np.lib.format.read_array_header_2_0
             shape, fortran_order, kind = header(file)
-    except Exception as error:  # parsing of the header, which is a Python literal, raises many kinds of errors
+    except Exception as error:  # parsing the header, a Python literal, can raise many kinds of errors
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged .npy file, or contains objects ({reason})") from None
     if kind.hasobject or any(isinstance(count, bool) for count in shape):
         raise FormatError("is a damaged .npy file, or contains objects")
     points, available = math.prod(shape), len(data) - file.tell()
     if min(shape, default=0) < 0 or points * kind.itemsize > available:
-        raise FormatError(f"is a damaged .npy file: it should have {points} points, but has only {available} bytes")
+        raise FormatError(f"is a damaged .npy file with {available} bytes, too few for its {points} points")
     if points * kind.itemsize == 0:
         return np.empty(shape if points == 0 else (0,), kind)
     stored = np.frombuffer(data, dtype=kind, count=points, offset=file.tell())

@@ -1,4 +1,4 @@
-"""Named checks for implausible heights and spacings, both of files and of bodies in memory."""
+"""Named checks for implausible heights and spacings, for files and for bodies in memory."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# Minimum number of points at an extreme value for this value to be a possible code for missing points.
+# An extreme value may be a code for missing points if at least this number of points have it.
 MIN_REPEATS = 2
-# Smallest distance of a code from all other heights, relative to the range of the other heights.
+# Smallest distance of a code from all other heights, relative to the range of these heights.
 MIN_CODE_DISTANCE = 2.0
-# Minimum number of different heights for a value to be a code; a surface with steps has fewer different heights.
+# Minimum number of different heights for a value to be a code. A surface with steps has fewer different heights.
 MIN_DISTINCT_HEIGHTS = 5
 MAX_CODES = 3  # maximum number of codes for missing points in a scan
-MIN_CHECKED_POINTS = 20  # minimum number of points in a scan that is checked; smaller arrays are assumed to be examples
+MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm: an ångström, a centimetre and a metre
 
 
 @dataclass(frozen=True)
 class Scan:
-    """Heights in µm with NaN at missing points, their spacing, and the format in which they were given."""
+    """Heights (µm, NaN at missing points), their spacing, and the format in which they were given."""
 
     heights: Floats
     spacing: tuple[float, ...]  # µm, along (y and) x
-    factor: float = 1.0  # factor that converts the numbers in the file to µm
+    factor: float = 1.0  # conversion factor from the numbers in the file to µm
     from_text: bool = True  # True if the numbers were read from text; integers in text may be counts
 
     @cached_property

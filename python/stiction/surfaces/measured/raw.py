@@ -1,4 +1,4 @@
-"""Content of a file of measured heights, before the units and the missing points are determined."""
+"""Content of a file of measured heights, before its units and missing points are determined."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ not in words.
 """
 
 MAX_BYTES = 2_000_000_000
-MAX_TEXT_BYTES = 300_000_000  # parsing of a text needs about ten times the size of the text in memory
+MAX_TEXT_BYTES = 300_000_000  # parsing a text needs about ten times its size in memory
 _CHUNK = 1 << 16
 # Compression methods that can be read in pieces of limited size.
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class FormatError(ValueError):
-    """Error for a file that cannot be read or written: it is damaged, incomplete, of another kind, or already exists.
+    """Error for a file that cannot be read or written: damaged, incomplete, of another kind, or already existing.
 
     Notes
     -----
@@ -53,7 +53,7 @@ class FormatError(ValueError):
 
 
 class FormatWarning(UserWarning):
-    """Warning about a file that contradicts itself, or about heights that are implausible for a surface.
+    """Warning about a file that contradicts itself, or about implausible heights.
 
     Notes
     -----
@@ -71,7 +71,7 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileCaveat:
-    """Named caveat about a file, with the option or the edit that resolves it."""
+    """Named caveat about a file, with the option or edit that resolves it."""
 
     name: str
     text: str
@@ -83,7 +83,7 @@ class FileCaveat:
 
 @dataclass(frozen=True)
 class StatedLength:
-    """Length that is declared next to the data, with the value of one unit in the last digit, its resolution."""
+    """Length that is declared next to the data, and its resolution: the value of one unit in the last digit."""
 
     length: float
     digit: float
@@ -109,21 +109,21 @@ Digits = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class Raw:
-    """Numbers of a file before conversion, with their units if the file contains units. Missing heights are NaN."""
+    """Numbers of a file before conversion, with their units if known. Missing heights are NaN."""
 
     heights: Floats  # (n,) or (rows, columns)
     unit: str | None = None
     positions: Floats | None = None  # (n,) positions of a profile
     digits: Digits | None = None  # function that returns the value of the last printed digit of each position, (n,)
-    position_unit: str | None = None  # unit of the positions or, if there are no positions, of the spacing
+    position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
     spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx) if there are no positions
     stated: StatedLength | None = None  # declared spacing
     stated_spacings: tuple[StatedLength, StatedLength] | None = None  # declared spacings of rows and columns
     size: tuple[StatedLength, StatedLength] | None = None  # declared height and width of a map
-    history: tuple[str, ...] = ()  # descriptions of the selections that were made in the file
+    history: tuple[str, ...] = ()  # descriptions of the selections made in the file
     source: Source = Source()
     codes: tuple[float, ...] = ()  # values that the file declares as missing points
-    factor: float | None = None  # declared factor that converts the numbers to `unit`
+    factor: float | None = None  # declared factor from the numbers to `unit`
     bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
     caveats: tuple[FileCaveat, ...] = ()
 
@@ -135,12 +135,12 @@ class WordColumn:
     place: int  # column number
     words: str  # the most frequent words with their counts
     rarest: str  # the least frequent word
-    missing: NDArray[np.bool_]  # (rows,) True if the word is one that the caller gave for missing points
+    missing: NDArray[np.bool_]  # (rows,) True where the caller gave the word for missing points
 
 
 @dataclass(frozen=True)
 class ColumnTable:
-    """Numbers in columns. One or two columns are a profile; alternatively, all columns together are a map."""
+    """Numbers in columns. One or two columns form a profile; all columns together may form a map."""
 
     values: Floats  # (rows, columns) with NaN at missing values
     names: tuple[str, ...] = ()  # column names; empty if there are none
@@ -150,12 +150,12 @@ class ColumnTable:
     # function that returns the value of the last printed digit of each number in a row, (columns,)
     row_digits: Callable[[int], Floats] | None = None
     declared: Declarations = field(default_factory=lambda: Declarations())
-    history: tuple[str, ...] = ()  # processing steps that were applied before the heights were written
-    area: bool = False  # True if two columns may be a map, whose positions are then recognised by equal steps
+    history: tuple[str, ...] = ()  # processing steps applied before the heights were written
+    area: bool = False  # True if two columns may be a map; equal steps then identify its positions
     source: Source = Source()
-    places: tuple[int, ...] | None = None  # column numbers in the file, if some columns were skipped
+    places: tuple[int, ...] | None = None  # column numbers in the file, if columns were skipped
     caveats: tuple[FileCaveat, ...] = ()
-    word_columns: tuple[WordColumn, ...] = ()  # columns of words, whose values are NaN
+    word_columns: tuple[WordColumn, ...] = ()  # columns of words; their values are NaN
 
     def column_digits(self, column: int) -> Digits | None:
         """Return a function that computes the value of the last printed digit of each number in a column."""
@@ -171,11 +171,11 @@ class Declarations:
     spacings: tuple[StatedLength, StatedLength] | None = None  # spacings of the rows and of the columns of a map
     size: tuple[StatedLength, StatedLength] | None = None  # height and width of a map
     bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
-    unit: str | None = None  # unit of the heights, which may be a unit of another quantity than length
-    factor: float | None = None  # factor that converts the numbers to `unit`
+    unit: str | None = None  # unit of the heights; it may be the unit of another quantity than length
+    factor: float | None = None  # factor from the numbers to `unit`
     codes: tuple[float, ...] = ()  # values that mark missing points
-    counts: tuple[float, ...] = ()  # integers that are either codes for missing points or counts of missing points
-    scale: str = ""  # line that declares either a factor for the heights or a range of heights
+    counts: tuple[float, ...] = ()  # integers that are either codes for missing points or numbers of missing points
+    scale: str = ""  # line that declares a factor for the heights or a range of heights
     points: int | None = None  # number of points of a profile
     tip_radius: StatedLength | None = None  # radius of the stylus tip
     line: str = ""  # line that declares the unit or the factor
@@ -183,21 +183,21 @@ class Declarations:
 
 @dataclass(frozen=True)
 class Channels:
-    """Several sets of heights in one file, each with a name."""
+    """Several named sets of heights in one file."""
 
     names: tuple[str, ...]
-    read: Callable[[int], Raw | ColumnTable]  # function that returns the content of a channel by its index
-    default: int | None  # index of the channel to read by default, or None if the caller must choose
+    read: Callable[[int], Raw | ColumnTable]  # function that returns the content of a channel by index
+    default: int | None  # index of the default channel, or None if the caller must choose
 
 
 Content = Raw | ColumnTable | Channels  # result of a reader
 
 
 def length_unit(text: str) -> str | None:
-    """Return the key of `LENGTH_UNITS` for a unit of length; None for other units."""
+    """Return the key of `LENGTH_UNITS` for a unit of length, or None for other units."""
     if text in LENGTH_UNITS:
         return text
-    plain = unicodedata.normalize("NFKC", text)  # the normalisation converts ligatures such as ㎛
+    plain = unicodedata.normalize("NFKC", text)  # normalisation converts ligatures such as ㎛
     if plain in LENGTH_UNITS:
         return plain
     folded = plain.casefold()
@@ -208,7 +208,7 @@ def length_unit(text: str) -> str | None:
 
 
 def read_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator[bytes]:
-    """Yield the content of an archive member in pieces, up to `max_bytes`.
+    """Yield the content of an archive member in pieces, up to `max_bytes` in total.
 
     The size that the archive declares is not trusted.
     """

@@ -69,7 +69,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface)
 
 @dataclass(frozen=True)
 class Reading(Generic[_Body]):
-    """Profile or surface from a file, and how the file was interpreted."""
+    """Profile or surface from a file, and the interpretation of the file."""
 
     body: _Body
     file: str
@@ -291,7 +291,7 @@ def read_measurement(
     missing_value: MissingValue | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Profile | Surface:
-    """Read a measured profile or surface, whichever the file contains.
+    """Read a measured profile or surface, depending on the content of the file.
 
     Parameters
     ----------
@@ -339,14 +339,14 @@ def read_measurement(
 
 
 def load_reading(path: str | os.PathLike[str], **options: Any) -> Reading[Profile | Surface]:
-    """Read a profile or surface with the interpretation of its file. Options are the same as for `read_measurement`.
+    """Read a profile or surface with the interpretation of its file. Options are those of `read_measurement`.
 
     Caveats are returned in `caveats`, and no warning is issued.
     """
     allowed = ("unit", "spacing", "missing", "channel", "columns", "outliers", "crop", "missing_value", "accept")
     given = {"missing": "error", "outliers": "keep"} | {name: options.pop(name) for name in allowed if name in options}
     if options:
-        raise ValueError(f"{next(iter(options))} is not an option for a file ({', '.join(allowed)})")
+        raise ValueError(f"options for a file must be among {', '.join(allowed)}, got {next(iter(options))}")
     names = {name: given.get(name) for name in allowed}
     return _interpret_file(path, read_options(**names), to_profile_or_surface)  # type: ignore[arg-type]
 
@@ -359,7 +359,7 @@ def _read_body(
     """Return the body in a file, and issue its caveats as warnings."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
-        # stacklevel 3 refers to the code that calls a public reader
+        # stacklevel 3 is the code that calls a public reader
         warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)
     return reading.body
 
@@ -377,7 +377,7 @@ def _interpret_file(
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except MemoryError:
-        raise FormatError(f"{printable_path(path)}: does not fit in the memory of this machine") from None
+        raise FormatError(f"{printable_path(path)}: does not fit into the memory of this machine") from None
     except ValueError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
     return Reading(
@@ -418,7 +418,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
         except FormatError:
             pass
     if reader is read_text and size > MAX_TEXT_BYTES:
-        raise FormatError(f"has {size} bytes of text; at most {MAX_TEXT_BYTES} can be read: save it as .npy")
+        raise FormatError(f"has {size} bytes of text; at most {MAX_TEXT_BYTES} can be read; save it as .npy")
     if reader is read_text and not is_text(start):
         return _read_binary(path)
     if reader is None:
@@ -429,15 +429,15 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
 
 
 def _read_binary(path: Path) -> Content:
-    """Read a binary file whose name has the ending of a text file, with SurfaceTopography."""
+    """Read a binary file that has the name of a text file, using SurfaceTopography."""
     if is_available():
         try:
             return read_instrument(path)
         except FormatError as error:
             raise FormatError(f"is binary, not text, and {error}") from None
     raise FormatError(
-        f"is binary, not text, though it is named {path.suffix or 'without an ending'}; the package SurfaceTopography "
-        "may be able to read it: pip install SurfaceTopography"
+        f"is binary, not text, despite its name ({path.suffix or 'without an ending'}); the package SurfaceTopography "
+        "may be able to read it (pip install SurfaceTopography)"
     )
 
 

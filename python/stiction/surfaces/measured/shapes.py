@@ -31,18 +31,17 @@ MAX_UNEVENNESS = 1e-3
 Such a deviation has no visible effect on the heights. It occurs in positions that were stored in single precision.
 """
 
-MIN_COLUMNS = 4  # minimum number of columns of a matrix of heights in a text
+MIN_COLUMNS = 4  # minimum number of columns of a height matrix in a text
 MAX_GRID_POINTS = 100_000_000  # largest number of points of a map
 MAX_LISTED_NAMES = 12  # largest number of names that a message lists
 MAX_PROFILE_COLUMNS = 3  # largest number of columns that a caller can choose: x, y and z
-MIN_JITTERED_POSITIONS = 8  # minimum number of positions for slightly uneven, measured positions to be recognised
+MIN_JITTERED_POSITIONS = 8  # minimum number of positions for recognising slightly uneven, measured positions
 MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
-# smallest correlation between heights and their index for which the surface counts as tilted
+# a surface counts as tilted above this correlation between heights and their index
 MIN_TILT_CORRELATION = 0.98
-# minimum number of heights with equally many decimals for which a first number with fewer is suspicious
+# A first number with fewer decimals is suspicious if at least this many heights have equally many decimals.
 MIN_COMPARED_NUMBERS = 20
-# Smallest step of positions in units of the last digit, because coarsely rounded heights may also have small equal
-# steps.
+# Smallest step of positions, in units of the last digit. Coarsely rounded heights may also have small equal steps.
 MIN_STEP_DIGITS = 3.0
 Selection = str | int
 
@@ -51,14 +50,14 @@ _NUMBERING_NAME_PATTERN = re.compile(
 )
 _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-# column names that do not tell whether 1 marks valid or invalid points
+# column names that leave open whether 1 marks valid or invalid points
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 _X, _Y = (re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy")
 _Z = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
 
 
 def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> Raw:
-    """Return the heights that the caller selected or, without a selection, those that the table's shape suggests."""
+    """Return the heights that the caller selected or, without a selection, that the shape of the table suggests."""
     if isinstance(content, Channels):
         index = _select_channel(content, channel)
         raw = select_heights(content.read(index), None, columns)
@@ -69,13 +68,13 @@ def select_heights(content: Content, channel: Selection | None, columns: Sequenc
         column = f"{name}, {raw.source.column}" if raw.source.column not in ("", name) else name
         return replace(raw, history=(step, *raw.history), source=replace(raw.source, column=column))
     if channel is not None:
-        raise FormatError(f"has no channels to choose from, but channel is {channel!r}")
+        raise FormatError(f"has no channels, but channel is {channel!r}")
     if isinstance(content, ColumnTable):
         table = _apply_flags(_without_words(content, columns), columns)
         raw = _select_columns(table, columns) if columns is not None else _read_by_shape(table)
         return replace(raw, history=(*table.history, *raw.history), caveats=(*table.caveats, *raw.caveats))
     if columns is not None:
-        raise FormatError("has no columns to choose from, but columns are given")
+        raise FormatError("has no columns, but columns are given")
     return content
 
 
@@ -88,19 +87,19 @@ def _select_channel(channels: Channels, selected: Selection | None) -> int:
 
 
 def _find_column(names: Sequence[str], selected: Selection, numbers: Sequence[int], kind: str) -> int:
-    """Return the index of a column or a channel, given by its name or by its number in the file."""
+    """Return the index of a column or a channel from its name or its number in the file."""
     text = str(selected).strip()
     for normalise in (lambda name: name, lambda name: name.casefold(), _remove_unit):
         matches = [index for index, name in enumerate(names) if normalise(name.strip()) == normalise(text) and text]
         if len(matches) > 1:
-            raise FormatError(f"has more than one {kind} {text!r}; give its number: {list_names(names, numbers)}")
+            raise FormatError(f"has more than one {kind} {text!r}; specify its number: {list_names(names, numbers)}")
         if matches:
             return matches[0]
     if text.isascii() and text.isdigit() and len(text) < 10:
         if int(text) in numbers:
             return numbers.index(int(text))
-        allowed = f"numbered from 0 to {numbers[-1]}" if len(numbers) > numbers[-1] else ", ".join(map(str, numbers))
-        raise FormatError(f"has no {kind} {text}; they are {allowed}")
+        allowed = f"0 to {numbers[-1]}" if len(numbers) > numbers[-1] else ", ".join(map(str, numbers))
+        raise FormatError(f"has no {kind} {text}; the {kind} numbers are {allowed}")
     raise FormatError(
         f"has no {kind} {text[:40]!r}, but {list_names(names, numbers) if names else f'{len(numbers)} without names'}"
     )
@@ -112,7 +111,7 @@ def _remove_unit(name: str) -> str:
 
 
 def list_names(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
-    """List the first names with their numbers."""
+    """Return a list of the first names with their numbers as a text."""
     numbers = range(len(names)) if numbers is None else numbers
     pairs = list(zip(numbers, names, strict=True))
     shown = ", ".join(f"{index} ({printable(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
@@ -127,7 +126,7 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
 
 
 def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> Raw:
-    """Return the heights in one column, with positions in another column, or with x and y in two other columns."""
+    """Return the heights in one column, with positions in another column, or with x and y in two others."""
     numbers = _column_numbers(table)
     indices = [_find_column(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
@@ -142,7 +141,7 @@ def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> Raw:
 def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: Any) -> Raw:
     """Return the heights of a table together with all declarations in its header."""
     declared = table.declared
-    # these integers are too large to be counts of missing points
+    # these integers are too large to be numbers of missing points
     counts = tuple(count for count in declared.counts if count > heights.size)
     caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
@@ -168,7 +167,7 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
 
 
 def _select_profile(table: ColumnTable, *places: int) -> Raw:
-    """Return the heights of one column, or the positions and heights of two columns as far as both have numbers."""
+    """Return the heights of one column, or positions and heights of two columns where both have numbers."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
     raw = _to_raw(
@@ -184,7 +183,7 @@ def _select_profile(table: ColumnTable, *places: int) -> Raw:
         caveats = () if history else _find_first_number_caveat(table)
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
-    # these rows follow the end of the shorter of two adjacent tables
+    # these rows lie below the end of the shorter of two adjacent tables
     is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
     digits = table.column_digits(places[0])
@@ -206,27 +205,27 @@ def _describe_column(table: ColumnTable, place: int) -> str:
 
 
 def _height_unit(table: ColumnTable, place: int) -> str | None:
-    """Return the unit of a column of heights. Raises `FormatError` if the name of the column is another quantity."""
+    """Return the unit of a column of heights. Raises `FormatError` if its name is not a height."""
     unit = _units(table)[place]
     if unit is not None and length_unit(unit) is None:
         return unit
     name = table.names[place] if table.names else ""
     if (match := NON_HEIGHT_NAME_PATTERN.search(name)) is not None:
         raise FormatError(
-            f"has a column named {printable(name)!r}: {match[0].lower()} is not a height; "
-            "choose another by columns (--columns)"
+            f"has a column named {printable(name)!r}, but {match[0].lower()} is not a height; choose another column "
+            "(--columns)"
         )
     return unit if unit is not None and table.declared.factor is None else table.declared.unit or unit
 
 
 def _remove_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Return a column of heights without its first number, if this number is the count of the other numbers."""
+    """Return a column of heights without its first number if this number counts the other numbers."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         if heights[place] == heights.size - 1 - place:
             if place:
                 raise FormatError(
-                    f"begins with {place + 1} numbers of which the last, {heights[place]:.0f}, counts the others; "
-                    "delete these lines, which are not heights"
+                    f"begins with {place + 1} numbers, of which the last, {heights[place]:.0f}, counts the remaining "
+                    "numbers; delete these lines, which are not heights"
                 )
             return heights[1:], (f"first number removed, {heights[0]:.0f}, which is the count of the others",)
     if width == 1 and heights.size > 6 and heights[0] * heights[1] == heights.size - 2 and min(heights[:2]) > 1:
@@ -275,7 +274,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
 
 
 def _without_words(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
-    """Remove columns of words, and the heights of rows with a word that the caller gave for missing points.
+    """Remove columns of words, and the heights of rows with a word for missing points.
 
     Raises `FormatError` unless the caller gave such a word for each of these columns, or chose the columns.
     """
@@ -315,7 +314,7 @@ def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[i
 
 
 def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
-    """Apply a column of flags: remove the column, and mark the heights that it declares invalid as missing.
+    """Remove a column of flags, and mark the heights that it declares invalid as missing.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
     """
@@ -363,7 +362,7 @@ def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: 
 
 @dataclass(frozen=True)
 class Shape:
-    """Shape of a table, with functions that recognise it and read it."""
+    """Shape of a table, with functions that recognise and read it."""
 
     name: str
     recognise: Callable[[ColumnTable], bool]
@@ -371,7 +370,7 @@ class Shape:
 
 
 def _read_by_shape(table: ColumnTable) -> Raw:
-    """Return the heights of a table, read with the first shape that recognises it."""
+    """Return the heights of a table, using the first shape that recognises it."""
     table, step = _remove_numbering(table)
     empty = np.isnan(table.values).all(axis=0)
     if table.places is not None and empty.any() and not empty.all():
@@ -383,14 +382,14 @@ def _read_by_shape(table: ColumnTable) -> Raw:
 
 
 def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Return a table without row numbers and column numbers that a program has added."""
+    """Return a table without the row and column numbers that a program has added."""
     rows, columns = table.values.shape
     if columns > 1 and table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[0].strip()):
         first = table.values[0, 0]
         if first not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first + np.arange(rows)):
             return table, ()
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
-            return table, ()  # these are kept as positions, with a caveat
+            return table, ()  # keep them as positions, with a caveat
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
     if (
@@ -418,7 +417,7 @@ def _read_matrix(table: ColumnTable) -> Raw:
 
 
 def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Remove a first column of positions that agree with the declared spacing; return the table and a history entry.
+    """Remove a first column of positions that agrees with the declared spacing; return the table and a history entry.
 
     Raises `FormatError` if the first row or column contains other positions. A single row or column contains heights.
     """
@@ -446,7 +445,7 @@ def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 
 
 def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line contains positions. Lines that all rise alike belong to a tilted surface."""
+    """Return whether the first line contains positions. If all lines rise alike, the surface is tilted."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _counts_evenly_as_printed(first, digits):
@@ -456,13 +455,12 @@ def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
     steps = np.diff(first[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions have unequal steps. The heights of a tilted surface rise similarly, but they do so in all
-    # lines.
+    # Measured positions have unequal steps. The heights of a tilted surface rise similarly, but in all lines.
     return any(_correlation(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 
 def _correlation(values: Floats) -> float:
-    """Return the magnitude of the correlation of values with their index."""
+    """Return the magnitude of the correlation between values and their index."""
     filled = np.flatnonzero(np.isfinite(values))
     if filled.size < 3 or np.ptp(values[filled]) == 0:
         return 0.0
@@ -470,7 +468,7 @@ def _correlation(values: Floats) -> float:
 
 
 def counts_evenly(values: Floats, slack: float = 0.0) -> bool:
-    """Return whether values rise or fall in equal steps; the first value is ignored, as it may be a corner."""
+    """Return whether values rise or fall in equal steps. The first value may be a corner and is ignored."""
     following = values[1:]
     if following.size < 4 or not np.isfinite(following).all():
         return False
@@ -498,7 +496,7 @@ def _counts_evenly_as_printed(values: Floats, digits: Callable[[], Floats] | Non
 
 
 def _is_labelled(table: ColumnTable) -> bool:
-    """Return whether the first row and the first column contain positions, and the corner is empty."""
+    """Return whether the first row and column contain positions and the corner is empty."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
         return False
@@ -520,7 +518,7 @@ def _read_labelled(table: ColumnTable) -> Raw:
 
 
 def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
-    """Return the columns of x, y and z in a list of points, by their names or because there are only three."""
+    """Return the columns of x, y and z in a list of points, from their names or their number of three."""
     columns = table.values.shape[1]
     if not any(table.names):
         return (0, 1, 2) if columns == 3 else None
@@ -541,7 +539,7 @@ def _are_triplets(table: ColumnTable) -> bool:
         return False
     count = x.size
     distinct = [np.unique(value).size for value in (x, y)]
-    # On a grid, x and y have few different values. The positions of a profile are all different.
+    # On a grid, x and y have few different values. The positions of a profile all differ.
     return (max(distinct) < count and min(distinct) > 1) or (
         bool(table.names) and max(distinct) == count and min(distinct) > 1
     )
@@ -583,7 +581,7 @@ def _reject_columns(table: ColumnTable) -> Raw:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return the other information that a table lacks, as the end of a sentence."""
+    """Return the further information that a table lacks, as the end of a sentence."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

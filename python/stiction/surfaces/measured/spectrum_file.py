@@ -1,4 +1,4 @@
-"""Files of spectra that are combined from several scans: a table (CSV) below one line for each scan."""
+"""Files of spectra combined from several scans: one line for each scan, and a table (CSV) below."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
 """Columns of a spectrum file. Tables from other programs lack the last column."""
 
-FRACTION, RATIO = "fraction of ", "power over the joined of "  # beginnings of the names of the two columns of each scan
+FRACTION, RATIO = "fraction of ", "power over the joined of "  # beginnings of the two column names of each scan
 _SCAN = re.compile(r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)")
-_HEAD_BYTES = 100_000  # number of bytes at the beginning of a file in which the column names are searched
-# relative tolerance of the ratio of successive wave numbers, because printed numbers are rounded
+_HEAD_BYTES = 100_000  # number of bytes at the beginning of a file that are searched for column names
+# relative tolerance of the ratio of successive wave numbers, due to rounding of printed numbers
 _RATIO_TOLERANCE = 1e-3
 
 
 def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
-    """Write a joined spectrum to a table, with slope and curvature for each wavelength.
+    """Write a joined spectrum as a table, with slope and curvature for each wavelength.
 
     All numbers are preserved exactly.
 
@@ -84,8 +84,8 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
 
 
 def is_spectrum(path: Path) -> bool:
-    """Return whether a file was written by `write_spectrum`, or has the same columns of wave numbers and densities."""
-    if path.suffix.lower() != ".csv" or not path.is_file():  # reading from a pipe would block
+    """Return whether a file was written by `write_spectrum`, or has the same columns."""
+    if path.suffix.lower() != ".csv" or not path.is_file():  # skip pipes, because reading would block
         return False
     try:
         with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""Parsing of numeric lines: separators, decimal marks and quotes of a text, and its matrix of numbers."""
+"""Parsing of numeric lines into a matrix: separators, decimal marks and quotes of a text."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from stiction._checks import Floats
 from stiction.surfaces.measured.decode import BLANK, MAX_CELLS, NUMBERS, NUMERIC_CHARACTERS, Text
 from stiction.surfaces.measured.raw import FormatError
 
-_SAMPLE_LINES = 60  # maximum number of lines that are used to detect the separator and the decimal mark
+_SAMPLE_LINES = 60  # maximum number of lines for detecting the separator and the decimal mark
 _SAMPLE_SIZE = 10_000  # maximum number of characters in these lines
-_LONG_LINE = 200  # mean length of lines above which the cells are counted line by line
-MAX_SAMPLED = 20_000  # maximum number of rows from which the printed digits of a column are determined
-MAX_COUNT_CELLS = 2  # maximum number of cells of a line above the numbers that is a count or a size
+_LONG_LINE = 200  # mean line length above which cells are counted line by line
+MAX_SAMPLED = 20_000  # maximum number of rows for determining the printed digits of a column
+MAX_COUNT_CELLS = 2  # maximum number of cells of a line above the numbers that contains counts or sizes
 _QUOTED_SEPARATOR = "\x1f"  # character that replaces the separator in quoted cells
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
@@ -34,7 +34,7 @@ class Dialect:
     separator: str | None
     point: str
     thousands: str = ""
-    pairs: bool = False  # True if the comma is both separator and decimal mark, so that two cells are one number
+    pairs: bool = False  # True if the comma is separator and decimal mark, so that two cells form one number
 
     def __str__(self) -> str:
         names = {"\t": "tab", None: "space", ";": "semicolon", ",": "comma", "|": "bar"}
@@ -59,7 +59,7 @@ class Dialect:
 
     @cached_property
     def number(self) -> re.Pattern[str]:
-        """Pattern of a number. Its groups are sign, integer digits, decimals and exponent."""
+        """Pattern of a number. Its groups are the sign, integer digits, decimals and exponent."""
         point = "." if self.pairs else self.point
         integer_digits = "[0-9]{0,400}"
         if self.thousands:
@@ -85,13 +85,13 @@ _QUOTED_THOUSANDS_DIALECTS = [Dialect(",", ".", ","), Dialect(",", ",", ".")]
 
 @dataclass(frozen=True)
 class NumberBlock:
-    """Matrix of numbers in a text, with the location of its rows."""
+    """Matrix of numbers in a text, with the line numbers of its rows."""
 
     text: Text
     lines: Lines  # line numbers of the rows, counted from 0
     dialect: Dialect
     values: Floats  # (rows, columns)
-    # First line from which lines have fewer cells, for example because of a shorter profile next to a longer one.
+    # First line below which lines have fewer cells, for example because of a shorter profile next to a longer one.
     short: int | None = None
     omitted: tuple[int, ...] = ()  # line numbers of counts and sizes that precede the rows
 
@@ -105,7 +105,7 @@ class NumberBlock:
         max_decimals = -1000
         count = self.lines.size
         sample = np.arange(count)
-        if count > MAX_SAMPLED:  # half of the sample comes from the beginning, half from the whole column
+        if count > MAX_SAMPLED:  # half of the sample is from the beginning, half from the whole column
             half = MAX_SAMPLED // 2
             sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
         for line in sample.tolist():
@@ -128,7 +128,7 @@ class NumberBlock:
 
 
 def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the value of the last printed digit of numbers with the given decimals and significant digits."""
+    """Return the value of the last printed digit of numbers from their decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
     by_digits = np.where(np.isfinite(size), size, -400) + 1 - digits
@@ -172,7 +172,7 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
         if len(Dialect(",", ".").cells(_line_above(text, first))) == 2:
             return Dialect(",", ".")
         raise FormatError(
-            f"{text.describe_line(first)}, like all lines, may be two columns, or one with decimal commas; "
+            f"{text.describe_line(first)} may be two columns, or one column with decimal commas, like all lines; "
             'write decimal points, or a header such as "x (um),z (um)"'
         )
     if dialect.separator == ",":
@@ -193,7 +193,7 @@ def is_row(line: str, dialect: Dialect, text: Text) -> bool:
 
 
 def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
-    """Classify a cell as a number, a word for a missing point, or another mark of one; None for other cells."""
+    """Classify a cell as a number, a word for a missing point, or another missing-point marker; None otherwise."""
     match = dialect.number.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
         return "number"
@@ -203,12 +203,12 @@ def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
 
 
 def _truncate(line: str, width: int) -> str:
-    """Truncate a long line at the end of a cell."""
+    """Truncate a long line after a complete cell."""
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
 
 
 def _with_decimal_commas(text: Text, first: int, sample: list[str], dialect: Dialect) -> Dialect:
-    """Return the dialect of lines whose commas may separate cells, decimals, or both."""
+    """Return the dialect of lines in which commas may be cell separators, decimal marks, or both."""
     rows = [dialect.cells(line) for line in sample]
     width = len(rows[0])
     odd_cells = [cell for row in rows for cell in row[1::2]]
@@ -230,12 +230,12 @@ def _with_decimal_commas(text: Text, first: int, sample: list[str], dialect: Dia
 
 
 def _line_above(text: Text, first: int) -> str:
-    """Return the last line above a run that is not empty."""
+    """Return the last non-empty line above a run."""
     return next((line for index in range(first - 1, -1, -1) if (line := text.line(index)).strip("\t")), "")
 
 
 def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect) -> None:
-    """Reject a text in which every comma may be a thousands separator: "1,250", for example, is 1.25 or 1250."""
+    """Reject a text in which every comma may be a thousands separator ("1,250" is 1.25 or 1250)."""
     ambiguous = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example, shown = -1, ""
     for line in range(first, last + 1):
@@ -270,10 +270,10 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
     starts, cells = _cells_of_rows(blob, joint)
     usual = Counter(cells.tolist()).most_common(1)[0][0]
     if usual == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
-        usual = 2  # two columns in which most heights are missing
+        usual = 2  # these are two columns in which most heights are missing
     if usual > MAX_CELLS:
         raise FormatError(
-            f"has lines of {usual} cells; at most {MAX_CELLS} can be read: write one number a line, or .npy"
+            f"has lines of {usual} cells; at most {MAX_CELLS} can be read; write one number per line, or .npy"
         )
     num_skipped = int(np.argmax(cells == usual))
     if (cells[:num_skipped] > min(usual, MAX_COUNT_CELLS)).any() or (
@@ -282,7 +282,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
         num_skipped = 0
     omitted = tuple(lines[:num_skipped].tolist())
     lines, cells, blob = lines[num_skipped:], cells[num_skipped:], blob[starts[num_skipped] :] if num_skipped else blob
-    if (cells > usual).any():  # the additional cells may result from trailing separators
+    if (cells > usual).any():  # the additional cells may be due to trailing separators
         rows = [row.rstrip(joint) if n > usual else row for n, row in zip(cells, blob.split(b"\n"), strict=True)]
         blob = b"\n".join(row + joint * max(0, usual - 1 - row.count(joint)) for row in rows)
         _, cells = _cells_of_rows(blob, joint)
@@ -293,7 +293,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
             row_index = int(np.argmax(rejected))
             raise FormatError(
                 f"{text.describe_line(int(lines[row_index]))} has {cells[row_index]} cells, but most lines have "
-                f"{usual}; all lines of a table need the same number of cells"
+                f"{usual}; all lines of a table must have the same number of cells"
             )
         rows = blob.split(b"\n")
         blob = b"\n".join(row + joint * (usual - 1 - row.count(joint)) for row in rows)
@@ -308,7 +308,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
 
 
 def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
-    """Return whether the single numbers in the first rows are positions that continue in the rows below."""
+    """Return whether single numbers in the first rows are positions that continue in the rows below."""
     first = [row.split(joint)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
     if not count or not all(map(_is_number, first)):
         return False
@@ -317,7 +317,7 @@ def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
 
 
 def numbers_in(text: Text, first: int, last: int) -> Floats:
-    """Return all numbers in a range of lines, separated by white space. Line breaks count as blanks."""
+    """Return all numbers in a range of lines that are separated by blanks or line breaks."""
     blob = text.data[text.starts[first] : text.starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
         blob = text.missing.sub(b"nan", blob)
@@ -328,7 +328,7 @@ def numbers_in(text: Text, first: int, last: int) -> Floats:
 
 
 def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
-    """Return the lines of a run that are rows. A line without numbers is a row if it has separators of empty cells."""
+    """Return the lines of a run that are rows, including lines with only empty cells and separators."""
     kinds = text.kinds[first : last + 1]
     filled = kinds != BLANK
     if dialect.separator is not None and not filled.all():
@@ -338,7 +338,7 @@ def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
 
 
 def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Return rows with decimal points and without quotes or blanks, and the separator of their cells."""
+    """Return rows with decimal points, without quotes and blanks, and the separator of their cells."""
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
         blob = text.data[text.starts[first] : text.starts[last + 1] - 1]
@@ -372,7 +372,7 @@ def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, b
 
 
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number that contains a blank
+_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # this pattern matches a number that contains a blank
 
 
 def _has_dashes(blob: bytes) -> bool:
@@ -405,7 +405,7 @@ def _parse_numbers(text: Text, lines: Lines, width: int, column: bytes) -> Float
     """Parse one column of text as correctly rounded numbers; empty lines become NaN."""
     import pandas
 
-    # The default parser of pandas before version 3.1 has errors in the last bit.
+    # Before version 3.1, the default parser of pandas has errors in the last bit.
     column = column if column[-1:].strip() else column + b"\n"
     precision = {} if _parse_version(pandas.__version__) >= (3, 1) else {"float_precision": "round_trip"}
     try:

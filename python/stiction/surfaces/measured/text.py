@@ -1,4 +1,4 @@
-"""Second step of reading text: find the layout of an instrument, or else read a table with header and footer."""
+"""Second step of reading text: find an instrument layout, or else read a table with header and footer."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from stiction.surfaces.measured.word_columns import FoundColumn, describe_words,
 
 MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entry in a header
 MAX_HISTORY_STEPS = 1000
-# Maximum number of numeric lines below the data, relative to the number of lines of data.
+# Maximum number of numeric lines below the data, as a fraction of the number of data lines.
 MAX_FOOTER_FRACTION = 0.1
-# Minimum number of rows of a block above the data; a smaller block is a size or a count.
+# Minimum number of rows of a block above the data. A smaller block is a size or a count.
 MIN_BLOCK_ROWS = 2
 
 
@@ -38,20 +38,20 @@ def read_text(data: bytes, words: tuple[str, ...] = ()) -> Content:
 
 
 def parse_content(text: Text) -> Content:
-    """Parse a text with the first layout that recognises it or, if there is none, as a table."""
+    """Parse a text with the first layout that recognises it, or otherwise as a table."""
     layout = find_layout(text)
     return parse_table(text) if layout is None else with_source(layout.read(text), text, layout.name)
 
 
 def find_layout(text: Text) -> Layout | None:
-    """Return the instrument layout that recognises a text; None if there is none."""
+    """Return the instrument layout that recognises a text, or None."""
     from stiction.surfaces.measured.layouts import LAYOUTS
 
     return next((layout for layout in LAYOUTS if layout.recognise(text)), None)
 
 
 def with_source(content: Content, text: Text, layout: str) -> Content:
-    """Return content with its layout and encoding recorded in the source."""
+    """Add a layout and an encoding to the source of content, and return the content."""
     if isinstance(content, Channels):
         read_channel = content.read
         return replace(content, read=lambda line: with_source(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]
@@ -59,7 +59,7 @@ def with_source(content: Content, text: Text, layout: str) -> Content:
 
 
 def parse_table(text: Text) -> ColumnTable | Channels:
-    """Parse the largest run of numeric lines and its header as a table. Equally large runs become channels."""
+    """Parse the largest run of numeric lines and its header as a table. Runs of equal size become channels."""
     text, word_columns = replace_word_columns(text)
     runs = find_number_runs(text)
     if not runs:
@@ -70,7 +70,7 @@ def parse_table(text: Text) -> ColumnTable | Channels:
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     labels = _include_label_row(text, first, last, dialect)
-    if labels < first:  # the line of labels starts with a word, which is not a number
+    if labels < first:  # the line of labels starts with a word instead of a number
         first, text = labels, replace(text, words=(*text.words, dialect.cells(text.line(labels))[0]))
     _reject_unreadable(text, dialect, len(dialect.cells(text.line(last))), runs)
     block = parse_block(text, first, last, dialect, ragged=True)
@@ -81,8 +81,8 @@ def parse_table(text: Text) -> ColumnTable | Channels:
     if below > MAX_FOOTER_FRACTION * block.lines.size + 2:
         line = end + int(np.argmax(text.kinds[end:] == 1))
         raise FormatError(
-            f"{text.describe_line(line)} has numbers of another table than lines {first + 1} to {end}; "
-            "keep only one of them in the file"
+            f"{text.describe_line(line)} has numbers of another table than lines {first + 1} to {end}; keep only one "
+            "table in the file"
         )
     return _to_table(text, block, 0, word_columns)
 
@@ -96,8 +96,8 @@ def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence
     facts = parse_declarations(text.lines(0, first) if begin else header, below=footer)
     if block.short is not None and not any(heads.names):
         raise FormatError(
-            f"{text.describe_line(block.short)} has fewer cells than the lines above it, and columns have no names; "
-            "all lines of a matrix need the same number of cells"
+            f"{text.describe_line(block.short)} has fewer cells than the lines above it, and the columns have no "
+            "names; all lines of a matrix must have the same number of cells"
         )
     return ColumnTable(
         block.values,
@@ -125,7 +125,7 @@ def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence
 
 
 def describe_source(block: NumberBlock) -> Source:
-    """Return the location and format of a block in its text."""
+    """Return a description of the location and format of a block in its text."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     point = "." if block.dialect.pairs else block.dialect.point
     return Source(
@@ -136,7 +136,7 @@ def describe_source(block: NumberBlock) -> Source:
 
 
 def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a run, or the line above it if this line has a word in the corner followed by labels."""
+    """Return the first line of a run, or the line of labels above it that has a word in the corner."""
     above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if above < 0 or dialect.separator is None:
         return first
@@ -146,7 +146,7 @@ def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> i
 
 
 def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
-    """Reject a line next to numbers that has a cell which cannot be read.
+    """Reject a line next to numbers if one of its cells cannot be read.
 
     Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
     line beyond it has the same words.
@@ -157,7 +157,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
             continue
         cells = dialect.cells(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
-        # excludes lines of the form "name value"
+        # skip lines of the form "name value"
         numbers = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or None not in kinds or _are_labels(cells, dialect):
             continue
@@ -167,7 +167,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
 
 
 def _repeats_words(text: Text, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
-    """Return whether a line has the same words and otherwise numbers in its cells as another line, unlike a header."""
+    """Return whether a line has the same words as another line and otherwise numbers, unlike a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     others = dialect.cells(text.line(other))
@@ -195,7 +195,7 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_equal_runs(
     text: Text, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs that are as wide as the main run; one or two numbers above it are a size or a count."""
+    """Return the runs as wide as the main run. One or two numbers above a run are a size or a count."""
     width = len(dialect.cells(text.line(main[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:
@@ -211,7 +211,7 @@ def _find_equal_runs(
 def _to_channels(
     text: Text, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundColumn] = ()
 ) -> Channels:
-    """Return blocks with equal numbers of columns as channels with separate headers."""
+    """Convert blocks with equal numbers of columns to channels with separate headers."""
     begins = [0, *(last + 1 for _, last in runs)]
     names = []
     for (first, last), begin in zip(runs, begins, strict=False):

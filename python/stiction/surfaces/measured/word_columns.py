@@ -1,4 +1,4 @@
-"""Columns of words next to columns of numbers in a text, such as a column of flags "OK" and "NG"."""
+"""Columns of words next to columns of numbers in a text, such as flags "OK" and "NG"."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from stiction._text import printable
 from stiction.surfaces.measured.decode import BLANK, NUMBERS, TEXT, Text
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs
 
-# The comma is last, because it may be the decimal mark in cells that others separate.
+# The comma is last, because it may be the decimal mark in cells with another separator.
 _SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
 _MISSING = "nan"  # text that replaces a word
-_MAX_SEPARATOR_LINES = 400  # number of lines from which the separators that are possible are determined
-MIN_ROWS = 4  # smallest number of rows of a text in which columns of words are searched
+_MAX_SEPARATOR_LINES = 400  # number of lines for determining the possible separators
+MIN_ROWS = 4  # minimum number of rows for a search for columns of words
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
 
 @dataclass(frozen=True)
 class FoundColumn:
-    """Column of words in a text, with the lines that have a word which the caller gave for missing points."""
+    """Column of words in a text, with the lines that contain a word for missing points."""
 
     place: int
     counts: Mapping[str, int]
@@ -33,14 +33,14 @@ class FoundColumn:
 
 
 def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
-    """Replace the words in columns without numbers by ``nan``; return the text and the columns of words."""
+    """Replace the words in columns without numbers by ``nan``; return the text and these columns."""
     runs = find_number_runs(text)
     if not (text.words or _has_words_at_numbers(text, runs)):
         return text, ()
     lines = np.flatnonzero(text.kinds != BLANK).tolist()
     largest_run = max((last + 1 - first for first, last in runs), default=0)
     samples = {separator: _find_table(text, lines[:_MAX_SEPARATOR_LINES], separator) for separator in _SEPARATORS}
-    separator = max(samples, key=lambda key: len(samples[key].numeric))  # the first of equally good separators
+    separator = max(samples, key=lambda key: len(samples[key].numeric))  # take the first of equally good separators
     if not samples[separator].words:
         return text, ()
     table = samples[separator] if len(lines) <= _MAX_SEPARATOR_LINES else _find_table(text, lines, separator)
@@ -69,7 +69,7 @@ def describe_words(counts: Mapping[str, int]) -> str:
 
 
 def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
-    """Return whether no line consists of numbers only, or a line with words adjoins a line of numbers."""
+    """Return whether no line consists only of numbers, or a line with words adjoins a line of numbers."""
     if not runs:
         return True
     kinds = text.kinds[text.kinds != BLANK]
@@ -85,12 +85,12 @@ class _WordTable:
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
     words: dict[int, Counter[str]] = field(default_factory=dict)  # by column
-    # by column, the lines with a word for a missing point
+    # lines with a word for a missing point, by column
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 
 def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
-    """Return the lines of the most frequent width whose cells are numbers, except in columns without numbers."""
+    """Return the lines of the most frequent width that have numbers, except in columns without numbers."""
     rows = [_split(text.line(line), separator) for line in lines]
     is_number = [[_NUMBER_CELL.fullmatch(cell) is not None for cell in row] for row in rows]
     widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))
@@ -122,7 +122,7 @@ def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _Wor
         words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given)})
         if (
             words and not {cell.casefold() for cell in counts} <= given
-        ):  # a column without any value is not a column of words
+        ):  # a column without values is not a column of words
             table.words[index] = words
     return table
 

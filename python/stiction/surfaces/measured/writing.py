@@ -88,7 +88,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     columns = surface.heights.shape[1]
     if Path(path).suffix.lower() == ".csv" and columns < MIN_COLUMNS:
         raise FormatError(
-            f"{path}: cannot be written: a matrix in .csv needs at least {MIN_COLUMNS} columns, and the surface "
+            f"{path}: cannot be written: a matrix in .csv must have at least {MIN_COLUMNS} columns, but the surface "
             f"has {columns}; choose .npy"
         )
     head = [f"# spacing along {axis}: {step!r} um\n" for axis, step in zip("yx", surface.spacing, strict=True)]
@@ -97,7 +97,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
 
 
 def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
-    """Write a body in the format given by the file name: text with the history below the head, or arrays."""
+    """Write a body in the format of the file name: text with the history below the head, or arrays."""
     path = Path(path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")

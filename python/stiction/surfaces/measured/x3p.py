@@ -23,8 +23,8 @@ _MAIN_XML = "main.xml"
 _XML_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
 """Numbers of XML Schema, with ASCII digits and without underscores."""
 
-_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml, in addition to the size of the points that it lists, in bytes
-_MAX_ELEMENTS = 100_000  # maximum number of XML elements in main.xml besides its points
+_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml in bytes, in addition to the points that it lists
+_MAX_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, in addition to its points
 _MAX_BYTES_PER_POINT = 200
 _MAX_SPARE_BYTES = 64  # maximum number of bytes of the validity mask beyond the last point
 _MAX_DEPTH = 6
@@ -49,17 +49,17 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
     root = _MainXml(archive, folder)
     feature = _get_text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
-        raise FormatError(f"contains the feature type {feature!r}; profiles (PRF) and surfaces (SUR) can be read")
+        raise FormatError(f"contains the feature type {feature!r}; only profiles (PRF) and surfaces (SUR) can be read")
     axes = {name: _StoredAxis(root, name) for name in "XYZ"}
     shape = _read_shape(root)
     points = math.prod(shape)
     if not 0 < points <= MAX_POINTS:
-        raise FormatError(f"declares {points} points; from 1 to {MAX_POINTS} can be read")
+        raise FormatError(f"declares {points} points; between 1 and {MAX_POINTS} can be read")
     absolute = [name for name in "XYZ" if axes[name].absolute]
     if "Z" not in absolute:
         raise FormatError("has incremental heights, which X3P does not allow")
     if feature == "SUR" and absolute != ["Z"]:
-        raise FormatError("contains a surface with a position for each point instead of a grid; it cannot be read")
+        raise FormatError("contains a surface with a position for each point, which cannot be read; a grid is required")
     columns = _read_columns(archive, root, {name: axes[name].stored for name in absolute}, points)
     heights = axes["Z"].lengths(columns["Z"])
     if (link := _get_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
@@ -74,7 +74,7 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
     if feature == "SUR":
         return Raw(heights.reshape(shape), spacing=(axes["Y"].increment, axes["X"].increment), **common)
     if shape[0] != 1:
-        raise FormatError(f"contains {shape[0]} profiles; one can be read")
+        raise FormatError(f"contains {shape[0]} profiles; only one can be read")
     if "Y" in absolute and np.ptp(axes["Y"].lengths(columns["Y"])) > 0:
         raise FormatError("contains a profile whose points also move along y; only profiles along x can be read")
     if "X" in absolute:
@@ -88,7 +88,7 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
 
 
 class _MainXml:
-    """Texts of main.xml by the paths of their elements, and the points that main.xml lists."""
+    """Texts of main.xml by element path, and the points that main.xml lists."""
 
     def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
         self.folder = folder
@@ -148,13 +148,14 @@ class _StoredAxis:
         stored = _get_text(root, f"{path}/DataType", "D")
         if kind not in ("I", "A") or stored not in _TYPES:
             raise FormatError(
-                f"has a {name} axis of type {kind!r} stored as {stored!r}; I or A, stored as I, L, F or D, is allowed"
+                f"has a {name} axis of type {kind!r} stored as {stored!r}; the type must be I or A, stored as I, L, F "
+                "or D"
             )
         self.absolute = kind == "A"
         self.stored = _TYPES[stored]
         self.increment = _get_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
-        if self.absolute and stored in ("F", "D"):  # lengths in floating point are not multiplied by an increment
+        if self.absolute and stored in ("F", "D"):  # floating-point lengths are not multiplied by an increment
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
                     FileCaveat(
@@ -167,7 +168,7 @@ class _StoredAxis:
                 )
             self.increment = 1.0
         elif self.absolute and not abs(self.increment) > 0:
-            raise FormatError(f"has integers for {name}, but no Increment to multiply them by")
+            raise FormatError(f"has integers for {name}, but no Increment as their factor")
         self.offset = _get_number(root, f"{path}/Offset", 0.0)
 
     def lengths(self, stored: NDArray[Any]) -> Floats:
@@ -181,7 +182,7 @@ def _read_shape(root: _MainXml) -> tuple[int, int]:
         return 1, _parse_count(listed)
     x, y, z = (_parse_count(_get_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
     if z != 1:
-        raise FormatError(f"contains {z} layers; one can be read")
+        raise FormatError(f"contains {z} layers; only one can be read")
     return y, x
 
 
@@ -205,7 +206,7 @@ def _read_columns(
 
 
 def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
-    """Parse points that are listed as text, with axes separated by semicolons and empty texts for missing points."""
+    """Parse points listed as text. Semicolons separate axes, and empty texts are missing points."""
     if len(rows) != points:
         raise FormatError(f"declares {points} points, but lists {len(rows)}")
     columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute}
@@ -216,7 +217,7 @@ def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> d
             continue
         if len(cells) != len(absolute):
             raise FormatError(
-                f"lists {row[:40]!r} as point {index}, counted from 0; {len(absolute)} number(s) are needed"
+                f"lists {row[:40]!r} as point {index}, counted from 0; this point must have {len(absolute)} number(s)"
             )
         for name, cell in zip(absolute, cells, strict=True):
             columns[name][index] = _parse_float(cell)

@@ -1,4 +1,4 @@
-"""Layouts of text files and workbooks of instruments, one per module.
+"""Text and workbook layouts of instruments, one per module.
 
 Each module defines `LAYOUT`, a `Layout`, or `WORKBOOK`, a `WorkbookLayout`. Its docstring contains an example.
 """

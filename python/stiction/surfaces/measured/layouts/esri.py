@@ -1,4 +1,4 @@
-"""Esri ASCII grid, which GIS programs and some microscopes write. The first line of numbers has the largest y.
+"""Esri ASCII grid, written by GIS programs and some microscopes. The first line of numbers has the largest y.
 
 ::
 

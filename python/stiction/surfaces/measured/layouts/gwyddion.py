@@ -28,7 +28,7 @@ _COMMENT_LINE = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
 
 
 def _head(lines: Sequence[str]) -> list[str]:
-    """Return the comments of a channel: name, width, height and unit, in this order in all languages."""
+    """Return the header comments of a channel: name, width, height and unit, in the same order in all languages."""
     comments = []
     for line in map(normalise_line, lines):
         if not line.startswith("#"):

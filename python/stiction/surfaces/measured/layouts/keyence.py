@@ -1,4 +1,4 @@
-"""CSV export of Keyence VK and VR microscopes in any language, with a calibration in three cells, counts and a unit.
+"""CSV export of Keyence VK and VR microscopes in any language: calibration in three cells, counts and a unit.
 
 ::
 
@@ -48,7 +48,7 @@ def _rows(text: Text) -> list[list[str]]:
 
 
 def _calibration(rows: list[list[str]]) -> int | None:
-    """Return the row of the calibration, which consists of a name, a length and the unit of this length."""
+    """Return the calibration row, which consists of a name, a length and the unit of this length."""
     for index, row in enumerate(rows):
         if len(row) == 3 and _UNSIGNED_NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
             return index
@@ -97,7 +97,7 @@ def _only_image(text: Text, values: np.ndarray, last: int) -> np.ndarray:
     if (text.kinds[last + 1 :] == NUMBERS).any():
         place = last + 1 + int(np.argmax(text.kinds[last + 1 :] == NUMBERS))
         raise FormatError(
-            f"{text.describe_line(place)} has numbers of another image; export each image to its own file"
+            f"{text.describe_line(place)} contains numbers of another image; export each image to its own file"
         )
     return values
 

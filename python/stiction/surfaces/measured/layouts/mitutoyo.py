@@ -1,4 +1,4 @@
-"""Workbooks of Mitutoyo SurfTest: positions and heights in columns E and F of the sheet DATA, parameters in column A.
+"""Workbooks of Mitutoyo SurfTest. In sheet DATA, columns E and F contain positions and heights, column A parameters.
 
 The parameters contain the unit of heights; the cutoff on the sheet Certificate contains the unit of positions.
 

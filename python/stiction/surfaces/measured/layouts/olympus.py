@@ -1,4 +1,4 @@
-"""CSV export of Olympus OLS (LEXT) microscopes. The first cell of each row is the number of the row.
+"""CSV export of Olympus OLS (LEXT) microscopes. Each row begins with its row number.
 
 ::
 
@@ -32,7 +32,7 @@ def _read(text: Text) -> ColumnTable:
         raise FormatError("contains more than one map; export each map to its own file")
     rows = table.values.shape[0]
     if table.values.shape[1] < 3 or not np.array_equal(table.values[:, 0], table.values[0, 0] + np.arange(rows)):
-        raise FormatError("does not number its rows in the first column, as exports of this microscope do")
+        raise FormatError("has no row numbers in the first column, unlike exports of this microscope")
     unit = next((length_unit(match[1]) for line in text.head if (match := _Z.fullmatch(normalise_line(line)))), None)
     return replace(
         table, values=table.values[:, 1:], names=table.names[1:], units=(unit,) * (table.values.shape[1] - 1),

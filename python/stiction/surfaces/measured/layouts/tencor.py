@@ -1,4 +1,4 @@
-"""Maps of KLA and Tencor stylus profilers as text, with one trace per row and the trace number in the first cell.
+"""Text maps of KLA and Tencor stylus profilers. Each row is a trace that begins with the trace number.
 
 Profiles of these instruments, with columns such as Raw, RawLevel, Normal, Rough and Wavi, are ordinary tables. The
 file contains no units: by default, resolutions are in µm and heights in Å.
@@ -43,7 +43,7 @@ def _recognise(text: Text) -> bool:
 def _read(text: Text) -> ColumnTable:
     counts, table = _counts(text), parse_table(text)
     if not isinstance(table, ColumnTable):
-        raise FormatError("has its traces in several blocks; export them in one block with one trace per row")
+        raise FormatError("contains traces in several blocks; export them in one block with one trace per row")
     values, history = table.values, table.history
     rows, columns = values.shape
     if (

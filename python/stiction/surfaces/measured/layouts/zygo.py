@@ -1,4 +1,4 @@
-"""XYZ text of Zygo instruments: fourteen header lines, then lines with column number, row number and height in µm.
+"""XYZ text of Zygo instruments: fourteen header lines, then lines of column number, row number and height in µm.
 
 ::
 
@@ -26,13 +26,13 @@ from stiction.surfaces.measured.shapes import MAX_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_block
 from stiction.surfaces.measured.text import describe_source
 
-# Indices from 0 of the header lines with the origin and size of the map, and with the pixel size.
+# Zero-based indices of the header lines with the origin and size of the map, and with the pixel size.
 _SIZE, _RESOLUTION = 3, 7
 
 
 def _read(text: Text) -> Raw:
     if not text.line(0).startswith("Zygo XYZ"):
-        raise FormatError("is a Zygo file of phases; export it as XYZ (.xyz), X3P or .datx")
+        raise FormatError("is a Zygo phase file; export it as XYZ (.xyz), X3P or .datx")
     marks = [index for index in range(min(len(text), 60)) if text.line(index) == "#"]
     if not marks:
         raise FormatError("lacks the line '#' above its points")
@@ -42,12 +42,12 @@ def _read(text: Text) -> Raw:
         x0, y0, columns, rows = (int(word) for word in text.line(_SIZE).split()[:4])
         pixel = float(text.line(_RESOLUTION).split()[6])
     except (ValueError, IndexError):
-        raise FormatError("lacks the size of its map in line 4, or its pixel size in line 8") from None
+        raise FormatError("lacks the map size in line 4, or the pixel size in line 8") from None
     if not (columns > 0 and rows > 0 and rows * columns <= MAX_GRID_POINTS):
         raise FormatError(f"declares a map of {rows} rows of {columns} points")
     block = parse_block(text, first, last, Dialect(None, "."))
     if block.values.shape[1] != 3:
-        raise FormatError(f"{text.describe_line(first)} does not have a column, a row and a height")
+        raise FormatError(f"{text.describe_line(first)} must contain a column number, a row number and a height")
     column, row, heights = block.values.T
     column, row = column - x0, row - y0
     if not (np.array_equal(column, np.round(column)) and np.array_equal(row, np.round(row))):
