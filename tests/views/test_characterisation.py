@@ -301,7 +301,7 @@ class TestSectionParameters:
         assert texts["filters"] == "S-filter (Gaussian, 0.3 µm), then L-filter (Gaussian, 3 µm)"
         for options, expected_message in (
             ({"lc": 1.0, "ls": 2.0}, "ls must be below lc"),
-            ({"robust": True}, "needs a cutoff lc"),
+            ({"robust": True}, "lc must be given for the robust filter"),
         ):
             with pytest.raises(ValueError, match=expected_message):
                 _ = Characterisation(surface, **options).rows

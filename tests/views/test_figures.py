@@ -119,7 +119,7 @@ def test_figures_do_not_overwrite_foreign_files_and_reject_empty_results(tmp_pat
         foreign_file = tmp_path / f"other.{ending}"
         Figure().savefig(foreign_file)
         content = foreign_file.read_bytes()
-        with pytest.raises(ValueError, match="exists already"):
+        with pytest.raises(ValueError, match="already exists"):
             save_figure(Figure(), foreign_file)
         assert foreign_file.read_bytes() == content
     with pytest.raises(ValueError, match="formats"):

@@ -1,4 +1,4 @@
-"""Calibration of mu0 and tau0 from friction tests: text, JSON record and figure."""
+"""Calibration of mu0 and tau0 from friction tests, as text, JSON record and figure."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-AREA_ROUND_OFF = 1e-6  # relative range of A/F above which A/F is uncertain
-MAX_SHOWN_SAMPLES = 800  # number of samples of the joint distribution that the figure shows
+AREA_ROUND_OFF = 1e-6  # A/F counts as uncertain above this relative range
+MAX_SHOWN_SAMPLES = 800  # number of samples of the joint distribution in the figure
 
 
 def calibration_text(interface: Interface) -> str:
-    """Format the fitted combination of mu0 and tau0, the single values if they are determined, and each rule's fit."""
+    """Format the fitted combination of mu0 and tau0, their separate values if determined, and the fit of each rule."""
     first_fit = interface.fits[0]
     condition = f"at the A/F of the tests, {_area_per_load_text(interface)}, {RULE_DESCRIPTIONS[first_fit.sliding]}"
     lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hang="  ")]
@@ -71,7 +71,7 @@ def _not_separated_lines(interface: Interface) -> Iterator[str]:
 
 
 def _growth_line(interface: Interface) -> str:
-    """Return a line about α of junction growth in the calibration, with its interval if it is a range."""
+    """Return a line about α of junction growth in the calibration, with the interval of a range."""
     assert interface.growth is not None, "tests have α"
     text = f"Junction growth: the tests have α = {interface.growth.short_text}"
     if interface.growth.is_exact:

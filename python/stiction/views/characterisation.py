@@ -1,4 +1,4 @@
-"""Characterisation of a profile or surface, as a table of rows for text, JSON, CSV and the report."""
+"""Characterisation of a profile or surface: rows of a table for text, JSON, CSV and the report."""
 
 from __future__ import annotations
 
@@ -51,15 +51,15 @@ from stiction.views.rows import entry, record_json
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import wrap_text
 
-PAPER_MU0 = 0.4  # molecular friction coefficient in the small-slope estimate
+PAPER_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
 RADIAL_BINS = 20  # number of bins per decade in the spectrum of a surface
-NUM_OCTAVES = 4  # number of wavelengths for which the slope is printed, starting at two grid spacings and doubling
-NEGLIGIBLE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope below which unreliable wavelengths are ignored
-_MIN_PEAK_RATIO = 3.0  # ratio of a density to the density at longer wavelengths above which a band starts on a peak
-_MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths with which a possible peak is compared
-_MIN_PEAK_FRACTION = 0.1  # fraction of m4 above which a peak is reported
-_MAX_DISPERSION = 2.0  # dispersion above which the scatter of a spectrum about its fit is reported
-# variance of the log density in a bin of a windowed spectrum, times the number of harmonics in the bin
+NUM_OCTAVES = 4  # number of wavelengths with printed slopes, starting at two grid spacings and doubling
+NEGLIGIBLE_SLOPE_FRACTION = 0.01  # unreliable wavelengths are ignored below this fraction of the mean square slope
+_MIN_PEAK_RATIO = 3.0  # a band starts on a peak above this ratio to the density at longer wavelengths
+_MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths for comparison with a possible peak
+_MIN_PEAK_FRACTION = 0.1  # a peak is reported above this fraction of m4
+_MAX_DISPERSION = 2.0  # the scatter of a spectrum about its fit is reported above this dispersion
+# variance of the log density in a bin of a windowed spectrum, times the number of harmonics
 _HANN_VARIANCE = 2.0
 
 _SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}  # texts for units of JSON
@@ -67,12 +67,12 @@ _JSON_UNITS = {"": "1"}  # JSON units of parameters; in all other units "µm" be
 
 
 class Row(NamedTuple):
-    """Row of the table: a label, one text (or two, along x and y), and the values for JSON and CSV."""
+    """Table row: a label, one text (or two, along x and y), and the values for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
     values: tuple[dict[str, Any], ...] = ()
-    is_detail: bool = False  # True if the first screen of a terminal omits the row
+    is_detail: bool = False  # True if the first screen of a terminal omits this row
 
 
 HEADLINE_PARAMETERS = (
@@ -83,7 +83,7 @@ HEADLINE_PARAMETERS = (
 
 @dataclass(frozen=True, eq=False)
 class Characterisation:
-    """Characterisation of a levelled profile or surface; each property is computed on first access.
+    """Characterisation of a levelled profile or surface. Properties are computed on first access.
 
     Attributes
     ----------
@@ -126,12 +126,12 @@ class Characterisation:
 
     @cached_property
     def scale_limited(self) -> Profile | Surface:
-        """Profile, or S-L surface for the given cutoffs, from which the parameters are computed."""
+        """Profile or S-L surface with the given cutoffs, from which the parameters are computed."""
         body = self.body
         if isinstance(body, Profile):
             return body
         if self.lc is None and self.robust:
-            raise ValueError("the robust filter of a surface needs a cutoff lc")
+            raise ValueError("lc must be given for the robust filter of a surface")
         if self.lc is not None and self.ls and self.ls >= self.lc:
             raise ValueError(f"ls must be below lc, {self.lc:g} µm, got {self.ls:g} µm")
         if self.ls:
@@ -150,7 +150,7 @@ class Characterisation:
 
     @cached_property
     def sections(self) -> SectionParameters | SectionError | None:
-        """R- and W-parameters of a profile, or the error that explains their absence; None for a surface."""
+        """R- and W-parameters of a profile, or the error that explains why they are missing; None for a surface."""
         if not isinstance(self.body, Profile):
             return None
         try:
@@ -162,7 +162,7 @@ class Characterisation:
 
     @cached_property
     def spectrum(self) -> PowerSpectrum | None:
-        """Power spectrum of a profile; None for a surface."""
+        """Power spectrum of a profile, or None for a surface."""
         return power_spectrum(self.body, periodic=self.periodic) if isinstance(self.body, Profile) else None
 
     @cached_property
@@ -185,7 +185,7 @@ class Characterisation:
 
     @cached_property
     def fit(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, however poor the fit; None without a band."""
+        """Power law fitted to the spectrum, regardless of the quality of the fit; None without a band."""
         try:
             return estimate_hurst_exponent(self.body, band=self.band, periodic=self.periodic)
         except ValueError:
@@ -195,7 +195,7 @@ class Characterisation:
 
     @cached_property
     def misfit(self) -> float:
-        """Factor by which the spectrum deviates from its power law; NaN without a fit."""
+        """Factor by which the spectrum deviates from its power law, or NaN without a fit."""
         if self.fit is None:
             return math.nan
         ends = self.fit.shortest_wavelength, self.fit.longest_wavelength
@@ -204,7 +204,7 @@ class Characterisation:
 
     @property
     def law(self) -> HurstEstimate | None:
-        """Power law if the spectrum follows it, otherwise None."""
+        """Power law of the spectrum, or None if the spectrum deviates from a power law."""
         return None if self.misfit > MAX_MISFIT else self.fit
 
     @cached_property
@@ -214,14 +214,14 @@ class Characterisation:
 
     @cached_property
     def limit(self) -> InstrumentLimit:
-        """Shortest wavelength that can be trusted."""
+        """Shortest trustworthy wavelength."""
         return instrument_limit(
             self.body, tip_radius=self.tip_radius, periodic=self.periodic, texture=self.textured
         )  # fmt: skip
 
     @cached_property
     def friction(self) -> tuple[float, ...]:
-        """Small-slope estimate of the coefficient against an equal surface, along x or along x and y; empty if flat."""
+        """Small-slope estimate of friction against an equal surface, along x or along x and y; empty if flat."""
         # The gap between two such bodies has twice their mean square slope. The value along x comes first.
         squares = [2 * float(np.square(along).mean()) for along in compute_slopes(self.body)][::-1]
         return tuple(
@@ -234,7 +234,7 @@ class Characterisation:
 
     @cached_property
     def rows(self) -> list[Row]:
-        """Rows of the table for the body as a whole."""
+        """Table rows for the body as a whole."""
         points, steps = np.shape(self.body.heights)[::-1], np.atleast_1d(self.body.spacing)[::-1]
         rows = [
             Row("" if index else "history", (step,), is_detail=True) for index, step in enumerate(self.body.history)
@@ -320,7 +320,7 @@ class Characterisation:
         return row
 
     def _decay_text(self, name: str) -> str:
-        """Return the text for an autocorrelation length or ratio that the map is too small to determine."""
+        """Return the text for an autocorrelation length or ratio that requires a larger map."""
         shortest = getattr(self.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
@@ -432,10 +432,10 @@ class Characterisation:
         return rows
 
     def _peak_ratio(self, longest: float) -> float:
-        """Return the spectral density where a band starts, relative to longer wavelengths; 0 if these are too few."""
+        """Return the ratio of the density at the start of a band to that at longer wavelengths; 0 if these are few."""
         spectrum = self.binned if self.spectrum is None else self.spectrum
         q, start = spectrum.wave_number, 2 * math.pi / longest
-        # excludes wavelengths that are affected by the window and by levelling
+        # exclude wavelengths that are affected by the window and by levelling
         longer = (q > 2.5 * q[0]) & (q < start / 1.5)
         begins = (q >= start / 1.2) & (q < start * 1.2)
         if longer.sum() < _MIN_LONGER_WAVELENGTHS or not begins.any():
@@ -444,7 +444,7 @@ class Characterisation:
 
     @cached_property
     def line_rows(self) -> list[Row]:
-        """Rows of the table for the lines of a surface along x and along y."""
+        """Table rows for the lines of a surface along x and along y."""
         if not self.lines:
             return []
         sides, moments = self.lines, self._area[1]
@@ -477,14 +477,14 @@ class Characterisation:
 
 
 def to_characterisation(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:
-    """Return the characterisation of a body; an existing `Characterisation` is returned unchanged."""
+    """Return the characterisation of a body, or an existing `Characterisation` unchanged."""
     return body if isinstance(body, Characterisation) else Characterisation(body, **options)
 
 
 def characterisation_text(
     body: Profile | Surface | Characterisation, *, headline_only: bool = False, **options: Any
 ) -> str:
-    """Format history, parameters, moments and Hurst exponent of a profile or surface, with units, one per line.
+    """Format history, parameters, moments and Hurst exponent of a profile or surface with units, one per line.
 
     Parameters
     ----------
@@ -535,7 +535,7 @@ def _unit(parameter: Parameter) -> str:
 
 
 def _filters_text(result: SectionParameters) -> str:
-    """Return a text about the filters and the evaluation length."""
+    """Return a description of the filters and the evaluation length."""
     filters = result.filters
     short = "no λs" if filters.ls is None else f"λs {length_text(filters.ls)}"
     kind = "robust Gaussian regression" if filters.robust else "Gaussian"
@@ -583,7 +583,7 @@ def _line_hurst(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-Files = Sequence[tuple[str, Characterisation]]  # file names with their characterisations
+Files = Sequence[tuple[str, Characterisation]]  # characterisations by file name
 
 
 def _all_values(result: Characterisation) -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Output of results to files in a format that the file name selects."""
+"""Output of results to files, in a format that the file name selects."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ OUTPUT_FILE_MARKS = {
 
 
 def check_files(folder: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if a file that will be replaced exists without its mark."""
+    """Raise a `ValueError` if an existing file lacks the mark of replaceable files."""
     for name, file_mark in file_marks.items():
         check_replaceable(folder / name, file_mark, ValueError)
 
 
 def replace_text(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file, which may replace an older file with the mark; raise a `ValueError` for any other file."""
+    """Write a text file. It may replace an older file with the mark; any other existing file raises a `ValueError`."""
     with replaced_file(path, file_mark, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
 
@@ -54,11 +54,11 @@ EXPORT_WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
 
 
 def write_result(result: Result, path: Path) -> None:
-    """Write a result to a new file in the format that the ending of the file name selects.
+    """Write a result to a new file in the format given by the file name ending.
 
     Raises a `ValueError` if the file exists, if it cannot be written, or if its ending is not in `EXPORT_WRITERS`.
     """
     if path.suffix.lower() not in EXPORT_WRITERS:
         endings = " or ".join(f"{ending} ({description})" for ending, (description, _) in EXPORT_WRITERS.items())
-        raise ValueError(f"{printable_path(path)}: its name must end in {endings}")
+        raise ValueError(f"{printable_path(path)}: the file name must end in {endings}")
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)

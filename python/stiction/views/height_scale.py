@@ -66,7 +66,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def _row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
-    """Return the cells of the row of one factor."""
+    """Return the cells of the table row for one factor."""
     cells = [f"{float(point['height_scale']):.4g}", format_significant(value_of(point, "rms_gradient"), 3)]
     if "upper_rms" in point:
         heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]

@@ -1,4 +1,4 @@
-"""`stiction.pair`: static friction of two measured bodies, as computed by the command `stiction pair`."""
+"""`stiction.pair`: static friction of two measured bodies, like the command `stiction pair`."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-# The script packaging/pair_options.py writes the parameters, their descriptions, and the call of `PairOptions`.
+# The script packaging/pair_options.py writes the parameters, their descriptions and the call of `PairOptions`.
 def pair(
     first: Part | None = None,
     second: Part | None = None,
@@ -257,7 +257,7 @@ def pair(
                 stacklevel=2,
             )
     folder = Path(tempfile.mkdtemp(prefix="stiction-") if directory is None else directory)
-    if directory is None:  # a temporary directory, removed when Python exits
+    if directory is None:  # a temporary directory that is removed when Python exits
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
     try:
         with argument_errors():
@@ -313,7 +313,7 @@ def pair(
                 tip=tip,
                 onset=onset,
             )
-        if isinstance(interface, Interface):  # stored next to the result, which refers to it
+        if isinstance(interface, Interface):  # stored next to the result, because the result refers to it
             folder.mkdir(parents=True, exist_ok=True)
             write_interface(interface, folder / "interface.csv")
             options = options.model_copy(update={"interface": folder / "interface.csv"})

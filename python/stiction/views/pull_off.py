@@ -1,4 +1,4 @@
-"""Pull-off force of adhering bodies as a sentence and as a JSON record."""
+"""Pull-off force of adhering bodies, as a sentence and as a JSON record."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, ValueWithInte
 
 
 def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
-    """Return whether bodies stick without a load, with the pull-off force, the pull-off pressure and the friction.
+    """Return a sentence on adhesion without a load: pull-off force, pull-off pressure and friction.
 
     `inputs` describes mu0 and tau0 of the friction if the result has several values of them.
     """

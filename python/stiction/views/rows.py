@@ -1,4 +1,4 @@
-"""Tables and records of results for other programs: one data frame, from which CSV and JSON are created.
+"""Tables and records of results for other programs, created from one data frame as CSV and JSON.
 
 JSON has the same schema for every command. A record contains ``schema`` (a number that increases with every
 incompatible change), ``stiction`` (the version), ``command``, a description of the inputs, and ``values``. A value has
@@ -87,7 +87,7 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Return a row for each value of a quantity, built from arrays because datasets are ten times slower."""
+    """Return a row for each value of a quantity. Arrays are used, because datasets are ten times slower."""
     import pandas
 
     table = dataset.variables[name]
@@ -120,7 +120,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     directed = name in QUANTITIES and QUANTITIES[name].directed
     for coordinate in COORDINATE_ORDER:
-        # A single sliding rule or direction is a scalar coordinate, but becomes a column too.
+        # A single sliding rule or direction is a scalar coordinate, but it becomes a column too.
         is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
         if coordinate in dims or (is_scalar and (directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
@@ -131,7 +131,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def summary_table(summary: Summary) -> pandas.DataFrame:
-    """Return a table with one row per cell, load, mu0, tau0, sliding rule and motion; units are in the header.
+    """Return a table with units in the header, one row per cell, load, mu0, tau0, sliding rule and motion.
 
     Each row has the coefficient of static friction for its motion (all directions, an axis or a direction), the
     quantities at its load, and the assessment and caveats of its point. The combined interval exists only for the mean
@@ -146,7 +146,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     frames: list[pandas.DataFrame] = []
     for name, motion in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "friction_all_round" and frames and motion not in dataset[name].dims):
-            continue  # the only direction equals the mean over all directions
+            continue  # a single direction equals the mean over all directions
         selected = rows[rows["name"] == name]
         motion_column = (
             selected[motion].map(_MOTION_LABELS[motion])
@@ -183,12 +183,12 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
 
 def _load_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the quantities of a CSV file, without quantities that depend on several directions."""
+    """Return the quantities of a CSV file, except those that depend on several directions."""
     return [name for name in shown_in("csv") if name in dataset and dataset[name].sizes.get("direction", 1) == 1]
 
 
 def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return a column of means over all directions for each further coefficient, with one value per rule and point.
+    """Return a column of means over all directions for each further coefficient, one value per rule and point.
 
     Values for rules other than the quoted rule are NaN.
     """
@@ -257,7 +257,7 @@ def entry(
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
-    """Return the JSON record of a command about a result: points, caveats, cutoff study and onset of sliding."""
+    """Return the JSON record of a command on a result: points, caveats, cutoff study and onset of sliding."""
     dataset, study = summary.at, summary.study
     fields = {"kind": "pair" if study.is_measured else "study", **fields}
     fields |= {name: str(dataset.attrs[name]) for name in ("upper", "lower", "reading") if name in dataset.attrs}
@@ -284,7 +284,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     """Return the record of a point: values to quote, intervals, assessment and caveats."""
     return {
         "at": point.at,
-        "headline": not point.covered,  # false for a variant of the filter that the interval of another point covers
+        "headline": not point.covered,  # False for a filter variant that is covered by the interval of another point
         "status": point.status,
         "rules": [
             {

@@ -71,7 +71,7 @@ def joined_text(joined: JoinedSpectrum) -> str:
 
 
 def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
-    """Return the joined spectrum as JSON fields, in µm."""
+    """Return the joined spectrum as JSON fields in µm."""
     roughness = joined.roughness()
     scans = [
         {
@@ -96,7 +96,7 @@ def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
 
 
 def joined_figure(joined: JoinedSpectrum) -> Figure:
-    """Draw spectra, cumulative slope and curvature, and mean contact pressure against wavelength; 170 mm wide.
+    """Draw spectra, cumulative slope and curvature, and mean contact pressure against wavelength (170 mm wide).
 
     The pressure is that of contact with a second surface of the same kind. The elastic pressure divided by E* is h'/κ
     of the gap, as in `spectral_resolution`. A material yields where this ratio reaches its hardness divided by E*;
@@ -176,7 +176,7 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 
 def repeated_text(comparison: RepeatedScans) -> str:
-    """Format the shift between two scans, the noise by wavelength, and the usable wavelengths of the mean scan."""
+    """Format the shift between two scans, the noise by wavelength, and the usable wavelengths of their mean."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common, noise in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]
@@ -195,7 +195,7 @@ def repeated_text(comparison: RepeatedScans) -> str:
 
 
 def limit_text(comparison: RepeatedScans) -> str:
-    """Return a sentence about the shortest usable wavelength of the mean scan."""
+    """Return a sentence on the shortest usable wavelength of the mean scan."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.limit <= comparison.wavelength[0]:
@@ -208,7 +208,7 @@ def limit_text(comparison: RepeatedScans) -> str:
 
 
 def repeated_record(comparison: RepeatedScans) -> dict[str, Any]:
-    """Return the comparison as JSON fields, in µm."""
+    """Return the comparison as JSON fields in µm."""
     octaves = {"wavelength_um": comparison.wavelength, "noise_um": comparison.noise, "common_um": comparison.common}
     return {
         "shift_um": list(comparison.shift), "correlation": comparison.correlation, "noise_um": comparison.noise_rms,
@@ -230,7 +230,7 @@ def octaves_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_figure(comparison: RepeatedScans) -> Figure:
-    """Draw the noise, and the heights that both scans share, against wavelength; 85 mm wide."""
+    """Draw the noise, and the heights that both scans share, against wavelength (85 mm wide)."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

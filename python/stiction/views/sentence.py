@@ -1,4 +1,4 @@
-"""Sentence to quote for a point of a summary, and its parts."""
+"""Sentence to quote for a point of a summary, and parts of this sentence."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-# relative difference between definitions of the load above which the text states the definition
+# the text states the definition of the load above this relative difference between definitions
 MIN_STATED_READING_DIFFERENCE = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Relative difference of A E* h'/F from its usual value above which the small-slope estimate does not apply."""
@@ -34,7 +34,7 @@ SLOPE_ESTIMATE_KAPPA = float(signature(gentle_friction).parameters["kappa"].defa
 
 
 def finer_text(point: PointSummary) -> str:
-    """Return the bounds of the coefficient for finer scans at the given hardness; empty if there are none."""
+    """Return the bounds of the coefficient for finer scans at the given hardness; empty without bounds."""
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
@@ -64,7 +64,7 @@ def sentence_text(point: PointSummary) -> str:
 
 
 def covers_text(point: PointSummary) -> str:
-    """Return the contributions to the 95 % interval of the quoted rule; empty without an interval."""
+    """Return what contributes to the 95 % interval of the quoted rule; empty without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.words for contribution in point.budget) or [
@@ -74,7 +74,7 @@ def covers_text(point: PointSummary) -> str:
 
 
 def assessment_text(point: PointSummary) -> str:
-    """Return the assessment with the caveats and, for stored results, the version that computed the result."""
+    """Return the assessment with its caveats and, for stored results, the version that computed the result."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.verdict}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")
@@ -126,7 +126,7 @@ def inputs_text(point: PointSummary) -> str:
 
 
 def _input_range_text(values: xarray.Dataset, study: Study, name: str) -> str:
-    """Return the range of mu0 or tau0, if the point is at the central value of this range."""
+    """Return the range of mu0 or tau0 if the point is at the central value of this range."""
     text = getattr(study.known, name)
     return f" ({text})" if text is not None and _is_central_value(values, study, name) else ""
 
@@ -147,7 +147,7 @@ def _interface_words(study: Study) -> str:
 
 
 def _hardness_range_text(study: Study) -> str:
-    """Return the range of the hardness; empty if the hardness is a single number."""
+    """Return the range of the hardness; empty for a single hardness."""
     interface = find_inputs(study).get("hardness")
     if interface is None:
         return ""
@@ -164,7 +164,7 @@ _READING_TEXTS = {
 
 
 def note_text(point: PointSummary) -> str:
-    """Return which directions and members were averaged, and the definition of the load."""
+    """Return a note on the averaged directions and members, and on the definition of the load."""
     values, study = point.values, point.study
     items = []
     if study.surfaces.press == "lines" and values["direction"].size == 2:
@@ -182,14 +182,14 @@ def note_text(point: PointSummary) -> str:
 
 
 def _averaging_text(point: PointSummary) -> str:
-    """Return the number and the kind of the members that were averaged."""
+    """Return the number and kind of the averaged members."""
     study = point.study
     kind = "pairs" if not study.is_measured else "positions"
     kind = "pairs of random surfaces with these spectra" if study.surfaces.press == "surrogates" else kind
     return f"{point.members:.0f} {kind}"
 
 
-STRIP_TEXT = "a strip 1 µm wide"  # width that a profile represents in the paper
+STRIP_TEXT = "a strip 1 µm wide"  # width of a profile in the paper
 
 
 def list_assumptions(study: Study) -> tuple[str, ...]:
@@ -211,7 +211,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return all assumptions, which are part of the sentence to quote."""
+    """Return all assumptions. They are part of the sentence to quote."""
     values, study = point.values, point.study
     if not study.is_measured:
         return ()
@@ -229,7 +229,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scans_text(study: Study) -> str:
-    """Return the number of scans of each part, and the part-to-part variability that the interval does not include."""
+    """Return the number of scans of each part, and the part-to-part variability if the interval excludes it."""
     counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"
@@ -243,7 +243,7 @@ def _scans_text(study: Study) -> str:
 
 
 def slopes_text(point: PointSummary) -> str:
-    """Return the small-slope estimate with its limits; empty if the result has no estimate."""
+    """Return the small-slope estimate with its limits; empty without an estimate."""
     values, study = point.values, point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:

@@ -104,7 +104,7 @@ def key_tables() -> list[tuple[str, str, list[Row]]]:
 def _case_names(
     owners: Sequence[type[values.Table]], cases: Sequence[type[values.Table]], shared: Sequence[type[values.Case]]
 ) -> list[str]:
-    """Return the names of the classes of a table that have a key, or the name of a class that stands for several."""
+    """Return the names of the classes of a table that have a key, or the name of their common class."""
     members = {item: {case for case in cases if issubclass(case, item)} for item in shared}
     remaining, places = set(owners), []
     for item in sorted(shared, key=lambda item: -len(members[item])):
@@ -136,7 +136,7 @@ def study_keys_text() -> str:
 
 
 def _key_row(key: str, default_value: Any, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
-    """Return the key, the default, the allowed values and the meaning. A key that selects a class has only one row."""
+    """Return key, default, allowed values and meaning. A key that selects a class has only one row."""
     default = "required" if default_value is PydanticUndefined else _toml_default(default_value)
     if key not in ("generator", "press", "mechanics"):
         return f"`{key}`", default, _allowed_text(key, entry), str(entry.description)
@@ -165,11 +165,11 @@ def markdown_row(cells: Sequence[str]) -> str:
 
 
 def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
-    """Return the allowed values of a type, with one phrase for each alternative."""
+    """Return the allowed values of a type, with one phrase per alternative."""
     for kind, phrases in _QUANTITY_RANGES:
         if annotation is kind or any(item in metadata for item in kind.__metadata__[:1]):
             return [phrases]
-    if annotation is Quantity:  # lengths in measured files, which have a separate parser
+    if annotation is Quantity:  # lengths in measured files have a separate parser
         return ["a length"]
     if get_origin(annotation) is Literal:
         return [f"`{_toml_text(value)}`" for value in get_args(annotation)]
@@ -207,7 +207,7 @@ _BOUND_WORDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
 def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:
-    """Return all constraints, including constraints within a `Field`."""
+    """Return all constraints, including those within a `Field`."""
     return [part for item in metadata for part in (item, *getattr(item, "metadata", ()))]
 
 
@@ -221,7 +221,7 @@ def _join_with_or(phrases: list[str]) -> str:
 
 
 def _toml_default(value: Any) -> str:
-    """Return a default value as it is written in a study file."""
+    """Return a default value as written in a study file."""
     if value is None:
         return "none"
     return f"`{_toml_text(value)}`"

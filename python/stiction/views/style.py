@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MILLIMETRE = 1 / 25.4
-COLUMN_WIDTH = 80 * MILLIMETRE  # width of one column, at which no text is smaller than 6 pt
+COLUMN_WIDTH = 80 * MILLIMETRE  # width of one column; at this width, no text is smaller than 6 pt
 PAGE_WIDTH = 170 * MILLIMETRE  # width of two columns
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
@@ -31,14 +31,13 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "figure.dpi": 300,
     "hatch.linewidth": 0.4,
-    "pdf.fonttype": 42,  # embeds fonts, as journals require
+    "pdf.fonttype": 42,  # embed fonts, as journals require
     "svg.fonttype": "path",
-    "svg.hashsalt": "stiction",  # makes files of equal figures identical
+    "svg.hashsalt": "stiction",  # make files of equal figures identical
     "axes.unicode_minus": True,
 }
 
-# Colours from Okabe and Ito (2008) and Tol (2021), which remain distinguishable with colour vision deficiencies.
-# contacts whose slope opposes the motion, and the rule with friction at these contacts only
+# Colours from Okabe and Ito (2008) and Tol (2021). They remain distinguishable with colour vision deficiencies.
 OPPOSING_COLOUR = "#d55e00"
 NOT_OPPOSING_COLOUR = "#0072b2"  # contacts whose slope does not oppose the motion
 ALL_CONTACTS_COLOUR = "#332288"  # the rule with friction at all contacts
@@ -94,26 +93,26 @@ def axis_label(name: str) -> str:
 
 
 def dimension_colours(dimensions: ArrayLike) -> Floats:
-    """Return colours for curves of several fractal dimensions, from viridis without its yellow end."""
+    """Return colours for curves of several fractal dimensions: viridis without its yellow end."""
     from matplotlib import colormaps
 
     return np.asarray(colormaps["viridis"](np.linspace(0, 0.8, np.size(dimensions))))
 
 
 def direction_text(degrees: float) -> str:
-    """Return the direction of motion of the upper body as a text in figures; degrees are from +x towards +y."""
+    """Return the direction of motion of the upper body (degrees from +x towards +y) as a text for figures."""
     axes = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
     return axes.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
 
 
 def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float | None = None) -> str:
-    """Return the friction parameters and the modulus for the heading of a figure; tau0 is in GPa."""
+    """Return the friction parameters (tau0 in GPa) and the modulus for the heading of a figure."""
     modulus = "" if effective_modulus is None else rf"$E^*$ = {effective_modulus:.4g} GPa, "
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 
 
 def spread_labels(places: ArrayLike, min_distance: float) -> Floats:
-    """Return label positions in the given order, moved apart to a minimum distance between neighbours."""
+    """Return label positions in the given order, with a minimum distance between neighbours."""
     targets = np.asarray(places, dtype=np.float64)
     order = np.argsort(targets)
     moved = targets[order].copy()
@@ -143,15 +142,15 @@ FIGURE_FILE_MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return the formats of figures without duplicates; raise a `ValueError` for no format or an unknown format."""
+    """Return the formats of figures without duplicates. No format and unknown formats raise a `ValueError`."""
     result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
     if not result or not set(result) <= set(FORMATS):
-        raise ValueError(f"formats must be from {', '.join(FORMATS)}, got {', '.join(map(str, formats)) or 'none'}")
+        raise ValueError(f"formats must be among {', '.join(FORMATS)}, got {', '.join(map(str, formats)) or 'none'}")
     return result
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, PDF or SVG; only figures of this package are overwritten.
+    """Write a figure as PNG, PDF or SVG. Only figures of this package are overwritten.
 
     Instruments store PNG files next to their data, so other images must never be replaced. Raises a `ValueError` if
     another file has the name, or if the file cannot be written.

@@ -1,4 +1,4 @@
-"""Texts of results for a terminal: first values and assessment, then one table, within the width of the terminal."""
+"""Terminal texts of results: values and assessment first, then one table, within the terminal width."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-COMPLETE_OUTPUT = "summary()"  # method of a result that shows all points and caveats
-MIN_TERMINAL_WIDTH = 40  # smallest width in characters; narrower terminals are treated as this wide
+COMPLETE_OUTPUT = "summary()"  # method of a result that prints all points and caveats
+MIN_TERMINAL_WIDTH = 40  # minimum width in characters, also for narrower terminals
 Rows = Sequence[Sequence[str]]
 
 
@@ -66,7 +66,7 @@ Rows = Sequence[Sequence[str]]
 
 
 def terminal_width() -> int:
-    """Return the number of columns of the terminal."""
+    """Return the width of the terminal in characters."""
     return max(MIN_TERMINAL_WIDTH, shutil.get_terminal_size().columns)
 
 
@@ -146,7 +146,7 @@ def result_text(
 
 
 def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
-    """Return a line that lists mu0 and tau0 of a study if it has several values of them; empty otherwise."""
+    """Return a line that lists mu0 and tau0 of a study with several values; empty otherwise."""
     friction = study.friction
     assignments = []
     if mu0 and len(friction.mu0) > 1:
@@ -200,7 +200,7 @@ def values_text(
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return the cutoff study and the onset of sliding as a text after an empty line; empty if there are none."""
+    """Return the cutoff study and the onset of sliding as a text after an empty line; empty without both."""
     onset = summary.onset
     paragraphs = []
     if any(math.isfinite(point.value) for point in summary.points):
@@ -268,7 +268,7 @@ def _thin_points(headlines: Sequence[PointSummary]) -> Sequence[PointSummary]:
     return [point for point in headlines if all(point.at[name] in selected_values[name] for name in selected_values)]
 
 
-MAX_PRINTED_POINTS = 15  # largest number of rows in the first table of several points
+MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table of several points
 
 
 def _coefficient(point: PointSummary, index: int) -> str:
@@ -299,7 +299,7 @@ def _conditions_text(point: PointSummary) -> str:
     )
 
 
-NEGLIGIBLE_FRACTION = 0.05  # fraction of the coefficient below which the roughness is called negligible
+NEGLIGIBLE_FRACTION = 0.05  # the roughness is called negligible below this fraction of the coefficient
 
 
 def roughness_text(point: PointSummary) -> str:
@@ -323,7 +323,7 @@ def contributions_text(point: PointSummary) -> str:
 
 
 def budget_text(point: PointSummary) -> str:
-    """Return the measurement that would reduce the uncertainty most, and the interval that it would give."""
+    """Return the measurement that would reduce the uncertainty most, and the resulting interval."""
     largest = point.most
     if largest is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
         return ""
@@ -415,11 +415,11 @@ _NUMBER_WITH_UNIT = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?
 
 
 def _count_within(texts: Sequence[str], lines: int) -> int:
-    """Count how many of the first texts fit on a number of lines."""
+    """Return how many of the first texts fit on a number of lines."""
     return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
 
-MAX_CAVEATS = 6  # largest number of groups of caveats that are shown for several points
+MAX_CAVEATS = 6  # maximum number of groups of caveats for several points
 
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
@@ -501,17 +501,17 @@ def _stack_headings(headings: Sequence[str]) -> Rows:
     return list(itertools.zip_longest(*lines, fillvalue=""))
 
 
-MAX_HEADING_WIDTH = 20  # largest width of a heading above a column of numbers, in characters
+MAX_HEADING_WIDTH = 20  # maximum width of a heading above a column of numbers, in characters
 
 
 def is_bound_on_pull_off(name: str, dataset: xarray.Dataset) -> bool:
-    """Return whether a quantity is a pull-off force or pressure that includes lower bounds of some members."""
+    """Return whether a quantity is a pull-off force or pressure with lower bounds for some members."""
     bound_fraction = QUANTITIES[name].bound_fraction
     return bool(bound_fraction) and float(dataset[bound_fraction].sel(statistic="mean").max()) > 0
 
 
 def _row(name: str, label: str, estimates: Sequence[xarray.DataArray]) -> list[list[str]]:
-    """Return a row with name, unit and one cell per load; no row if no load has a value."""
+    """Return a row with name, unit and one cell per load, or no row if no load has a value."""
     unit = QUANTITIES[name].unit
     if unit in ("um", "GPa", "mN"):
         values = [value for value in map(_largest, estimates) if math.isfinite(value)]
@@ -548,7 +548,7 @@ def _cell(estimate: xarray.DataArray, factor: float) -> str:
 
 
 def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
-    """Return whether friction depends on the axis and, with `verbose` or grooves, the coefficient along each axis."""
+    """Return a text on the dependence of friction on the axis; `verbose` or grooves add the values along each axis."""
     if "friction_by_axis" not in values or values.sizes.get("axis", 0) < 2:
         return ""
     table = values["friction_by_axis"]
@@ -575,7 +575,7 @@ def _axis_name(degrees: float) -> str:
 
 
 def lay_text(table: xarray.DataArray) -> str:
-    """Return a sentence about grooves, which the surfaces have if the intervals of two axes do not overlap."""
+    """Return a sentence about grooves, which are present if the intervals of two axes do not overlap."""
     mean, lower, upper = (table.sel(statistic=statistic) for statistic in MEAN_AND_ENDS)
     if not np.isfinite(lower.values).all():
         return "Grooves: unknown, because the coefficients along the axes have no intervals."
@@ -623,7 +623,7 @@ def history_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def preview_text(summary: Summary) -> str:
-    """Return a line with the coefficient from the first members, as a preview of a study."""
+    """Return a line with the coefficient of the first members as a preview of a study."""
     point = summary.points[0]
     return (
         f"preliminary, with asperities: μ_s = {format_estimate(point.value)}  {RULE_DESCRIPTIONS[point.rules[0].rule]}"
@@ -634,7 +634,7 @@ def preview_text(summary: Summary) -> str:
 
 
 def overview_text(summary: Summary, max_lines: int | None = None, *, complete: str = COMPLETE_OUTPUT) -> str:
-    """Format tables of mu_s of generated surfaces, with one table per sliding rule and amplitude.
+    """Format tables of mu_s of generated surfaces, one table per sliding rule and amplitude.
 
     A table has one row per cell of the study and one column per load, and columns for mu0 and tau0 if the study has
     several values of them. Caveats follow in at most `max_lines` lines; `complete` names the option that shows all
@@ -668,7 +668,7 @@ def overview_text(summary: Summary, max_lines: int | None = None, *, complete: s
     return "\n".join(tables) + f"\n\n{assessment_text(headlines, max_lines, complete=complete)}"
 
 
-# largest number of rows in an overview; longer overviews are limited to a few values of mu0 and tau0
+# maximum number of rows in an overview; longer overviews show only a few values of mu0 and tau0
 MAX_OVERVIEW_ROWS = 40
 
 
@@ -677,12 +677,12 @@ def _count_rows(dataset: xarray.Dataset) -> int:
 
 
 def _ends_and_middle(dataset: xarray.Dataset) -> xarray.Dataset:
-    """Select the middle mu0 and the first and last tau0."""
+    """Select the middle mu0, and the first and last tau0."""
     return dataset.isel(mu0=[dataset.sizes["mu0"] // 2], tau0=sorted({0, dataset.sizes["tau0"] - 1}))
 
 
 def _omission_text(dataset: xarray.Dataset, full_dataset: xarray.Dataset, study: Study) -> str:
-    """Return how many values an overview omits, and how to print them; empty if there are none."""
+    """Return how many values an overview omits and how to print them; empty if all values are printed."""
     every = study.surfaces.cells()["fractal_dimension"].size
     sizes = {
         shape_coordinate(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], every),

@@ -17,12 +17,12 @@ from stiction.views.style import (
     new_figure,
 )
 
-MIN_REDUCTION = 0.02  # smallest relative reduction of the interval for which an input is drawn
-MAX_INPUTS = 5  # maximum number of inputs that are drawn
+MIN_REDUCTION = 0.02  # inputs below this relative reduction of the interval are not drawn
+MAX_INPUTS = 5  # maximum number of inputs in the figure
 
 
 def budget_figure(point: PointSummary, *, title: str = "") -> Figure:
-    """Draw the contributions to friction with the combined interval, and the uncertainty budget; 80 mm wide."""
+    """Draw the contributions to friction, the combined interval and the uncertainty budget (80 mm wide)."""
     width = point.upper - point.lower
     remaining = [item for item in point.budget if item.width < (1 - MIN_REDUCTION) * width][:MAX_INPUTS]
     test_interval = point.rules[0].next_test
@@ -51,7 +51,7 @@ def budget_figure(point: PointSummary, *, title: str = "") -> Figure:
 
 
 def dwell_time_figure(point: PointSummary, *, title: str = "") -> Figure:
-    """Draw the coefficient against dwell time with its 95 % interval; 80 mm wide."""
+    """Draw the coefficient against dwell time with its 95 % interval (80 mm wide)."""
     estimate = point.rules[0]
     rows = [(1.0, estimate.value, estimate.lower, estimate.upper)]
     rows += [

@@ -31,10 +31,10 @@ from stiction.views.style import (
 )
 
 _MIN_ZOOM_SPACINGS = 40  # minimum number of spacings on each side of the magnified contact
-_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which an axis is labelled in nm
+_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which the axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # inches
 EDGE_COLOUR = "#e00030"  # colour of contacts that the edge of the map cuts
-NUM_NEIGHBOURS = 5  # number of neighbouring contacts that are magnified together with the strongest contact
+NUM_NEIGHBOURS = 5  # number of neighbouring contacts in the magnified range, besides the strongest contact
 MIN_ZOOM_POINTS = 60  # minimum number of points on each side of the strongest contact
 
 
@@ -133,7 +133,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
 
 
 def _reserve_arrow_length(axes: Axes, highest: float) -> float:
-    """Return the length (inches) of the longest arrow, and extend the axes to include it above the highest contact."""
+    """Return the length of the longest arrow (inches), and extend the axes for it above the highest contact."""
     figure = axes.get_figure()
     assert figure is not None
     extent_in_inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
@@ -155,7 +155,7 @@ def _draw_forces(
     friction_forces: Floats,
     max_arrow_length: float,
 ) -> None:
-    """Draw elastic forces on the upper body, and friction at opposing contacts, all on one scale.
+    """Draw elastic forces on the upper body, and friction at opposing contacts, to the same scale.
 
     Slopes are magnified by the same factor as heights.
     """
@@ -173,7 +173,7 @@ def _draw_forces(
     largest_force = max(float(np.hypot(*force[is_drawn].T).max(initial=0.0)) for force in (elastic, friction))
     for force, colour in ((elastic, FORCE_COLOUR), (friction, FRICTION_COLOUR)):
         is_nonzero = is_drawn & (np.hypot(*force.T) > 0)
-        # Units are inches, so that the direction of an arrow does not depend on the scales of the axes.
+        # Units are inches, so that the direction of an arrow is independent of the axis scales.
         axes.quiver(
             *positions[is_nonzero].T,
             *force[is_nonzero].T,
@@ -191,11 +191,11 @@ def _draw_forces(
 # ---- All of a member ------------------------------------------------------------------------------------------------
 
 
-_MAX_MARKER_AREA = 60.0  # area of the largest marker in square points, for the contact with the largest load
+_MAX_MARKER_AREA = 60.0  # area of the largest marker (square points), for the contact with the largest load
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
-    """Return a mask of the contacts whose slope opposes a motion of the upper body in a direction (degrees)."""
+    """Return a mask of the contacts that oppose a motion of the upper body in a direction (degrees)."""
     x, y = (picture[f"contact_slope_{axis}"].values for axis in "xy")
     return np.asarray(x * np.cos(np.radians(direction)) + y * np.sin(np.radians(direction)) > 0)
 
@@ -203,7 +203,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def contacts_figure(
     picture: xarray.Dataset, *, direction: float = 0.0, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw contacts over the heights of the lower body, and the pressure around the largest load; 80 mm wide.
+    """Draw contacts over the heights of the lower body, and the pressure around the largest load (80 mm wide).
 
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees from +x towards
     +y). The hardness (GPa) is marked on the colour bar of the pressures.
@@ -297,7 +297,7 @@ def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardnes
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw contacts of maps or profiles, coloured by whether they oppose the motion or are cut by the edge.
+    """Draw contacts of maps or profiles; colours show opposing contacts and contacts cut by the edge.
 
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees). The figure is
     80 mm wide.
@@ -350,7 +350,7 @@ def _draw_contact_map(
 def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_cut: NDArray[np.bool_]) -> None:
     """Draw both profiles at full length, and magnified around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
-    finite = np.isfinite(gap)  # missing data are interpolated
+    finite = np.isfinite(gap)  # missing heights are interpolated
     bodies = np.array([lower + np.interp(x, x[finite], gap[finite]).clip(0), lower]) * 1000
     centres, width = picture["contact_x"].values, picture["contact_patch_area"].values  # profiles have a width of 1 µm
     zoom = slice(*np.searchsorted(x, _zoom_range(x, centres, width, picture["contact_force"].values, is_cut)))
@@ -375,7 +375,7 @@ def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_
 def _zoom_range(
     x: Floats, centres: Floats, width: Floats, force: Floats, is_cut: NDArray[np.bool_]
 ) -> tuple[float, float]:
-    """Return the ends of the magnified range: the strongest contact that is not cut by the edge, and its neighbours."""
+    """Return the ends of the magnified range around the strongest contact that is not cut by the edge."""
     zoom_centre = centres[np.argmax(np.where(is_cut, -1.0, force))]
     distances = np.sort(np.abs(centres - zoom_centre))
     min_half_width = max(MIN_ZOOM_POINTS * (x[1] - x[0]), 4 * float(width.max()))

@@ -1,4 +1,4 @@
-"""Figures of distributions: friction over directions and over members, contact areas, and pressures."""
+"""Figures of distributions: friction over directions and members, contact areas, and pressures."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MAX_RINGS = 5
 
 
 def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the friction coefficient against the direction of motion for each sliding rule; 80 mm wide.
+    """Draw the friction coefficient against the direction of motion for each sliding rule (80 mm wide).
 
     `points` is a result of `at_load` at one load, cell, mu0 and tau0. A smooth curve connects the directions.
     """
@@ -82,7 +82,7 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) -> Floats:
-    """Interpolate values over directions by a periodic cubic spline, limited to values of at least 0."""
+    """Interpolate values over directions by a periodic cubic spline, with a lower limit of 0."""
     from scipy.interpolate import CubicSpline
 
     closed_degrees = np.append(degrees, degrees[0] + 360)
@@ -105,7 +105,7 @@ def _draw_rings(axes: Any, highest: float) -> None:
 
 
 def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the friction coefficient of each member in each single direction; 80 mm wide.
+    """Draw the friction coefficient of each member in each single direction (80 mm wide).
 
     `values` has the dimensions repetition, direction and sliding. `points` contains the means of `values`, as for
     `compass_figure`. Members of a single traverse are drawn against the offset, other members in ascending order.
@@ -152,7 +152,7 @@ def _is_single_traverse(values: xarray.DataArray) -> bool:
 def sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw the fraction of contacts against area, and the fraction of contact area against pressure; 80 mm wide.
+    """Draw the distributions of contacts over area and of contact area over pressure (80 mm wide).
 
     `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, which are drawn as
     thin lines. `points` contains the means of a single cell, as returned by `at_load`. The hardness (GPa) is marked.

@@ -44,7 +44,7 @@ from stiction.views.style import (
     spread_labels,
 )
 
-LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # factors of the length scale of a study in the figure of length scales
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # factors of the length scale of a study, for the figure of length scales
 AREAL_POINTS = 400  # number of rows, and of columns, of a surface in a figure
 MAX_PROFILES = 5
 MAX_CURVES = 8
@@ -52,14 +52,14 @@ MAX_CURVES = 8
 COLOUR_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients between which the colour scale extends, because a few values are very high."""
 
-MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure, which are the lowest and the highest
+MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest
 
 FADING_LIMITS = (0.3, 1.2, 0.85)
 """Relative interval widths at which a cell starts and stops fading (first two), and the strongest fading (third)."""
 
-LINE_HEIGHT = 2.4  # distance between labels of curves in mm
-MAX_BAND_RATIO = 2.0  # maximum ratio of an axis limit to the highest or lowest value, because bands may be wide
-HEADING_HEIGHT = 4.0  # height of a heading line above a figure in mm
+LINE_HEIGHT = 2.4  # distance between curve labels, mm
+MAX_BAND_RATIO = 2.0  # maximum ratio of an axis limit to the highest or lowest value; wide bands are cut off
+HEADING_HEIGHT = 4.0  # height of a heading line above a figure, mm
 MAX_LEGEND_COLUMNS = 4  # maximum number of legend columns
 
 MIN_COLOUR_BAR_TICKS = 3  # minimum number of ticks of a colour bar
@@ -103,7 +103,7 @@ def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Datas
 
 
 def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
-    """Return the heading of a figure: model and motion if they differ from the paper, and missing repetitions."""
+    """Return heading lines of a figure: model and motion if they differ from the paper, and missing repetitions."""
     contact = study.contact
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
@@ -124,14 +124,14 @@ def draw_heading(figure: Figure, lines: list[str]) -> None:
 
 
 def draw_panel_letter(axes: Axes, number: int) -> None:
-    """Draw the letter of a panel above its upper left corner."""
+    """Draw the letter of a panel above the panel's upper left corner."""
     axes.text(0, 1.02, chr(ord("a") + number), transform=axes.transAxes, fontsize=8, fontweight="bold", va="bottom")
 
 
 def create_axes_rows(
     rows: int, height: float, above: float, below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """Return a figure 170 mm wide, its height (mm), and a function that adds axes by left end, row and width (mm)."""
+    """Return a figure (170 mm wide), its height in mm, and a function that adds axes by left end, row and width."""
     total = above + below + rows * (height + between) - between
     figure = new_figure(total, width=PAGE_WIDTH, layout=None)
 
@@ -146,7 +146,7 @@ def create_axes_rows(
 
 
 def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
-    """Draw friction in maps against fractal dimension and load, and in curves against fractal dimension.
+    """Draw friction as maps over fractal dimension and load, and as curves over fractal dimension.
 
     There is one map for the lowest and one for the highest tau0, and a row for each amplitude. Cells are hatched if the
     model is not valid, and grey if the 95 % interval is wide. The load of the curves is the highest power of ten that
@@ -205,7 +205,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
 
 def _common_load(result: Result, lowest: float) -> float:
-    """Return the highest power of ten (mN) that nine of ten ensembles reach, or their highest load if there is none."""
+    """Return the highest power of ten (mN) that nine of ten ensembles reach, or otherwise their highest load."""
     elastic = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step).values
     common = float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
@@ -223,7 +223,7 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
 
 
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw curves with intervals for the lowest and the highest strength, dotted where the model is not valid."""
+    """Draw curves with intervals for the lowest and the highest strength, dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # (dimension, strength)
     value, lower, upper = (curves["friction_coefficient"].sel(statistic=each).values for each in MEAN_AND_ENDS)
@@ -234,7 +234,7 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
         axes.plot(dimension, value[:, index], ":", **style)
         axes.plot(dimension, np.where(is_valid[:, index], value[:, index], np.nan), **style)
     finite = value[np.isfinite(value)]
-    # The axis includes all valid values, and other values as far as space permits.
+    # The axis includes all valid values, and other values where space permits.
     valid_upper_ends = upper[np.isfinite(upper) & is_valid]
     upper_limit = (
         1.1 * max(2 * mu0, float(valid_upper_ends.max(initial=0.0)), 2.5 * float(np.min(finite, initial=1.0))) or 1.0
@@ -282,7 +282,7 @@ def _colour_bar(figure: Figure, position: tuple[float, float, float, float], nor
 
 
 def _colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale for the valid values, or for all values if only few are valid."""
+    """Return a logarithmic colour scale for the valid values, or for all values if few are valid."""
     values = maps["friction_coefficient"].sel(statistic="mean").values
     finite = np.isfinite(values) & (values > 0)
     is_valid = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
@@ -302,7 +302,7 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     set_log_ticks(axes)
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     finite = np.isfinite(values)
-    # A coefficient of 0 has no logarithm, and gets the colour of the lowest value.
+    # A coefficient of 0 has no logarithm, and is drawn in the colour of the lowest value.
     colours = colormaps[FRICTION_MAP](norm(np.where(finite, np.maximum(values, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade(colours[..., :3], _compute_fading(friction))
     colours[..., 3] = finite
@@ -332,7 +332,7 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> 
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        for colour, width in (("black", 1.3), ("white", 0.5)):  # visible on dark and on light cells
+        for colour, width in (("black", 1.3), ("white", 0.5)):  # this colour is visible on dark and on light cells
             patch = PathPatch(Path(vertices, codes), **_HATCH | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
             axes.add_artist(patch)  # `add_patch` would compute the limits of thousands of cells
@@ -343,7 +343,7 @@ _HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\
 
 
 def _compute_fading(friction: Floats) -> Floats:
-    """Return the fading of each cell from the width of its interval; a single repetition has no interval."""
+    """Return the fading of each cell from the width of its interval. A single repetition has no interval."""
     values, lower, upper = np.moveaxis(friction, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
@@ -353,7 +353,7 @@ def _compute_fading(friction: Floats) -> Floats:
 
 
 def _fade(colours: Floats, fading: Floats) -> Floats:
-    """Blend colours (..., 3) with grey of equal luminance, so that no cell has the colour of another coefficient."""
+    """Blend colours (..., 3) with grey of equal luminance, so that no cell gets the colour of another coefficient."""
     grey = (colours @ _LUMINANCE)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)
@@ -442,7 +442,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
 def _area_curves(
     axes: list[Axes], areas: xarray.Dataset, *, has_no_validity_limit: bool, label_distance: float
 ) -> None:
-    """Draw the area and its ratio to the load for each fractal dimension, with labels at the starts of the curves."""
+    """Draw the area and its ratio to the load for each fractal dimension, with labels at the left ends."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=each).values for each in MEAN_AND_ENDS)

@@ -32,7 +32,7 @@ from stiction.views.style import (
 MAX_AXIS_RATIO = 4.0
 """Maximum ratio of the limit of the friction axis to the highest mean, because intervals of few members are wide."""
 
-MAX_SINGLE_DIRECTIONS = 2  # maximum number of directions that are drawn individually, in addition to their mean
+MAX_SINGLE_DIRECTIONS = 2  # maximum number of directions drawn individually, in addition to their mean
 
 
 BAND_LEGENDS = {
@@ -43,7 +43,7 @@ BAND_LEGENDS = {
 
 
 def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
-    """Draw friction coefficient and true contact area against load; 80 mm wide.
+    """Draw friction coefficient and true contact area against load (80 mm wide).
 
     `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked. The
     bands of friction are the combined interval and, in a darker colour, the sampling interval of the mean over
@@ -65,7 +65,7 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
 
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw closure and closure stiffness against nominal pressure, from a result of `at_load`; 80 mm wide."""
+    """Draw closure and closure stiffness against nominal pressure, for a result of `at_load` (80 mm wide)."""
     stress = 1000 / float(points["nominal_area"])  # MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
@@ -81,7 +81,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw load against approach (if known) and true contact area in loading and unloading; 80 mm wide.
+    """Draw load against approach (if known) and true contact area in loading and unloading (80 mm wide).
 
     `branches` is a result of `coming_and_going`. The pull-off force is marked.
     """
@@ -129,7 +129,7 @@ def _pad_range(values: Floats) -> tuple[float, float]:
 
 
 def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[str, Any] | None = None) -> Figure:
-    """Draw friction coefficient and true contact area against the cutoff wavelength at one load; 80 mm wide.
+    """Draw friction coefficient and true contact area against the cutoff wavelength at one load (80 mm wide).
 
     `points` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at
     their shortest wavelength or, if this is unknown, to the left of the first cutoff. `limits` adds a line at the
@@ -147,8 +147,8 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
 UNFILTERED_RATIO = 1.5
 """Ratio of the shortest cutoff to the position at which unfiltered scans are drawn if their wavelength is unknown."""
 
-MAX_SPECTRAL_CUTOFF_RATIO = 8.0  # maximum ratio of the wavelengths of the closed-form estimate to the longest cutoff
-MIN_WAVELENGTH_RATIO = 1 / 16  # minimum ratio of the wavelengths of extrapolated values to the first cutoff
+MAX_SPECTRAL_CUTOFF_RATIO = 8.0  # longest wavelength of the closed-form estimate, relative to the longest cutoff
+MIN_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated values, relative to the first cutoff
 
 
 def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any], x: Floats) -> None:
@@ -245,7 +245,7 @@ def _sliding_rules(points: xarray.Dataset) -> list[str]:
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
     if not 1 < dataset.sizes.get("direction", 1) <= MAX_SINGLE_DIRECTIONS or colour == RULE_COLOURS["all"]:
-        return  # with friction at all contacts, the results of both directions coincide
+        return  # with friction at all contacts, both directions have the same results
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
         name = f"  upper body to {direction_text(float(direction))} alone"

@@ -44,7 +44,7 @@ CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)  # colours of the load cycles
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw tangential load against displacement with cycles, and slipping fractions against load; 80 mm wide.
+    """Draw tangential load against displacement with cycles, and slipping fractions against load (80 mm wide).
 
     `onset` is a result of `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
@@ -111,7 +111,7 @@ def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) ->
 
 
 def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return a cycle between plus and minus a load, whose branches are the loading curve scaled by two (Masing)."""
+    """Return a cycle between plus and minus a load with branches that are the loading curve scaled by two (Masing)."""
     loading = _interpolate_loading(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
@@ -120,16 +120,16 @@ def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple
 # ---- Slip map --------------------------------------------------------------------------------------------------------
 
 
-_MAX_MARKER_AREA = 60.0  # area of the largest marker in square points
+_MAX_MARKER_AREA = 60.0  # area of the largest marker, square points
 
 
 def has_slip_map(onset: xarray.Dataset) -> bool:
-    """Return whether an onset contains the data for `slip_figure`, which exist only for areal contacts."""
+    """Return whether an onset contains the data for `slip_figure`. Only areal contacts have such data."""
     return bool("slip" in onset or "contact_slip" in onset)
 
 
 def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the tangential load at which each contact point starts to slip, on a map of the heights; 80 mm wide.
+    """Draw the tangential load at which each contact point starts to slip, over a map of the heights (80 mm wide).
 
     `onset` is a result of `compute_onset` for areal contact. With the asperity model, each contact is one marker, whose
     colour shows the load at which the contact slides.

@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import Characterisation, length_text, to_characterisation
 from stiction.views.style import AXIS_COLOURS, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
-MAX_PROFILE_POINTS = 1500  # maximum number of points of a profile in the figure; longer profiles are averaged
+MAX_PROFILE_POINTS = 1500  # maximum number of profile points in the figure; longer profiles are averaged
 NUM_HEIGHT_BINS = 40  # number of bins of the height distribution
 MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"  # colours of measured and fitted curves
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # spacings of ticks, in units of a power of ten
@@ -54,7 +54,7 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
 
 
 def _draw_heights(axes: Axes, profile: Profile) -> None:
-    """Draw heights along a profile; in long profiles, means of neighbouring points with their range."""
+    """Draw heights along a profile. Long profiles show means and ranges of neighbouring points."""
     group_size = -(-len(profile) // MAX_PROFILE_POINTS)
     heights = profile.heights - profile.heights.min()
     groups = np.pad(1000 * heights, (0, -len(profile) % group_size), mode="edge").reshape(-1, group_size)
@@ -142,7 +142,7 @@ def _draw_map(figure: Any, axes: Axes, surface: Surface) -> None:
     along_y, along_x = (length / size for length in surface.extent)
     lowest, highest = np.quantile(
         heights, [0.001, 0.999]
-    )  # quantiles, because single dust grains would otherwise dominate the colour range
+    )  # use quantiles, because single dust grains would otherwise dominate the colour range
     image = axes.imshow(
         heights, extent=(0, along_x, 0, along_y), origin="lower", cmap=HEIGHT_MAP, vmin=lowest, vmax=highest,
         aspect="equal" if 1 / 4 < along_x / along_y < 4 else "auto",

@@ -1,4 +1,4 @@
-"""Selection of the figures of a result: the figures of its study, or the standard set for measured surfaces."""
+"""Selection of the figures of a result: the figures of its study, or the standard figures of measured surfaces."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def draw_figures(
     result: Result | xarray.Dataset, directory: str | Path, *, formats: Sequence[str] = ("png",),
     picture: xarray.Dataset | None = None, first: bool = False,
 ) -> list[Path]:  # fmt: skip
-    """Draw the figures of a result into a directory and return their paths.
+    """Draw the figures of a result into a directory, and return their paths.
 
     Generated surfaces have the figures that the table [figures] of the study lists: ``profiles``, ``length_scales``,
     ``friction_mu0_*`` (one for each mu0), ``area`` and ``onset``. File names contain the sliding rule and direction if
@@ -80,7 +80,7 @@ def draw_figures(
 def select_figures(
     result: Result | xarray.Dataset, picture: xarray.Dataset | None = None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Yield the file name without ending and the drawing function of each figure of a result."""
+    """Yield the file name (without ending) and the drawing function of each figure of a result."""
     result = Result.of(result)
     if not result.study.is_measured:
         yield from _generated_figures(result.dataset, result.study)
@@ -89,7 +89,7 @@ def select_figures(
 
 
 def pair_title(study: Study) -> str:
-    """Return the title for figures of a pair, which consists of the names of the two files."""
+    """Return the title for figures of a pair: the names of both files."""
     upper, lower = (getattr(study.surfaces, side).name for side in ("upper", "lower"))
     return f"gap {upper}" if study.is_gap else f"{upper} on {lower}"
 
@@ -116,7 +116,7 @@ def _generated_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[
             case "area":
                 for suffix, motion_dataset in iterate_motions(dataset):
                     yield f"area{suffix}", partial(area_figure, motion_dataset)
-            case "onset":  # the onset is stored only for friction at all contacts and for one direction
+            case "onset":  # the onset is stored only for one direction with friction at all contacts
                 yield "onset", partial(dimension_onset_figure, next(iterate_motions(dataset))[1])
 
 
@@ -178,7 +178,7 @@ def _cut_off(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
 def draw_height_scale(
     result: Result, scaled: ScaledSides, factors: list[float], indices: tuple[int, ...] = (0, 0), *, title: str
 ) -> Figure:
-    """Draw a result against the stored factors of the heights, at its first load and for one pair of mu0 and tau0."""
+    """Draw a result for the stored factors of the heights, at its first load and one pair of mu0 and tau0."""
     friction = result.study.friction
     mu0, tau0 = friction.mu0[indices[0]], float(friction.tau0[indices[1]])
     dataset = result.at(float(friction.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled)
@@ -186,7 +186,7 @@ def draw_height_scale(
 
 
 def draw_positions(result: Result, dataset: xarray.Dataset, *, title: str) -> Figure:
-    """Draw the friction of each member of a result, at one point of `at_load`."""
+    """Draw the friction of each member of a result at one point of `at_load`."""
     load, mu0, tau0 = (float(dataset[name]) for name in ("load", "mu0", "tau0"))
     members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)
     values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)

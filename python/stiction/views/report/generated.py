@@ -1,4 +1,4 @@
-"""Report of generated surfaces: quantities at nodes of mu0 and tau0, statuses, assessments and figures."""
+"""Report on generated surfaces: quantities at nodes of mu0 and tau0, statuses, assessments and figures."""
 
 from __future__ import annotations
 
@@ -34,21 +34,22 @@ from stiction.views.report.page import REPORT_AXES, PageResult, ReportError, axe
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.tables import Tables
 
-# Maximum number of coefficients in a page, which is the product of nodes, loads, cells, rules and directions.
+# Maximum number of coefficients in a page: the product of nodes, loads, cells, rules and directions.
 MAX_GENERATED_COEFFICIENTS = 1_000_000
-# Mean of overlap / radius above which the page warns. For fractions, the limit is `MAX_AFFECTED_FRACTION`.
+# The page warns if the mean of overlap / radius exceeds this value.
+# For fractions, the limit is `MAX_AFFECTED_FRACTION`.
 MAX_OVERLAP = 0.1
 SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
 def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
-    """Return the report on a result of generated surfaces, by default with the name of its study as title.
+    """Return the report on a result of generated surfaces. The default title is the name of its study.
 
     Raises a `ReportError` if it is too large for a page or has no members.
     """
     head, num_members = result.head, result.members.size
     if not num_members or not (members := result.num_solved):
-        raise ReportError("no member of the result has a solution at every load")
+        raise ReportError("the result must have a member with a solution at every load, got none")
     counts = result.means(["contact_count"])["contact_count"].transpose(*SHAPE_DIMENSIONS, study.step).values
     tables, loads = Tables(), result.nodes.loads
     facts = _study_facts(head, study, loads) | {"name": name or _study_name(study), "repetitions": members}
@@ -115,8 +116,8 @@ def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, ta
     count = math.prod(head.sizes[name] for name in SHAPE_DIMENSIONS) * loads.size * len(rules) * len(angles)
     if (size := count * axes[0].values.size * axes[1].values.size) > MAX_GENERATED_COEFFICIENTS:
         raise ReportError(
-            f"the result has {size} coefficients at nodes, and a report contains at most {MAX_GENERATED_COEFFICIENTS}; "
-            "choose fewer fractal dimensions, amplitudes or directions"
+            f"the result must have at most {MAX_GENERATED_COEFFICIENTS} coefficients at nodes for a report, got "
+            f"{size}; choose fewer fractal dimensions, amplitudes or directions"
         )
     (node_values,) = nodes.values
     points, areas = to_leading_order(node_values["friction_coefficient"]), to_leading_order(node_values["contact_area"])
@@ -190,7 +191,7 @@ LEADING_DIMENSIONS = (*SHAPE_DIMENSIONS, "sliding", "direction", "load", "mu0", 
 
 
 def to_leading_order(table: xarray.DataArray) -> Floats:
-    """Transpose values to `LEADING_DIMENSIONS` and their other dimensions; a missing dimension gets the length 1."""
+    """Transpose values to `LEADING_DIMENSIONS` and their other dimensions. Missing dimensions get a length of 1."""
     table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
 
@@ -198,7 +199,7 @@ def to_leading_order(table: xarray.DataArray) -> Floats:
 def _statuses(
     names: NDArray[Any], validity: dict[str, Floats], figures: Sequence[dict[str, Any]]
 ) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
-    """Return statuses by code, and the codes of points: 0 for a trusted value, 1 for a value beyond the model."""
+    """Return the statuses by code, and the code of each point: 0 for a trusted value, 1 for one beyond the model."""
     statuses = [{"name": friction.STATUS_OK, "isOk": True, "isTrusted": is_trusted} for is_trusted in (True, False)]
     is_invalid = np.zeros(names.shape, bool)
     for figure, values in zip(figures, validity.values(), strict=True):
@@ -234,7 +235,7 @@ def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[st
 
 
 def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], study: Study) -> dict[str, int]:
-    """Return the cell and load of the valid value with the narrowest interval, at mu0 and tau0 of the study."""
+    """Return the cell and load of the valid value with the narrowest interval, at the study's mu0 and tau0."""
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
     index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *nodes)
@@ -251,7 +252,7 @@ def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], st
 def _checked_numbers(
     node_values: xarray.Dataset, points: Floats, area: Floats, contacts: Floats, study: Study, members: int
 ) -> dict[str, Any]:
-    """Return, for every node, the numbers that are checked against limits to assess generated surfaces."""
+    """Return, for every node, the numbers that are compared with limits to assess generated surfaces."""
     load, mu0, tau0 = (to_leading_order(node_values[name]) for name in ("load", "mu0", "tau0"))
     carried = to_leading_order(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
     surfaces: Any = study.surfaces
@@ -266,13 +267,13 @@ def _checked_numbers(
 
 
 def _reason_record(reason: Caveat | Check) -> dict[str, Any]:
-    """Return the text, remedy, severity and number of a reason for a page."""
+    """Return the text, remedy, severity and number of a reason, for a page."""
     number = _number_format(reason) if isinstance(reason, Check) and "{}" in reason.text else None
     return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number}
 
 
 def _number_format(check: Check) -> dict[str, Any]:
-    """Return table, factor, decimals and unit of the number in the text of a check."""
+    """Return table, factor, decimals and unit of the number in a check's text."""
     name, format_name = check.shown_name, check.shown
     if format_name == "percent":
         return {"table": name, "factor": 100, "decimals": 0, "unit": " %"}
@@ -287,7 +288,7 @@ def _number_format(check: Check) -> dict[str, Any]:
 
 
 def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats) -> str:
-    """Draw two of the profiles in contact, and the onset of sliding if the study includes it."""
+    """Draw two of the profiles in contact and, if the study includes it, the onset of sliding."""
     if not (has_contact := (counts > 0).any(axis=(0, 1))).any():
         return ""
     panels = []
@@ -300,7 +301,7 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
 
 
 def _study_name(study: Study) -> str:
-    """Return the name of the built-in study that equals a study except for its repetitions; otherwise a description."""
+    """Return the name of the built-in study that equals a study except for repetitions, or else a description."""
     changes = {"ensemble.repetitions": study.ensemble.repetitions}
     return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
 

@@ -1,4 +1,4 @@
-"""Report of measured surfaces: friction at nodes of mu0 and tau0, other quantities at every load, and assessments."""
+"""Report on measured surfaces: friction at nodes of mu0 and tau0, other quantities at every load, and assessments."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ from stiction.views.resolution import wavelengths_text
 from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.text import budget_text, dwell_time_text
 
-# Maximum number of coefficients in a page, which is the product of nodes, loads, cutoffs, rules and directions.
+# Maximum number of coefficients in a page: the product of nodes, loads, cutoffs, rules and directions.
 MAX_MEASURED_COEFFICIENTS = 400_000
 
-_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without SI prefix
+_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without an SI prefix
 
 
 def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
-    """Return the report on a result of measured bodies; its title is a name or, if the name is empty, the files.
+    """Return the report on a result of measured bodies. Its title is a given name, or the file names.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if
     the result is too large.
@@ -141,7 +141,7 @@ def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, 
     size *= axes[0].values.size * axes[1].values.size
     if size > MAX_MEASURED_COEFFICIENTS:
         raise ReportError(
-            f"the result has {size} coefficients, and a report contains at most {MAX_MEASURED_COEFFICIENTS}"
+            f"the result must have at most {MAX_MEASURED_COEFFICIENTS} coefficients for a report, got {size}"
         )
     members: list[int] = []
     arrays: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
@@ -185,7 +185,7 @@ def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, 
         motion["isWhole"] = len(motion["directions"]) == len(angles)
         motion["angle"] = None if len(motion["directions"]) > 1 else angles[motion["directions"][0]]
         is_combined[0, index] = motion["isWhole"]
-    # A value without a combined interval has the number of decimals of the mean over all directions.
+    # A value without a combined interval has as many decimals as the mean over all directions.
     mean_friction = displayed[0, :, :, [is_combined[0].argmax()]]
     mean_decimals = np.moveaxis(decimals_of(*np.moveaxis(mean_friction, -1, 0))[0], 0, 2)
     displayed[
@@ -219,7 +219,7 @@ ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUS
 
 
 def _status_codes(statuses: Any, values: Floats) -> Any:
-    """Return the status codes of means (cut_off, sliding, load, mu0, tau0) over directions, which are axis 2."""
+    """Return the status codes of means over directions (cut_off, sliding, load, mu0, tau0)."""
     codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
     bad = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
     not_solved = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
@@ -227,7 +227,7 @@ def _status_codes(statuses: Any, values: Floats) -> Any:
 
 
 def _pull_off_lines(result: Result, study: Study) -> list[str]:
-    """Return lines about the pull-off force, for the first mu0 and tau0 and the quoted rule."""
+    """Return lines about the pull-off force for the first mu0 and tau0 and the quoted rule."""
     if not study.contact.adheres:
         return []
     pull_off_estimate = result.summary().points[0].sticking
@@ -261,7 +261,7 @@ def _history(side: str, history: str, study: Study) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-MAX_READINGS = 4  # maximum number of scans of a part whose interpretation is listed
+MAX_READINGS = 4  # maximum number of scans of a part in the table of interpretations
 
 
 def _reading_table(scan: MeasuredFile) -> str:
@@ -316,7 +316,7 @@ _CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contributions(answer: PointSummary) -> dict[str, Any] | None:
-    """Return the contributions to a coefficient with friction at all contacts, with its interval, and texts of both."""
+    """Return the contributions to a coefficient (friction at all contacts) with its interval, and their texts."""
     estimate = next((rule for rule in answer.rules if rule.rule == "all"), None)
     if answer.parts is None or estimate is None or not math.isfinite(estimate.value):
         return None

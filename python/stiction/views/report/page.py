@@ -40,7 +40,7 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class Page:
-    """Page: title, lines below it, markup of its main part, scripts, and the version that computed its result."""
+    """Page: title, lines below the title, main part (markup), scripts, and the version that computed the result."""
 
     name: str
     head: list[str]
@@ -61,18 +61,18 @@ class Page:
         )
 
     def save(self, path: Path) -> None:
-        """Write the page, which may replace an older report; raise a `ReportError` for any other file."""
+        """Write the page. It may replace an older report; for any other existing file, raise a `ReportError`."""
         with replaced_file(path, REPORT_MARK.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
 
 def part(name: str) -> str:
-    """Return the text of a file of this package."""
+    """Return the text of a file in this package."""
     return (resources.files(__package__) / name).read_text("utf-8")
 
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
-    """Return the markup of scripts with a result, its facts, and the numbers of `packed`."""
+    """Return the markup of scripts with a result, its facts, and packed numbers."""
     # Without "<", a text cannot end the element or start another one.
     facts_json = to_json(facts).replace("<", "\\u003c")
     element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
@@ -83,7 +83,7 @@ def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
     )
 
 
-MAX_TEXT_LENGTH = 400  # maximum number of characters that are shown of a line from a file
+MAX_TEXT_LENGTH = 400  # maximum number of characters shown of a line from a file
 
 
 def escaped(text: object) -> str:
@@ -117,7 +117,7 @@ REPORT_AXES = {
 
 @dataclass(frozen=True, eq=False)
 class PageResult:
-    """Content of a page. `details`, `touching` and `pictures` are markup about the study and of the figures."""
+    """Content of a page. `details`, `touching` and `pictures` contain markup of the study and of the figures."""
 
     study: Study
     name: str
@@ -140,7 +140,7 @@ class PageResult:
         return "".join(f'<p class="notice">{escaped(line)}</p>' for line in notices)
 
     def described(self) -> str:
-        """Return the study as markup: its differences from the defaults, and all of its keys."""
+        """Return the study as markup: its differences from the defaults, and all its keys."""
         study_file = (
             "<details><summary>The whole study file (TOML)</summary>"
             f'<pre tabindex="0">{html.escape(_without_folders(self.study).to_toml())}</pre></details>'
@@ -154,7 +154,7 @@ class PageResult:
 
 
 def _without_folders(study: Study) -> Study:
-    """Return a study whose file names have no folders, because readers of a page have other folders."""
+    """Remove the folders from the file names of a study, because readers of a page have other folders."""
     if not study.is_measured:
         return study
     surfaces: Any = study.surfaces
@@ -169,7 +169,7 @@ def motions_of(study: Study) -> tuple[list[str], list[float]]:
 
 
 def axes_facts(axes: tuple[Axis, Axis], study: Study) -> dict[str, Any]:
-    """Return the nodes of mu0 and tau0 (MPa) for a page, with steps and initial values of their sliders."""
+    """Return the nodes of mu0 and tau0 (MPa) for a page, with steps and initial values of the sliders."""
     initial = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),

@@ -1,4 +1,4 @@
-"""Table about how a file was read: layout, points, columns, units, spacing, missing points and caveats."""
+"""Table on how a file was read: layout, points, columns, units, spacing, missing points and caveats."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ READING_OPTIONS = ("unit", "spacing", "columns", "channel", "missing_value", "mi
 
 
 def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
-    """Return the interpretation of a file, and the options for reading it, as markup."""
+    """Return the interpretation of a file, and its reading options, as markup."""
     rows = "".join(
         f'<tr><th scope="row">{escaped(name)}</th><td>{escaped(value)}</td></tr>'
         for name, value in reading_rows(reading, options)
@@ -24,7 +24,7 @@ def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
 
 
 def reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return names and values of the layout that was detected in a file, and of the options for reading it."""
+    """Return names and values of the detected layout of a file, and of its reading options."""
     source, body = reading.source, reading.body
     steps = [f"{step:.6g} µm along {axis}" for axis, step in zip("xy", body.spacings[::-1], strict=False)]
     specified = {name: options.get(name) for name in READING_OPTIONS}

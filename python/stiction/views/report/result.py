@@ -1,4 +1,4 @@
-"""Report of a result as an HTML page.
+"""Report on a result as an HTML page.
 
 The report contains values, intervals, statuses, assessments and numbers of decimals at nodes of mu0 and tau0. The
 scripts decode the numbers, interpolate between nodes and draw.
@@ -64,7 +64,7 @@ MAIN_PLOTS = {True: ("friction", "compass"), False: ("over", "friction", "area",
 def save_report(
     result: Result | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
-    """Write the report of a result. An older report with the same name is replaced once the new report is complete.
+    """Write the report on a result. An older report with the same name is replaced when the new one is complete.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def save_report(
 
 
 def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
-    """Return the report of a result as HTML that needs no external resources.
+    """Return the report on a result as HTML without external resources.
 
     `name` is the title; by default it is the name of a built-in study, or the names of the files. `picture` is a result
     of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a

@@ -1,4 +1,4 @@
-"""Report of a measured profile or surface: small-slope estimate, heights, spectra and roughness."""
+"""Report on a measured profile or surface: small-slope estimate, heights, spectra and roughness."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.report.page import Page, escaped, part
 from stiction.views.report.pictures import inline
 
-# Fraction of the mean square slope in the shortest octave above which the report advises a finer scan.
+# Above this fraction of the mean square slope in the shortest octave, the report advises a finer scan.
 MAX_OCTAVE_FRACTION = 0.1
 
 
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> Page:
-    """Return the page of a levelled profile or surface, with its command and the interpretation of its file (markup).
+    """Return the page of a levelled profile or surface, with its command and the interpretation of its file.
 
     `options` are the options of `characterisation_text`.
     """
@@ -79,7 +79,7 @@ def _meaning(characterisation: Characterisation) -> str:
 
 
 def _table(rows: list[Row]) -> str:
-    """Return rows of a table as markup; a row without a label continues the previous row."""
+    """Return table rows as markup. A row without a label continues the previous row."""
     lines: list[tuple[str, list[str]]] = []
     for row in rows:
         label, texts = row.label, row.texts

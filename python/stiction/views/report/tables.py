@@ -1,4 +1,4 @@
-"""Tables of numbers in a page, and the number of decimals with which they are printed."""
+"""Tables of numbers in a page, with the number of decimals to print."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefix, format_estimate
 
-FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores, which give a relative precision of 5e-7
+FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores, for a relative precision of 5e-7
 NO_INTERVAL = -128  # value stored as the decimals of the upper end if the interval is not printed
-MAX_DECIMALS = 100  # maximum number of decimals, and of rounded digits before the decimal point
+MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded digits before the decimal point
 
 
 _COMPRESSION = 7  # takes a sixth of the time of level 9, for 0.5 % more bytes
@@ -56,7 +56,7 @@ class Tables:
         arrays.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
 
     def add_points(self, name: str, points: Floats, *, decimals: Any = None) -> None:
-        """Append values, lower and upper ends (..., 3), and the number of decimals to print.
+        """Append values with lower and upper ends (..., 3), and the number of decimals to print.
 
         `decimals` is the number of decimals for values without an interval.
         """
@@ -76,7 +76,7 @@ class Tables:
 
 
 def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return the decimals with which `format_estimate` prints the mean and lower end, and those of the upper end.
+    """Return the decimals that `format_estimate` prints for the mean and lower end, and for the upper end.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are `NO_INTERVAL`
     if `format_estimate` prints no interval.
@@ -103,7 +103,7 @@ def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.
         np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_decimals)
     )
     upper_decimals = np.where(has_no_interval, NO_INTERVAL, upper_decimals)
-    # If both ends are equal as printed, the value is printed without trailing zeros instead.
+    # If both ends print as equal, the value is printed without trailing zeros instead.
     for index in zip(*np.nonzero(is_equal), strict=True):
         text = format_estimate(float(mean[index]), float(lower[index]), float(upper[index]))
         if "[" not in text:
