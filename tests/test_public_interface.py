@@ -201,7 +201,7 @@ def test_plot_of_a_load_curve_draws_friction_coefficients(curve):
 
 def test_plot_rejects_a_spectrum_of_zeros():
     zero_spectrum = power_spectrum(Profile(np.zeros(16), spacing=1.0))
-    with pytest.raises(ValueError, match="0 everywhere, so there is nothing to draw"):
+    with pytest.raises(ValueError, match="must not be 0 everywhere"):
         zero_spectrum.plot(Figure().subplots())
     assert "nothing to draw" in zero_spectrum._repr_html_()
 
@@ -330,7 +330,7 @@ def test_surface_from_a_surface_topography_object_preserves_heights(lower):
     line = Profile.from_(topography.UniformLineScan(lower.heights[0], columns * 0.2), unit="um")
     np.testing.assert_array_equal(line.heights, lower.heights[0])
     masked = np.ma.masked_greater(lower.heights.T, 0.01)
-    with pytest.raises(ValueError, match="points without a height"):
+    with pytest.raises(ValueError, match="must have a height at every point"):
         Surface.from_(topography.Topography(masked, sizes, unit="nm"))
 
 
@@ -353,8 +353,8 @@ def test_conversion_to_a_surface_rejects_other_objects(lower):
     missing[0, 0] = np.nan
     uneven = uneven.assign_coords(x=("x", np.square(array["x"].values), array["x"].attrs))
     for bad, words in (
-        (lower.row(0), "must be a surface, got a profile; see Profile.from_"),
-        ([[0.0, 1.0]], "one of SurfaceTopography, surfalize or xarray, got list"),
+        (lower.row(0), "must be a surface, got a profile; use Profile.from_"),
+        ([[0.0, 1.0]], "an object of SurfaceTopography, surfalize or xarray, got list"),
         (array.drop_attrs(), "must have a unit of length"),
         (array.rename(x="u"), "must have the dimensions y and x"),
         (missing, "1 points without a height"),
@@ -558,7 +558,7 @@ REJECTED_ARGUMENTS = [
     ({"mechanics": "fem"}, "mechanics must be half-space or asperities, got 'fem'"),
     ({"lines": 3}, "shifts is for the areas of two maps, without lines"),
     ({"unit": "nm"}, "unit is for files"),
-    ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or one of .* got float"),
+    ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or an object of .* got float"),
     ({"second": "nowhere.npy"}, "nowhere.npy"),
 ]
 

@@ -59,7 +59,7 @@ class TestWriting:
         monkeypatch.setattr(_files, "new_partial_name", lambda: name)
         (tmp_path / "target").write_text("mine")
         (tmp_path / name).symlink_to("target")
-        with pytest.raises(ValueError, match="exists already"), writer(tmp_path / "f", ValueError):
+        with pytest.raises(ValueError, match="already exists"), writer(tmp_path / "f", ValueError):
             pass
         assert (tmp_path / "target").read_text() == "mine"
 
@@ -67,7 +67,7 @@ class TestWriting:
         monkeypatch.chdir(tmp_path)
         for place in (".", "/dev/null", "/dev/full", "/"):
             with (
-                pytest.raises(ValueError, match=re.escape(f"{place}: exists already")),
+                pytest.raises(ValueError, match=re.escape(f"{place}: already exists")),
                 writer(_files.Path(place), ValueError),
             ):
                 pass

@@ -1,4 +1,4 @@
-"""Parsing of arguments that are numbers or strings with units."""
+"""Parsing of arguments that are numbers, or strings with units."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _CORE_UNITS = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "w
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split a comma-separated string or a nested list into its values; any other value becomes a list of one."""
+    """Split a comma-separated string or a nested list into its values. Any other value becomes a list of one."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and np.ndim(value) == 1
@@ -39,7 +39,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 
 
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Return one or several quantities of the given kind."""
+    """Return one or more quantities of a kind."""
     reject_decimal_commas(name, value)
     return [parse_quantity(name, item, kind) for item in _split_required(name, value)]
 
@@ -54,13 +54,13 @@ def reject_decimal_commas(name: str, value: Any) -> None:
         if isinstance(item, str) and (match := _DECIMAL_COMMA.search(item)):
             as_decimal, as_list = match[0].replace(",", "."), match[0].replace(",", ", ")
             raise ArgumentError(
-                f'{{{name}}} has a comma between digits: write "{as_decimal}" for one number '
+                f'{{{name}}} has a comma between digits; write "{as_decimal}" for one number '
                 f'or "{as_list}" for two, got {{got}}', got=repr(item),
             )  # fmt: skip
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or several numbers or strings. With `integers`, the comma in "0,90" separates two numbers."""
+    """Parse one or more numbers or strings. `integers` treats the comma in "0,90" as a separator."""
     if not integers:
         reject_decimal_commas(name, value)
     try:
@@ -78,7 +78,7 @@ MAX_NUMBER = 1e6
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
-    """Return one or several numbers from 0 to `MAX_NUMBER`."""
+    """Return one or more numbers between 0 and `MAX_NUMBER`."""
     numbers = parse_numbers(name, value)
     if any(item < 0 for item in numbers):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(value))
@@ -97,7 +97,7 @@ def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load; also return True if the load is a pressure on the slider. A plain number is a force in mN.
+    """Parse a load (a plain number is a force in mN), and return True as well if it is a pressure on the slider.
 
     The load must be above 0, or at least 0 with `or_zero`.
     """

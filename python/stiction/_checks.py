@@ -20,12 +20,12 @@ _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Floats:
-    """Return the values as a C-contiguous float64 array; raise a `ValueError` if a value is not finite.
+    """Return the values as a C-contiguous float64 array. Infinite values and NaN raise a `ValueError`.
 
     `ndim` is the required number of dimensions; None accepts any.
     """
     if np.ma.is_masked(values):
-        raise ValueError(f"{name} has masked values; fill or remove them first")
+        raise ValueError(f"{name} must not have masked values; fill or remove them first")
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "iuf" and array.size:
@@ -42,7 +42,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
     if not np.isfinite(total) and (bad := ~np.isfinite(array)).any():
         first = tuple(int(i) for i in np.argwhere(bad)[0])
         location = f"{name}{list(first)}" if first else name
-        raise ValueError(f"{name} must be finite, but {location} is {array[first]} ({int(bad.sum())} such values)")
+        raise ValueError(f"{name} must be finite, got {array[first]} at {location} ({int(bad.sum())} such values)")
     return array
 
 
@@ -80,7 +80,7 @@ def scalar(value: Any) -> Any:
 
 
 def fraction(name: str, value: Any) -> float:
-    """Return a number from 0 to 1."""
+    """Return a number between 0 and 1."""
     result = number(name, value)
     if not 0 <= result <= 1:
         raise ValueError(f"{name} must be from 0 to 1, got {value!r}")
@@ -88,7 +88,7 @@ def fraction(name: str, value: Any) -> float:
 
 
 def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 1) -> int:
-    """Return an integer from `minimum` to `maximum`."""
+    """Return an integer between `minimum` and `maximum`."""
     try:
         result = operator.index(scalar(value)) if not isinstance(scalar(value), bool) else minimum - 1
     except TypeError:
@@ -100,7 +100,7 @@ def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise a `ValueError` unless the value is an instance of a class, which `words` describe in the message."""
+    """Raise a `ValueError` unless the value is an instance of a class, which the message describes by `words`."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 
@@ -115,6 +115,6 @@ def check_choice(name: str, value: Any, literal: Any) -> None:
 
 
 def check_bool(name: str, value: Any) -> None:
-    """Raise a `ValueError` unless the value is True or False; 0 and 1 are rejected."""
+    """Raise a `ValueError` unless the value is True or False. 0 and 1 are rejected."""
     if not isinstance(scalar(value), bool):
         raise ValueError(f"{name} must be True or False, got {short_repr(value)}")

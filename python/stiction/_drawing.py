@@ -16,18 +16,18 @@ if TYPE_CHECKING:
 
 HEIGHT_MAP = "gray"
 _MAX_NM_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
-_MAX_BAR_FRACTION = 0.25  # largest length of the scale bar, relative to the width of the map
+_MAX_BAR_FRACTION = 0.25  # maximum length of the scale bar, relative to the width of the map
 PRESSURE_MAP = "inferno"
-MAX_LEGEND_LINES = 12  # largest number of lines for which there is a legend
+MAX_LEGEND_LINES = 12  # maximum number of lines with a legend
 
 
 def to_readable_unit(heights: Floats) -> tuple[Floats, str]:
-    """Return heights in nm if they span less than 0.5 µm, else in µm, with the unit."""
+    """Return heights and their unit: nm if they span less than 0.5 µm, otherwise µm."""
     return (heights * 1000, "nm") if np.ptp(heights) < _MAX_NM_RANGE else (heights, "µm")
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
-    """Draw heights against x; the two axes have different scales."""
+    """Draw heights against x, with different scales of the two axes."""
     heights, unit = to_readable_unit(heights)
     ax.plot(x, heights, color="0.2", linewidth=0.8)
     ax.set(xlim=(0, float(x[-1])), xlabel="x (µm)", ylabel=f"height ({unit})")
@@ -35,7 +35,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
 
 
 def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
-    """Draw a height map with y upwards; each point is the centre of its cell."""
+    """Draw a height map with y upwards. Each point is the centre of its cell."""
     heights, unit = to_readable_unit(heights)
     image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_MAP)
     add_colour_bar(ax, image, f"height ({unit})")
@@ -44,16 +44,16 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw the spectral density against wave number on logarithmic scales: all harmonics, and their means in bins."""
+    """Draw spectral density against wave number on logarithmic scales: all harmonics, and their means in bins."""
     wave_number, density = harmonics
     positive = density > 0
     if not positive.any():
-        raise ValueError("the spectrum is 0 everywhere, so there is nothing to draw")
+        raise ValueError("the spectrum must not be 0 everywhere, because there is nothing to draw")
     ax.loglog(wave_number[positive], density[positive], color="0.75", linewidth=0.6)
     middle, mean = bins
     filled = mean > 0
     ax.loglog(middle[filled], mean[filled], color="0.1", linewidth=1.4)
-    # Without this limit, harmonics that consist of round-off would fill most of the axis.
+    # Without this limit, round-off harmonics would fill most of the axis.
     top = float(density.max())
     ax.set_ylim(max(float(mean[filled].min()) / 3, 1e-16 * top), 3 * top)
     ax.set_xlabel("wave number q (1/µm)")
@@ -65,7 +65,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
-    """Draw the rms height per octave of wavelength: heights that two scans share, and the noise of one scan."""
+    """Draw the rms height per octave of wavelength, for heights that two scans share and for the noise of one scan."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -80,7 +80,7 @@ def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar of a round length in the lower right corner of a map with the given extent (µm)."""
+    """Draw a scale bar of a round length in the lower right corner of a map with an extent (µm)."""
     from matplotlib.patheffects import withStroke
 
     left, right, bottom, top = box
@@ -114,7 +114,7 @@ def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
 
 
 def set_log_ticks(axes: Axes) -> None:
-    """Label logarithmic axes with plain numbers over up to three decades, and with powers of ten over wider ranges."""
+    """Label logarithmic axes with plain numbers over up to three decades, and with powers of ten beyond."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for axis in (axes.xaxis, axes.yaxis):
@@ -148,7 +148,7 @@ def draw_area(ax: Axes, load: Floats, area: Floats) -> Axes:
 def draw_friction(
     ax: Axes, load: Floats, coefficient: Floats, *, mu0: ArrayLike, tau0: ArrayLike, direction: ArrayLike
 ) -> Axes:
-    """Draw friction coefficients against load (mN): one line for each direction (degrees), mu0 and tau0 (GPa)."""
+    """Draw friction coefficients against load (mN), with one line per direction (degrees), mu0 and tau0 (GPa)."""
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
@@ -167,7 +167,7 @@ def draw_friction(
 
 
 def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return a label for each combination of mu0 and tau0, as the only item of a list; empty for scalars."""
+    """Return a list of labels, one per combination of mu0 and tau0; a single empty label for scalars."""
     materials = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if materials[0].ndim == 0:
         return []
@@ -207,7 +207,7 @@ def _draw_line_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: flo
 def draw_onset(
     ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
 ) -> Axes:
-    """Draw the tangential load against the displacement, or against the slipped area if there is no displacement."""
+    """Draw the tangential load against the displacement or, without displacements, against the slipped area."""
     has_displacement = bool(np.isfinite(displacement).all())
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"

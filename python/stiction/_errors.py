@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _MessageValues(dict[str, Any]):
-    """Mapping of the placeholders of a message to their values; unknown placeholders are names of arguments."""
+    """Mapping of message placeholders to values. Unknown placeholders are argument names."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)
@@ -18,7 +18,7 @@ class _MessageValues(dict[str, Any]):
 
 
 class ArgumentError(ValueError):
-    """Error for an invalid argument. In the message, `{name}` stands for the argument; others have values."""
+    """Error for an invalid argument. The placeholder `{name}` in its message is the argument; others have values."""
 
     def __init__(self, message: str, **values: Any) -> None:
         super().__init__(message.format_map(_MessageValues(values, str)))

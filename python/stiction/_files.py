@@ -21,10 +21,10 @@ PARTIAL_NAME = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9
 The name contains the machine, the process id, the run and a random number.
 """
 
-MAX_PARTIAL_AGE = 3600.0  # seconds after which a partial file of another machine counts as stale
+MAX_PARTIAL_AGE = 3600.0  # age in seconds above which a partial file of another machine counts as stale
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 _RUN_TOKEN = secrets.token_hex(4)  # identifies the run, because process ids are reused
-_NUM_SEARCHED_BYTES = 2**16  # number of bytes at the beginning and at the end of a file in which its mark is searched
+_NUM_SEARCHED_BYTES = 2**16  # number of bytes at the beginning and end of a file that are searched for its mark
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -32,17 +32,17 @@ _NUM_SEARCHED_BYTES = 2**16  # number of bytes at the beginning and at the end o
 
 @contextmanager
 def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a partial file that gets its final name when it is complete; raise `failure` if the name exists already."""
+    """Yield a partial file that gets its final name when complete; raise `failure` if the name already exists."""
     with _translate_errors(path, failure):
         if os.path.lexists(path):
             raise FileExistsError
-        with _partial(path, os.link) as partial:  # in contrast to rename, link never replaces a file
+        with _partial(path, os.link) as partial:  # unlike rename, link never replaces a file
             yield partial
 
 
 @contextmanager
 def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a partial file that replaces `path` when it is complete; raise `failure` if `path` lacks the mark."""
+    """Yield a partial file that replaces `path` when complete; raise `failure` if `path` lacks the mark."""
     check_replaceable(path, mark, failure)
     with _translate_errors(path, failure), _partial(path, Path.replace) as partial:
         yield partial
@@ -53,21 +53,21 @@ def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> Non
     with _translate_errors(path, failure):
         if os.path.lexists(path) and not _has_mark(path, mark):
             raise failure(
-                f"{printable_path(path)}: exists already and is something else; remove it, or choose another name"
+                f"{printable_path(path)}: already exists and is not replaceable; remove it, or choose another name"
             )
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file atomically: it appears under its name, and replaces an older file, only once it is complete."""
+    """Write a file atomically. It appears under its name, and replaces an older file, only when complete."""
     with _partial(path, Path.replace) as partial:
         partial.write_bytes(content)
 
 
 @contextmanager
 def _partial(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
-    """Yield an empty file next to `path`, which is moved there on success and removed otherwise."""
+    """Yield an empty file next to `path`. It is moved to `path` on success, and removed otherwise."""
     partial = path.parent / new_partial_name()
-    try:  # opened inside `try`, because Ctrl-C may come as soon as the file exists
+    try:  # open the file inside `try`, because Ctrl-C may come as soon as it exists
         os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial
         move(partial, path)
@@ -82,7 +82,7 @@ def new_partial_name() -> str:
 
 
 def remove_stale_partials(folder: Path) -> None:
-    """Remove partial files of dead processes; a directory that is not writable is left unchanged."""
+    """Remove partial files of dead processes. Directories that are not writable are left unchanged."""
     with suppress(OSError):
         for entry in os.scandir(folder):
             match = PARTIAL_NAME.fullmatch(entry.name)
@@ -110,7 +110,7 @@ def _translate_errors(path: Path, failure: type[ValueError]) -> Iterator[None]:
     try:
         yield
     except FileExistsError:
-        raise failure(f"{printable_path(path)}: exists already; remove it, or choose another name") from None
+        raise failure(f"{printable_path(path)}: already exists; remove it, or choose another name") from None
     except OSError as error:
         raise failure(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None
 
@@ -154,5 +154,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason of a system error without the file name, which may be an internal one."""
+    """Return the reason of a system error without the file name, which may be internal."""
     return os.strerror(error.errno) if error.errno else str(error)

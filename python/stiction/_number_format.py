@@ -1,4 +1,4 @@
-"""Formatting of numbers, with digits that follow from the interval and in the unit with the fewest zeros."""
+"""Formatting of numbers, with digits that depend on the interval, in the unit with the fewest zeros."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import json
 import math
 from typing import Any
 
-MAX_DIGITS = 4  # maximum number of significant digits of a value, however narrow its interval
-UNBOUNDED_END = "\N{INFINITY}"  # text that stands for the upper end of an unbounded interval
-MAX_PRECISE_END_RATIO = 100.0  # ratio of the upper end to the value above which the end is printed with one digit
+MAX_DIGITS = 4  # maximum number of significant digits of a value, even with a narrow interval
+UNBOUNDED_END = "\N{INFINITY}"  # text for the upper end of an unbounded interval
+MAX_PRECISE_END_RATIO = 100.0  # the upper end is printed with one digit above this ratio to the value
 
 _PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
@@ -20,7 +20,7 @@ _PREFIXES = {
 
 
 def format_with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
-    """Format a value with its interval, rounded to `digits` digits of the half-width, as in "0.157 [0.102, 0.216]".
+    """Format a value with its interval to `digits` digits of the half-width, as in "0.157 [0.102, 0.216]".
 
     The value has two to four significant digits. The text is "none" for a missing value, and ends with "no interval"
     for a missing interval. The interval is omitted if both ends are equal to four digits.
@@ -42,7 +42,7 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
 
 
 def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number with its interval, rounded to one digit of the half-width, or without interval to two digits."""
+    """Format a number with its interval to one digit of the half-width, or without an interval to two digits."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
@@ -51,7 +51,7 @@ def format_estimate(mean: float, lower: float = math.nan, upper: float = math.na
 
 
 def format_limits(low: float, high: float) -> str:
-    """Format both ends of a range, rounded to one digit of its half-width and at least two significant digits."""
+    """Format both ends of a range to one digit of its half-width and at least two significant digits."""
     if math.isinf(high):
         return f"{format_significant(low)} to {UNBOUNDED_END}"
     decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
@@ -60,7 +60,7 @@ def format_limits(low: float, high: float) -> str:
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number to significant digits without trailing zeros, and without an exponent from 1e-6 to 1e6."""
+    """Format a number to significant digits without trailing zeros, with an exponent only outside 1e-6 to 1e6."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -71,7 +71,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Return the number of decimals for `digits` digits of the half-width, and two to four of the value."""
+    """Return the number of decimals for `digits` digits of the half-width, and two to four digits of the value."""
     size = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
         return size + MAX_DIGITS - 1
@@ -94,12 +94,12 @@ def choose_prefix(value: float, unit: str) -> tuple[float, str]:
     """Return the factor and the name of the unit in which a value has the fewest zeros."""
     if value == 0:
         return 1.0, unit.replace("um", "µm")
-    # The value is first rounded to the printed digits, so that 0.99996 mN is printed as 1 mN.
+    # Round the value to the printed digits first, so that 0.99996 mN is printed as 1 mN.
     rounded = float(f"{abs(value):.3g}")
     return next((factor, name) for minimum, factor, name in _PREFIXES[unit] if rounded >= minimum)
 
 
-MIN_PERCENT = 0.001  # smallest percentage that is printed; smaller ones are printed as below this limit
+MIN_PERCENT = 0.001  # smallest percentage that is printed; smaller ones are printed as "below" this limit
 
 
 def format_time(seconds: float) -> str:
@@ -127,7 +127,7 @@ def _format_decimals(value: float, digits: int) -> str:
 
 
 def to_json(record: Any, **options: Any) -> str:
-    """Return a number for JSON, in which None stands for NaN, for infinity, and for None itself."""
+    """Return a number for JSON, with None for NaN, for infinity and for None itself."""
     return json.dumps(_with_null(record), allow_nan=False, **options)
 
 

@@ -1,4 +1,4 @@
-"""Text, HTML and images of results in a terminal or a notebook."""
+"""Representations of results in a terminal or a notebook as text, HTML and images."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NOTEBOOK_DPI = 110  # resolution of an image in a notebook, dots per inch
-NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of an image in a notebook, inches
-MAX_COLUMN_WIDTH = 4.0  # largest width (inches) of figures that fit into one column and get a higher resolution
-PNG_COMPRESSION = 4  # takes half the time of the default level 6, for images of maps that are 10 % larger
+NOTEBOOK_DPI = 110  # resolution of a notebook image, dots per inch
+NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of a notebook image, inches
+MAX_COLUMN_WIDTH = 4.0  # maximum width (inches) of one-column figures, which get a higher resolution
+PNG_COMPRESSION = 4  # takes half the time of the default level 6, for 10 % larger images of maps
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
 """Next smaller unit and its factor, for values below 0.1."""
@@ -59,12 +59,12 @@ class TableRepr(TextRepr):
 
 
 def field_units(cls: Any) -> dict[str, str]:
-    """Return the units of the fields of a dataclass by field name; fields without a unit are omitted."""
+    """Return the units of the fields of a dataclass by field name, omitting fields without a unit."""
     return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
 
 
 def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
-    """Format a number to four digits in the unit with the fewest zeros; return the text and the unit."""
+    """Format a number to four digits, and return it with the unit in which it has the fewest zeros."""
     if unit in _SMALLER_UNITS and 0 < abs(value) < 0.1:
         factor, unit = _SMALLER_UNITS[unit]
         value = value / factor
@@ -135,7 +135,7 @@ def table_html(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def plot_html(draw: Callable[[Axes], object]) -> str:
-    """Render axes that a function draws as an inline image, or its error message if there is nothing to draw."""
+    """Return the plot of a drawing function as an inline image, or its error message if there is nothing to draw."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=NOTEBOOK_SIZE, layout="constrained")
@@ -178,7 +178,7 @@ def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: di
 
 
 def axes_for(ax: Axes | None) -> Axes:
-    """Return the given axes, or new pyplot axes, which a notebook displays."""
+    """Return the given axes, or new pyplot axes that a notebook displays."""
     if ax is not None:
         return ax
     from matplotlib import pyplot

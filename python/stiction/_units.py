@@ -73,7 +73,7 @@ def quantity(text: object, kind: str) -> Quantity:
     if match is None and (out_of_range := _NUMBER_AND_UNIT.fullmatch(text)) is not None and out_of_range[1] in units:
         raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {short_repr(text)}")
     if match is None:
-        raise ValueError(f'must be "number unit" with a unit of {kind} ({allowed}), got {short_repr(text)}')
+        raise ValueError(f"must be a number and a unit of {kind} ({allowed}), got {short_repr(text)}")
     digits, unit = match.groups()
     if unit not in units:
         similar = [name for name in units if name.lower() == unit.lower()]
@@ -87,7 +87,7 @@ def quantity(text: object, kind: str) -> Quantity:
 
 
 def to_core_units(name: str, value: Any, kind: str) -> Any:
-    """Convert a string with a unit, or a list of such strings, to core units; return numbers unchanged.
+    """Convert strings with a unit to core units, and return numbers unchanged.
 
     Raises a `ValueError` that names the argument if a string is not a number with a unit of this kind.
     """
@@ -102,7 +102,7 @@ def to_core_units(name: str, value: Any, kind: str) -> Any:
 
 
 def loads_to_core_units(name: str, value: Any, area: float) -> Any:
-    """Convert loads to mN from forces, or from pressures on an area (µm²); return numbers unchanged.
+    """Convert loads to mN, from forces or from pressures on an area (µm²). Numbers are returned unchanged.
 
     Raises a `ValueError` if a string is neither a force nor a pressure.
     """
@@ -112,14 +112,14 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
         return value
     for kind, factor in (("force", 1.0), ("pressure", area)):
         try:
-            return float(f"{quantity(value, kind) * factor:.12g}")  # removes digits that result from round-off
+            return float(f"{quantity(value, kind) * factor:.12g}")  # remove digits that are due to round-off
         except ValueError:
             continue
     raise ValueError(f'{name} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa", got {value!r}')
 
 
 def exact_text(value: float, unit: str) -> str:
-    """Format a number and its unit such that `quantity` parses exactly the same number."""
+    """Format a number and its unit so that `quantity` parses exactly the same number."""
     return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 

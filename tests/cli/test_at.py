@@ -150,7 +150,7 @@ def test_at_command_accepts_comma_separated_and_repeated_options(results_folder)
         (("study", "--load", "1 mN", "--tau0", "-1 MPa"), ["--tau0 must be at least 0"]),
         (("study", "--load", "1 um"), ["--load"]),
         (("study", "--load", "1 MPa"), ["--load of a study must be a force"]),
-        (("study",), ["give --load: the study has no loads"]),
+        (("study",), ["--load must be given, because the study has no loads"]),
         (("study", "--load", "1 mN", "--mu0", "0,2"), ['"0.2"', '"0, 2"']),
         (("study", "--load", "0,5 mN"), ['"0.5"']),
         (("maps", "--load", "3,5 MPa"), ['"3.5"']),
@@ -251,7 +251,7 @@ def test_export_command_writes_netcdf_or_csv_and_overwrites_no_file(results_fold
     record = json.loads(stiction_output("info", name, "--json", cwd=results_folder))
     assert {row["verdict"] for row in rows} == {answer["verdict"] for answer in record["answers"]}
     for file_name in ("r.nc", "r.csv"):
-        assert_rejected(call_stiction("export", name, str(tmp_path / file_name), cwd=results_folder), "exists already")
+        assert_rejected(call_stiction("export", name, str(tmp_path / file_name), cwd=results_folder), "already exists")
     for file_name in ("r.xlsx", "r"):
         assert_rejected(call_stiction("export", name, file_name, cwd=results_folder), "must end in .nc", ".csv")
 

@@ -164,7 +164,7 @@ def test_characterise_command_overwrites_only_its_own_figures(scans_folder):
     assert (scans_folder / "scan.png").stat().st_ino != inode_before
     photograph = b"\x89PNG\r\n\x1a\n of the instrument"
     (scans_folder / "scan.png").write_bytes(photograph)
-    assert_rejected(call_stiction("characterise", "scan.csv", cwd=scans_folder), "scan.png: exists already")
+    assert_rejected(call_stiction("characterise", "scan.csv", cwd=scans_folder), "scan.png: already exists")
     assert (scans_folder / "scan.png").read_bytes() == photograph
 
 
@@ -183,7 +183,7 @@ def test_report_shows_characterise_command_without_directories(scans_folder):
     assert completed.stderr == "stiction: wrote alone.html, without a figure\n"
     (scans_folder / "alone.html").write_text("<p>of another program</p>", encoding="utf-8")
     completed = call_stiction("characterise", "scan.csv", "-o", "alone.html", cwd=scans_folder)
-    assert_rejected(completed, "alone.html: exists already")
+    assert_rejected(completed, "alone.html: already exists")
 
 
 def test_characterise_command_writes_json_and_figure_in_one_run(scans_folder):
@@ -215,7 +215,7 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
             assert row[title] == "" or float(row[title]) == pytest.approx(value["value"], rel=1e-8)
     assert rows[0]["Sq (um)"] == rows[1]["Pq (um)"] == ""
     completed = call_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=scans_folder)
-    assert_rejected(completed, "finishes.csv: exists already")
+    assert_rejected(completed, "finishes.csv: already exists")
 
 
 @pytest.mark.parametrize(
@@ -223,12 +223,12 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
     [
         (["none.csv"], "none.csv: cannot be read: No such file or directory"),
         (["empty.csv"], "empty.csv: is empty"),
-        (["scan.csv", "--columns", "x,z,q,r"], "columns must be one for heights, two for positions and heights"),
+        (["scan.csv", "--columns", "x,z,q,r"], "columns must be one column (heights), two (positions and heights)"),
         (["heights.npy", "--spacing", "1 um"], "does not contain the unit of its heights; give the unit"),
         (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', 'mask', got 'zero'"),
         (["scan.csv", "--level", "plane"], "--level must be one of 'none', 'mean', 'line',"),
-        (["scan.csv", "--lc", "1 um", "--repeated"], "--repeated needs two scans"),
-        (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust cannot be combined with"),
+        (["scan.csv", "--lc", "1 um", "--repeated"], "--repeated requires two scans"),
+        (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust must not be combined with"),
         (["scan.csv", "--lc", "1 m"], "one section length is"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be from half a point"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--form", "circle"], "'sphere', 'cylinder', got 'circle'"),
@@ -240,8 +240,8 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
             "cannot be combined with --column",
         ),
         (["scan.csv", "--band", "1 um"], "--band must be two wavelengths"),
-        (["scan.csv", "--band", "2 um,1 um"], "--band must give the shortest wavelength before"),
-        (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at least 8 harmonics"),
+        (["scan.csv", "--band", "2 um,1 um"], "--band must start with the shortest wavelength"),
+        (["scan.csv", "--band", "1 um,1.01 um"], "band must contain at least 8 harmonics"),
         (["scan.csv", "--output", "figure.bmp"], "--output must end in .html, .png, .pdf or .svg, got figure.bmp"),
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
     ],
@@ -336,7 +336,7 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert f"starts at x = {1000 * comparison.shift[0]:.3g} nm of the first scan." in " ".join(completed.stdout.split())
     assert np.array_equal(read_profile(tmp_path / "repeated.npy").heights, comparison.scan.heights)
     assert f"--cutoff '{1000 * comparison.limit:g} nm'" in " ".join(completed.stdout.split())
-    for options, expected_words in (([], "repeated.npy: exists already"), (["--together"], "excludes --together")):
+    for options, expected_words in (([], "repeated.npy: already exists"), (["--together"], "excludes --together")):
         assert_rejected(
             call_stiction("characterise", "a.csv", "b.csv", "--repeated", *options, cwd=tmp_path), expected_words
         )

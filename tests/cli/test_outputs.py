@@ -61,7 +61,7 @@ def test_command_does_not_overwrite_a_foreign_file(scans_folder, arguments, name
     else:
         path.symlink_to(target)
     completed = call_stiction(*arguments, cwd=scans_folder)
-    assert_rejected(completed, f"{path.name}: exists already")
+    assert_rejected(completed, f"{path.name}: already exists")
     assert completed.stdout == ""  # The command checks the file before it computes, so it prints no result.
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
@@ -105,7 +105,7 @@ def test_command_overwrites_its_own_output(scans_folder, arguments, names):
 def test_characterise_command_rejects_a_repeated_scan_as_output_file(scans_folder):
     content = (scans_folder / "upper.csv").read_bytes()
     completed = call_stiction(*CHARACTERISE_COMMAND, "--repeated", "--output", "upper.csv", cwd=scans_folder)
-    assert_rejected(completed, "upper.csv: exists already")
+    assert_rejected(completed, "upper.csv: already exists")
     assert (scans_folder / "upper.csv").read_bytes() == content
 
 

@@ -199,7 +199,7 @@ def test_spectrum_file_preserves_all_digits(spectra, tmp_path):
         spectra[0].names,
     )
     assert spectrum_read.history == spectra[0].history
-    with pytest.raises(ValueError, match="exists already"):
+    with pytest.raises(ValueError, match="already exists"):
         write_spectrum(spectrum_read, tmp_path / "joined.csv")
     with pytest.raises(ValueError, match=r"must end in \.csv"):
         write_spectrum(spectrum_read, tmp_path / "joined.txt")

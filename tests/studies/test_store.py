@@ -598,7 +598,7 @@ def test_exported_dataset_equals_the_computed_dataset(folder_copy, uninterrupted
     export(uninterrupted_dataset if kind == "dataset" else store.open_stored(folder_copy).dataset(), file)
     assert_same_bits(store.read(file), uninterrupted_dataset)
     assert_same_bits(xarray.load_dataset(file, engine="h5netcdf"), uninterrupted_dataset)
-    with pytest.raises(ExportError, match="exists already"):
+    with pytest.raises(ExportError, match="already exists"):
         export(uninterrupted_dataset, file)
 
 

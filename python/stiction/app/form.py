@@ -1,4 +1,4 @@
-"""Fields of the form as HTML, and replacement of option names in messages by labels of fields."""
+"""HTML fields of the form, and replacement of option names in messages by field labels."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ READING_FIELDS = tuple(flag for flag, field in FIELDS.items() if field.place == 
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
-    """Return the HTML of all fields that belong to one place of the form."""
+    """Return the HTML of all fields in one part of the form."""
     return "\n".join(_field_html(flag, field) for flag, field in FIELDS.items() if field.place == place)
 
 
@@ -40,7 +40,7 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def page_facts() -> str:
-    """Return facts for the script of the page, as the JSON text of an attribute.
+    """Return facts for the script of the page, as a JSON text for an attribute.
 
     The facts are units of plain numbers, options with commas, and descriptions of the sliding rules.
     """
@@ -57,13 +57,13 @@ _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
 
 
 def find_first_option(message: str) -> str:
-    """Return the option with which an error message starts, if the form has a field for it; otherwise an empty text."""
+    """Return the option at the start of an error message if the form has a field for it, or else an empty text."""
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FIELDS else ""
 
 
 def replace_option_names(message: str) -> str:
-    """Return a message of a command with the options of the form replaced by the labels of their fields and choices."""
+    """Replace the option names in a message of a command by the labels of their fields and choices."""
 
     def field_label(match: re.Match[str]) -> str:
         field = FIELDS.get(match[1])
@@ -77,6 +77,6 @@ def replace_option_names(message: str) -> str:
 
 
 def label_caveats(record: dict[str, Any]) -> dict[str, Any]:
-    """Return the record of a point whose caveats name form options by the labels of their fields."""
+    """Return the record of a point with field labels instead of option names in its caveats."""
     caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
     return record | {"caveats": caveats}

@@ -1,4 +1,4 @@
-"""Job queue of the server: runs commands in separate processes, one at a time.
+"""Job queue of the server. It runs commands in separate processes, one at a time.
 
 A job is a command that a user could type: the command line gives the same numbers, and "stop" has the same effect as
 Ctrl-C. A scan or result that exceeds the memory limit ends the command, but not the server.
@@ -24,15 +24,15 @@ from typing import Any
 from stiction.app.form import find_first_option, replace_option_names
 from stiction.studies.store import open_stored
 
-POLL_INTERVAL = 0.4  # seconds between two checks of the progress of a command
-MAX_SHUTDOWN_TIME = 5.0  # seconds that a command has for writing its results before it is killed
-MAX_KILL_TIME = 1.0  # longest time in seconds until a killed process has ended
+POLL_INTERVAL = 0.4  # interval between checks of the progress of a command, seconds
+MAX_SHUTDOWN_TIME = 5.0  # time for a command to write its results before it is killed, seconds
+MAX_KILL_TIME = 1.0  # maximum time until a killed process has ended, seconds
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
-MAX_OUTPUT = 2**25  # maximum number of bytes that a command may print
+MAX_OUTPUT = 2**25  # maximum number of bytes that a command prints
 JOB_MEMORY = 0.5  # maximum fraction of the machine's memory for the running job
 READER_MEMORY = 0.25  # maximum fraction of the memory for each of two processes that read scans or results
 SCOPE_TEXT = ", here and in the pictures"
-END_OF_RECORD = b"\n}\n"  # end of the JSON record of a command, which draws figures afterwards
+END_OF_RECORD = b"\n}\n"  # end of the JSON record of a command; the command draws figures afterwards
 
 
 REPORTED_ERRORS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
@@ -44,7 +44,7 @@ class RejectedError(ValueError):
 
 
 def remove_paths(text: str, root: Path | str) -> str:
-    """Return a text in which the names of the uploaded scans replace private paths."""
+    """Replace private paths in a text by the names of the uploaded scans."""
     return re.sub(rf"{re.escape(str(root))}/(?:files/\w+/)?", "", text)
 
 
@@ -70,7 +70,7 @@ class Job:
     task: asyncio.Task[None] | None = None
 
     def public(self) -> dict[str, Any]:
-        """Return the fields of the job that the page receives."""
+        """Return the fields of the job that are sent to the page."""
         names = ("number", "title", "state", "finished", "total", "versions")
         return {name: getattr(self, name) for name in names} | {
             "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
@@ -78,14 +78,14 @@ class Job:
         }  # fmt: skip
 
     def stop(self) -> None:
-        """Stop the command. Its state changes when it has ended; the finished part of its result is read afterwards."""
+        """Stop the command. When it has ended, its state changes and the finished part of its result is read."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
 
 
 class Jobs:
-    """Queue of all jobs of a server, and their directory."""
+    """Queue of all jobs of a server, and the directory of these jobs."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -98,7 +98,7 @@ class Jobs:
     def add(self, title: str, arguments: list[str], *, folder: Path | None = None, preview: Any = None) -> Job:
         """Add a command to the queue. A command with an existing result resumes it."""
         if sum(job.state == "waiting" for job in self.all.values()) >= MAX_WAITING_JOBS:
-            raise RejectedError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of them")
+            raise RejectedError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
         stored_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(stored_arguments).encode()).hexdigest()[:12]
         folder = folder or self.root / "results" / digest / arguments[0]
@@ -112,7 +112,7 @@ class Jobs:
         for job in self.all.values():
             job.stop()
             if job.state == "stopped" and job.task is not None:
-                job.task.cancel()  # cancels the reading of a result, if it is in progress
+                job.task.cancel()  # cancel the reading of a result, if it is in progress
         await asyncio.gather(*(job.task for job in self.all.values() if job.task), return_exceptions=True)
 
     async def _run_job(self, job: Job) -> None:
@@ -157,7 +157,7 @@ class Jobs:
 
     async def _monitor(self, job: Job) -> None:
         """Monitor the progress of a command, and read its result whenever the number of members has doubled."""
-        num_reported = 2  # fewer members have no interval
+        num_reported = 2  # with fewer members, there is no interval
         while True:
             await asyncio.sleep(POLL_INTERVAL)
             with suppress(*REPORTED_ERRORS):  # there is no result yet, or the surfaces do not touch
@@ -199,7 +199,7 @@ class Jobs:
 
 
 def limit_prefix(memory: float) -> list[str]:
-    """Return a command prefix that limits memory to a fraction, and kills the process with its parent (Linux)."""
+    """Return a command prefix that limits memory to a fraction and kills the process with its parent (Linux)."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
     import resource
@@ -243,6 +243,6 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # without this, the transport would outlive the event loop
+            with suppress(TimeoutError):  # otherwise, the transport would outlive the event loop
                 await asyncio.wait_for(process.wait(), MAX_KILL_TIME)
         errors.cancel()

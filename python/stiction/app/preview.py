@@ -1,4 +1,4 @@
-"""Command `python -m stiction.app.preview FILE READING`, which prints a scan as JSON with a small image.
+"""Command `python -m stiction.app.preview FILE READING`: prints a scan as JSON with a small image.
 
 READING is JSON text with the options of `read_measurement` by name, whose values are texts.
 """
@@ -25,12 +25,12 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
 
 MAX_DRAWN_POINTS = 160  # maximum number of rows, columns or points of an image
-# colours of the lower and the upper line, which are visible on light and dark backgrounds
+# colours of the lower and the upper line, visible on light and dark backgrounds
 LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 
 def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
-    """Return the contents of a scan with a small image, or the error that prevents reading it."""
+    """Return the contents of a scan with a small image, or the error that prevents reading the scan."""
     texts = {name.replace("-", "_"): text for name, text in reading.items() if text}
     options: dict[str, Any] = {name: split_list(name, text) for name, text in texts.items()}
     with warnings.catch_warnings(record=True) as caught_warnings:
@@ -69,7 +69,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
 
 
 def draw_svg(*lines: Floats) -> str:
-    """Draw lines in a common frame as SVG."""
+    """Draw lines in a common frame as an SVG image."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
     for line, colour in zip(lines, LINE_COLOURS, strict=False):
@@ -80,7 +80,7 @@ def draw_svg(*lines: Floats) -> str:
 
 
 def render_png(heights: Floats, extent: tuple[float, float]) -> bytes:
-    """Render a height map as a PNG with square pixels; the first row is at the bottom."""
+    """Render a height map as a PNG image with square pixels and the first row at the bottom."""
     from matplotlib.image import imsave
 
     sizes = [max(2, round(MAX_DRAWN_POINTS * length / max(extent))) for length in extent]

@@ -1,4 +1,4 @@
-"""Worker process that reads a result for the server, prints its values, and writes files that the user can save."""
+"""Worker process of the server. It reads a result, prints its values, and writes files for the user."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Stu
 
 
 def main() -> None:
-    """Print the values of a result and its number of members, and write its report and files.
+    """Print the values and the number of members of a result, and write its report and files.
 
     The argument is JSON: `folder` of the result, or `preview` with the scans and options of a `pair` command; `name`;
     the `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the

@@ -1,4 +1,4 @@
-"""Start the server in a private directory, open a browser, and exit when no window is open."""
+"""Start of the server in a private directory: opens a browser, and exits when no window is open."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ WORKING_DIRECTORY_PREFIX = "stiction-app-"
 MAX_WINDOW_ABSENCE = 90.0
 """Seconds without a request after which the server exits, because browsers limit hidden windows to one per minute."""
 
-MAX_WAIT_FIRST_WINDOW = 600.0  # seconds that the server waits until the first window is opened
+MAX_WAIT_FIRST_WINDOW = 600.0  # time until the first window must be opened, seconds
 
-MAX_IDLE = 20.0  # seconds within which a connection must send the head of its request
+MAX_IDLE = 20.0  # time for a connection to send the head of its request, seconds
 MAX_IDLE_CONNECTIONS = 64
 """Maximum number of connections without a complete request head; if there are more, the oldest is closed."""
 
@@ -39,7 +39,7 @@ class Connection(H11Protocol):
         super().connection_made(transport)
         self.idle[self] = self.loop.call_later(MAX_IDLE, self._abort)
         if len(self.idle) > MAX_IDLE_CONNECTIONS:
-            # The event loop reads requests that have already arrived before it calls a callback of a callback.
+            # The event loop reads requests that have already arrived before it runs a callback scheduled by a callback.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:
@@ -49,7 +49,7 @@ class Connection(H11Protocol):
             self._leave_idle()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Stop the timer of a connection that the client has closed."""
+        """Stop the timer when the client closes the connection."""
         self._leave_idle()
         super().connection_lost(exc)
 
@@ -104,7 +104,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, end)
-    # The handlers of uvicorn would raise the signal again, and the directory would not be removed.
+    # The signal handlers of uvicorn would raise the signal again, and the directory would not be removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))

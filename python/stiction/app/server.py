@@ -31,7 +31,7 @@ from stiction.app.jobs import Job, Jobs, RejectedError, remove_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
-MAX_SCAN_BYTES = 300_000_000  # maximum number of bytes of a scan, which is as much text as the readers accept
+MAX_SCAN_BYTES = 300_000_000  # maximum number of bytes of a scan: as much text as the readers accept
 MAX_TOTAL_BYTES = 2_000_000_000  # maximum number of bytes of all scans
 MAX_REQUEST_BYTES = 2**16  # maximum number of bytes of any other request
 MAX_REQUEST_TIME = 120.0  # maximum number of seconds for a request and its response
@@ -41,7 +41,7 @@ MAX_LISTED_RESULTS = 100  # maximum number of listed results
 MAX_PREVIEW_POINTS = 2**21  # maximum number of points of a scan for which a preview is drawn
 REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 KEY_HEADER = "x-stiction-key"
-PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content, for which the cookie suffices
+PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content; the cookie suffices for them
 
 ALLOWED_OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
 """Options of each command that the page may set."""
@@ -60,7 +60,7 @@ RESPONSE_HEADERS = {
     "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "cache-control": "no-store", "x-content-type-options": "nosniff", "referrer-policy": "no-referrer",
     "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin",
-    "connection": "close",  # the server does not read further data from the connection
+    "connection": "close",  # the server reads no more data from the connection
 }  # fmt: skip
 ENDED_RESPONSE = PlainTextResponse("The server has ended.\n", 503)
 BUSY_RESPONSE = PlainTextResponse(f"The server already has {MAX_REQUESTS} requests; try again later.\n", 503)
@@ -111,7 +111,7 @@ class Server:
         await self.jobs.end()
 
     def end(self) -> None:
-        """Respond to all pending and later requests with the message that the server has ended."""
+        """Answer all pending and later requests with the message that the server has ended."""
         self._has_ended = True
         for task in self._requests:
             task.cancel()
@@ -202,7 +202,7 @@ class Server:
     async def add_menu_entry(self, _: Request) -> Response:
         """Add the app to the applications menu of the desktop, so that it starts without a terminal."""
         if re.search(r'["`$\\%\n]', f"{sys.executable}{self.working_directory}"):
-            raise RejectedError(f"{sys.executable}: this path cannot be used in a menu entry")
+            raise RejectedError(f"{sys.executable}: a menu entry cannot contain this path")
         data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
         data.mkdir(parents=True, exist_ok=True)
         with replaced_file(data / "stiction.desktop", b"Name=stiction\n", ValueError) as partial:
@@ -243,7 +243,8 @@ class Server:
             self.scans[scan] = path
         except OSError as error:
             with suppress(RuntimeError):  # the request is complete
-                async for _ in request.stream():  # without reading the rest, the browser would not receive the error
+                # read the rest, because the browser would not receive the error otherwise
+                async for _ in request.stream():
                     pass
             raise RejectedError(f"the scan cannot be stored: {error.strerror}") from None
         finally:
@@ -259,7 +260,7 @@ class Server:
 
     def _find_scan(self, identifier: object) -> Path:
         if identifier not in self.scans:
-            raise HTTPException(404, "this scan is no longer available; drop it again")
+            raise HTTPException(404, "this scan is no longer available; drop the file again")
         return self.scans[str(identifier)]
 
     async def get_scan(self, request: Request) -> Response:
@@ -299,7 +300,7 @@ class Server:
             if name not in ALLOWED_OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
             if name == "set" and not ALLOWED_CHANGE.fullmatch(value):
-                raise HTTPException(400, f"the page cannot set {short_repr(value)}")
+                raise HTTPException(400, f"set must be a setting of the page, got {short_repr(value)}")
         arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *arguments]).number})
@@ -399,6 +400,7 @@ def _body_length(request: Request, max_length: int) -> int:
     if int(length) > max_length:
         raise HTTPException(
             413,
-            f"the limit is {MAX_SCAN_BYTES / 1e6:.0f} MB for a scan and {MAX_TOTAL_BYTES / 1e6:.0f} MB for all scans",
+            f"a scan must have at most {MAX_SCAN_BYTES / 1e6:.0f} MB, and all scans together "
+            f"{MAX_TOTAL_BYTES / 1e6:.0f} MB",
         )
     return int(length)

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, by the convention of shells
+EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, as in shells
 EXIT_BAD_INPUT = 2  # exit status
 
 MIN_ADDRESS_SPACE = 2**30
@@ -18,7 +18,7 @@ MIN_ADDRESS_SPACE = 2**30
 
 
 def main() -> None:
-    """Run the command and exit with status 0, with 2 and a message for bad input, or with 130 after Ctrl-C."""
+    """Run the command and exit: status 0, status 2 with a message for bad input, or status 130 after Ctrl-C."""
     _open_closed_streams()
     if (limit := _address_space_limit()) < MIN_ADDRESS_SPACE:
         minimum = MIN_ADDRESS_SPACE // 10**6
@@ -33,7 +33,7 @@ def main() -> None:
         status = run_command_line()
     except KeyboardInterrupt:  # Ctrl-C was pressed while libraries were imported
         status = EXIT_INTERRUPTED
-    if status == EXIT_INTERRUPTED:  # exits without waiting for threads that still compute
+    if status == EXIT_INTERRUPTED:  # exit without waiting for threads that still compute
         with suppress(OSError):
             sys.stdout.flush()
             sys.stderr.flush()
@@ -43,7 +43,7 @@ def main() -> None:
 
 @contextmanager
 def exit_on_interrupt() -> Iterator[None]:
-    """Exit on Ctrl-C while modules are imported, because some modules catch every exception and continue."""
+    """Exit on Ctrl-C while modules are imported, because some modules catch every exception."""
 
     def exit_process(*_: object) -> None:
         os.write(2, b"stiction: interrupted\n")
@@ -61,17 +61,17 @@ def exit_on_interrupt() -> Iterator[None]:
 
 
 def _open_closed_streams() -> None:
-    """Open closed standard streams on the null device, because the next opened file would get their descriptors."""
+    """Open closed standard streams on the null device, so that other files do not get their descriptors."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)
         except OSError:
-            null = os.open(os.devnull, os.O_RDWR)  # opens the lowest free descriptor
+            null = os.open(os.devnull, os.O_RDWR)  # `open` uses the lowest free descriptor
             setattr(sys, name, os.fdopen(null, "w" if number else "r"))
 
 
 def _address_space_limit() -> float:
-    """Return the limit of the address space in bytes; infinity if there is no limit."""
+    """Return the limit of the address space in bytes, or infinity without a limit."""
     try:
         import resource
     except ImportError:  # Windows

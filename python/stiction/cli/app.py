@@ -1,4 +1,4 @@
-"""`stiction app`: the browser app."""
+"""Command `stiction app`: the browser app."""
 
 from __future__ import annotations
 
@@ -23,6 +23,6 @@ def app(
         from stiction.app.run import run
     except ImportError:
         raise ValueError(
-            "app requires starlette and uvicorn: run pip install starlette uvicorn, or ./dev setup app in a clone"
+            "app requires starlette and uvicorn; run pip install starlette uvicorn, or ./dev setup app in a clone"
         ) from None
     run(print_message=print_message, keep=keep, demo=demo)

@@ -1,4 +1,4 @@
-"""Typer application of all commands, with their help, messages, output and exit status."""
+"""Typer application of all commands: their help, messages, output and exit status."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def print_message(text: str, kind: str = "") -> None:
 
 
 def report_interruption(detail: str = "") -> typer.Exit:
-    """Print that the command was interrupted, and return the exception that ends it with status 130."""
+    """Print that the command was interrupted, and return the exception that exits with status 130."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would only print a traceback
     print_message(f"interrupted{detail}")
     return typer.Exit(EXIT_INTERRUPTED)
@@ -56,7 +56,7 @@ def show_status(text: str) -> None:
 
 
 def _clear_line(replacement: str = "") -> None:
-    """Replace the current line of a terminal; a progress bar would also move the cursor."""
+    """Clear the current line of a terminal without moving the cursor to another line."""
     if has_terminal():
         print(f"\x1b[2K{replacement}", end="", file=sys.__stderr__ or sys.stderr, flush=True)
 
@@ -75,8 +75,7 @@ def print_output(text: str) -> None:
         _clear_line()
         typer.echo("\n".join(lines))
     except OSError as error:
-        # Standard output is redirected to the null device, because Python flushes the rest at exit and would fail
-        # again.
+        # Redirect standard output to the null device, because Python flushes the rest at exit and would fail again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             raise
@@ -87,7 +86,7 @@ _BOLD_TEXT = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do
 
 
 def print_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Print a warning on standard error; each text is printed only once."""
+    """Print a warning on standard error. Each text is printed only once."""
     if str(message) not in _PRINTED_WARNINGS:
         _PRINTED_WARNINGS.add(str(message))
         print_message(str(message), "warning: ")
@@ -126,14 +125,14 @@ EXIT_STATUS_HELP = (
 
 
 def format_epilog(*lines: str) -> str:
-    """Return the end of a help text: examples, and the meaning of the exit statuses."""
+    """Return the end of a help text: examples and the meaning of the exit statuses."""
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# matches a textual default value, which typer puts into parentheses
+# textual default value, which typer puts into parentheses
 _DEFAULT_VALUE = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-_OPTION_TYPE = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to an option
+_OPTION_TYPE = re.compile(r" <[\w\[\] ]+>$")  # type that typer appends to an option
 
 
 SHOW_ALL_KEY = "stiction.show_all"
@@ -141,7 +140,7 @@ SHOW_ALL_KEY = "stiction.show_all"
 
 
 def option_was_given(context: typer.Context, name: str) -> bool:
-    """Return whether the command line contains an option or argument, even if it has its default value."""
+    """Return whether the command line contains an option or argument, including one with its default value."""
     source = context.get_parameter_source(name)
     return source is not None and source.name != "DEFAULT"
 
@@ -149,7 +148,7 @@ def option_was_given(context: typer.Context, name: str) -> bool:
 class _Command(TyperCommand):
     """Command whose help lists options in panels, without types and ranges."""
 
-    common: Collection[str] = ()  # parameters that the short help of a command with many parameters lists
+    common: Collection[str] = ()  # parameters in the short help of a command with many parameters
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
@@ -179,7 +178,7 @@ class _Command(TyperCommand):
 
 
 class _Commands(TyperGroup):
-    """Command group that imports the module of a command only when it is needed, because imports are slow."""
+    """Command group that imports the module of a command on demand, because imports are slow."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         return [name for group in COMMANDS.values() for name in group]
@@ -206,7 +205,7 @@ class _Commands(TyperGroup):
             raise report_interruption() from None
 
 
-# Rich markup is off, because importing rich would take half of the time for printing help.
+# Rich markup is disabled, because importing rich would take half of the time for printing help.
 _TYPER_OPTIONS: dict[str, Any] = {
     "rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False,
     "context_settings": {"help_option_names": ["-h", "--help"]},
@@ -226,8 +225,8 @@ app = typer.Typer(
     **(_TYPER_OPTIONS | {"add_completion": True}),
 )
 
-_APPLICATIONS: dict[str, typer.Typer] = {}  # applications by the name of the command
-_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # parameters in the short help, by the name of the command
+_APPLICATIONS: dict[str, typer.Typer] = {}  # applications by command name
+_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # parameters in the short help, by command name
 
 
 def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[Function], Function]:
@@ -255,10 +254,11 @@ def run_command_line() -> int:
     """Run the command in `sys.argv` and return the exit status."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # prints ? for characters that the encoding lacks
+            stream.reconfigure(errors="replace")  # print ? for characters that the encoding lacks
     warnings.showwarning = print_warning
     _PRINTED_WARNINGS.clear()
-    warnings.filterwarnings("ignore", category=RuntimeWarning)  # NumPy warns about NaN, which the output explains
+    # suppress NumPy's warnings about NaN, which the output explains
+    warnings.filterwarnings("ignore", category=RuntimeWarning)
     sys.unraisablehook = _handle_unraisable
     try:
         with _uncover_interrupts():
@@ -270,7 +270,7 @@ def run_command_line() -> int:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
             message = error.format_message()
-            # The wording of the validation library for a number that is out of range is replaced.
+            # Replace the validation library's message about a number that is out of range.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
             message = _suggest_command(message)
             print_message(f"{message}\ntry {command} --help")
@@ -289,13 +289,13 @@ def run_command_line() -> int:
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
         return report_interruption().exit_code
-    except SystemExit:  # the parser raises this if the reader of its help has closed the pipe
+    except SystemExit:  # raised by the parser if the reader of its help has closed the pipe
         return 0
     return EXIT_BAD_INPUT
 
 
 def _suggest_command(message: str) -> str:
-    """Return a message of the parser; a message about an unknown command gets a suggestion."""
+    """Return a message of the parser, with a suggestion if the command is unknown."""
     unknown = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS.values() for name in group]
     suggestions = difflib.get_close_matches(unknown[1], names, n=1) if unknown else []
@@ -304,7 +304,7 @@ def _suggest_command(message: str) -> str:
 
 @contextmanager
 def _uncover_interrupts() -> Iterator[None]:
-    """Raise KeyboardInterrupt if it has caused an error, such as the ImportError of an interrupted extension module."""
+    """Raise KeyboardInterrupt if it caused another error, such as the ImportError of an extension module."""
     try:
         yield
     except Exception as error:

@@ -1,4 +1,4 @@
-"""`stiction at`: values of a result at other loads, mu0, tau0 or factors of the heights."""
+"""Command `stiction at`: values of a result at other loads, mu0, tau0 or factors of the heights."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def at(
     if hurst is not None:
         if d is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
             raise ArgumentError(
-                "{hurst} is for self-affine surfaces and must not be combined with --d, got {got}", got=repr(hurst)
+                "{hurst} applies to self-affine surfaces and must not be combined with --d, got {got}", got=repr(hurst)
             )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
     values = _select_nearest(values, dimensions, None if length is None else [length])
@@ -145,7 +145,7 @@ def _print_scaled_heights(
     stored: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result for several factors of its heights, and compute missing factors on request."""
+    """Print a result for several factors of its heights, after computing missing factors on request."""
     from stiction.studies.executors import thread_executor
     from stiction.studies.height_scale import compute_factors, evaluate_height_scale, parse_factors
     from stiction.views.height_scale import height_scale_record, height_scale_text
@@ -157,21 +157,21 @@ def _print_scaled_heights(
             with thread_executor(workers) as executor:
                 compute_factors(stored, factors, scaled_bodies, executor, progress=True, announce=show_status)
         except KeyboardInterrupt:
-            raise report_interruption("; finished factors are stored: run the same command again to resume") from None
+            raise report_interruption("; finished factors are stored; run the same command again to resume") from None
     values = evaluate_height_scale(stored, factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     print_output((height_scale_record if as_json else height_scale_text)(values, stored.study))
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Return the loads of the options in ascending order, or the loads of the study (mN)."""
+    """Return the loads (mN) of the options in ascending order, or the loads of the study."""
     width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":
-            raise ArgumentError("{width} is for two profiles, got {got}", got=repr(width))
+            raise ArgumentError("{width} applies to two profiles, got {got}", got=repr(width))
         width_factor = THICKNESS / float(parse_quantity("width", width, "length"))
     if not texts:
         if not result.study.friction.load:
-            raise ArgumentError("give {load}: the study has no loads")
+            raise ArgumentError("{load} must be given, because the study has no loads")
         return [float(load) for load in result.study.friction.load]
     reject_decimal_commas("load", texts)
     loads = set()
@@ -183,7 +183,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
             if "nominal_area" not in coordinates:
                 raise ValueError(f"--load of a study must be a force, got {value!r}")
             force *= float(coordinates["nominal_area"])
-        # rounded in the same way as the loads of a pair, so that equal loads compare equal
+        # round like the loads of a pair, so that equal loads compare equal
         loads.add(float(f"{force:.12g}"))
     return sorted(loads)
 
@@ -200,7 +200,7 @@ def _select_nearest(
         if values is not None:
             if name not in dataset.dims:
                 raise ValueError(
-                    f"{flag} is for studies of generated surfaces, got {', '.join(f'{v:g}' for v in values)}"
+                    f"{flag} applies to studies of generated surfaces, got {', '.join((f'{v:g}' for v in values))}"
                 )
             dataset = dataset.sel({name: values}, method="nearest").drop_duplicates(name)
     return dataset.isel(amplitude=[0]) if "amplitude" in dataset.dims and amplitudes is None else dataset

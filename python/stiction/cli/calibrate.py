@@ -1,4 +1,4 @@
-"""`stiction calibrate` and `stiction interfaces`: mu0 and tau0 from friction tests or from the literature."""
+"""Commands `stiction calibrate` and `stiction interfaces`: mu0 and tau0 from friction tests or the literature."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def calibrate(
     bodies: dict[str, Any] = {folder.resolve().name: open_with_warning(folder) for folder in pair or ()}
     if len(bodies) < len(pair or ()):
         raise ValueError(
-            "directories of --pair must have different names, because the column 'pair' contains these names"
+            "directories of --pair must have different names, because they identify the pairs in the column 'pair'"
         )
     if ball is not None:
         radius = parse_quantity("ball", ball, "length")
@@ -99,14 +99,14 @@ def calibrate(
     else:
         reject_options(context, "requires --ball", *_BALL_OPTIONS)
     if not bodies:
-        raise ValueError("give the tested surfaces with --pair DIR or --ball RADIUS")
+        raise ValueError("--pair DIR or --ball RADIUS must be given to specify the tested surfaces")
     if forces is not None:
         reject_options(context, "cannot be combined with FORCES.csv", "load", "measured")
         tests = parse_friction_tests(forces, bodies)
     elif load is None or measured is None:
-        raise ValueError("give FORCES.csv, or --load and --measured of a single test")
+        raise ValueError("FORCES.csv must be given, or --load and --measured of a single test")
     elif len(bodies) > 1:
-        raise ValueError("--measured describes a single test and needs exactly one --pair or --ball")
+        raise ValueError("--measured requires exactly one --pair or --ball, because it describes a single test")
     else:
         value = parse_input("--measured", measured)
         error = (value.high - value.low) / (2 * Z_95) or None

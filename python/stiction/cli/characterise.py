@@ -1,4 +1,4 @@
-"""`stiction characterise`: roughness of measured profiles and surfaces."""
+"""Command `stiction characterise`: roughness of measured profiles and surfaces."""
 
 from __future__ import annotations
 
@@ -235,7 +235,7 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
 
 
 def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
-    """Return the files to write; raise a `ValueError` if one would replace a file that is not a figure or a report."""
+    """Return the files to write. A file that is not a figure or a report must not be replaced."""
     from stiction.views.report.page import REPORT_MARK
     from stiction.views.style import FIGURE_FILE_MARKS
 
@@ -245,17 +245,17 @@ def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, r
         if (ending := path.suffix.lower()) in marks:
             check_replaceable(path, marks[ending], ValueError)
         elif os.path.lexists(path):
-            raise ValueError(f"{printable_path(path)}: exists already; move it, or choose another name with --output")
+            raise ValueError(f"{printable_path(path)}: already exists; move it, or choose another name with --output")
     return paths
 
 
 def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     if repeated and (len(files) != 2 or together):
         raise ValueError(
-            f"--repeated needs two scans of the same place and excludes --together, got {len(files)} scans"
+            f"--repeated requires two scans of the same place and excludes --together, got {len(files)} scans"
         )
     if together and len(files) < 2:
-        raise ValueError("--together needs at least 2 scans of one surface, got 1")
+        raise ValueError("--together requires at least 2 scans of one surface, got 1")
     images = [".png", ".pdf", ".svg"]
     endings = [".csv", *images] if together else [".csv"] if len(files) > 1 else [".html", *images]
     endings = [".npy", ".csv", *images] if repeated else endings
@@ -272,7 +272,7 @@ def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: 
 
 
 def _select_line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """Return a row or a column of a surface; without an index, return the body unchanged."""
+    """Return a row or a column of a surface or, without an index, the body unchanged."""
     for name, index, other in (("row", row, column), ("column", column, row)):
         if index is None:
             continue
@@ -288,7 +288,7 @@ def _select_line(body: Profile | Surface, row: int | None, column: int | None) -
 
 
 def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
-    """Subtract a form; by default a line from a profile, and a plane from a surface."""
+    """Subtract a form. The default is a line for a profile and a plane for a surface."""
     if level == "none":
         return body
     is_profile = isinstance(body, Profile)
@@ -302,7 +302,7 @@ def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
 def _parse_filters(lc: str | None, ls: str | None, *, robust: bool, joined: bool) -> dict[str, Any]:
     """Parse the cutoffs of roughness parameters."""
     if joined and (lc is not None or ls is not None or robust):
-        raise ValueError("--lc, --ls and --robust cannot be combined with --together or --repeated")
+        raise ValueError("--lc, --ls and --robust must not be combined with --together or --repeated")
     long_cutoff = None if lc is None else parse_quantity("lc", lc, "length")
     short_cutoff = 0.0 if ls == "none" else None if ls is None else parse_quantity("ls", ls, "length")
     return {"lc": long_cutoff, "ls": short_cutoff, "robust": robust}
@@ -317,5 +317,5 @@ def _parse_band(text: str | None) -> tuple[float, float] | None:
         raise ValueError(f'--band must be two wavelengths, such as "1 um,100 um", got {text!r}')
     shortest, longest = (parse_quantity("band", part.strip(), "length") for part in parts)
     if not shortest < longest:
-        raise ValueError(f"--band must give the shortest wavelength before the longest, got {text!r}")
+        raise ValueError(f"--band must start with the shortest wavelength, got {text!r}")
     return shortest, longest

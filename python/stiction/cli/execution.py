@@ -1,4 +1,4 @@
-"""Computation of the missing parts of a study for a command, with its directory, workers and messages."""
+"""Computation of the missing parts of a study by a command, with its directory, workers and messages."""
 
 from __future__ import annotations
 
@@ -41,32 +41,34 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
     if scheduler is None:
         return thread_executor(workers)
     if workers is not None:
-        raise StudyError("--workers cannot be combined with --scheduler")
+        raise StudyError("--workers must not be combined with --scheduler")
     from stiction.studies.executors import connect_cluster
 
     return connect_cluster(scheduler)
 
 
 def parse_part(text: str | None) -> tuple[int, int] | None:
-    """Parse the option `--part`: the number of the part and the number of parts."""
+    """Parse the option `--part` into the number of the part and the total number of parts."""
     if text is None:
         return None
     match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
     if not match or int(match[1]) > int(match[2]):
-        raise StudyError(f"--part must be I/N with I from 1 to N, such as 3/16, got {short_repr(text)}")
+        raise StudyError(f"--part must be I/N with I between 1 and N, such as 3/16, got {short_repr(text)}")
     return int(match[1]), int(match[2])
 
 
 def check_output_directory(directory: Path) -> None:
-    """Raise a `StudyError` if the output directory is a file, or has the name of a file."""
+    """Raise a `StudyError` if the output directory is a file or has the name of a file."""
     if directory.is_file():
-        raise StudyError(f"{printable_path(directory)} is a file; use --output DIR to choose a directory")
+        raise StudyError(
+            f"{printable_path(directory)} must be a directory, got a file; use --output DIR to choose a directory"
+        )
     if directory.suffix.lower() in _FILE_ENDINGS and not directory.exists():
         raise StudyError(f"--output must be a directory, got the file name {printable_path(directory)}")
 
 
 def _conflict_advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
-    """Return options and commands that help if the output directory contains another study."""
+    """Return advice for the case that the output directory contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if replaceable:
         remedies.append("overwrite the stored result with --replace")
@@ -84,7 +86,7 @@ def compute_in_folder(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     **options: Any,
 ) -> Result:  # fmt: skip
-    """Call `complete_result` with messages for a terminal, and report how to resume after Ctrl-C.
+    """Call `complete_result` with messages for a terminal, and print how to resume after Ctrl-C.
 
     `print_written` is called with the names of written files.
     """

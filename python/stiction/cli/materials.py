@@ -1,4 +1,4 @@
-"""`stiction materials`: ranges of material properties with sources."""
+"""Command `stiction materials`: ranges of material properties with sources."""
 
 from __future__ import annotations
 

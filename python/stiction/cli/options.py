@@ -1,4 +1,4 @@
-"""Options shared by several commands, and the loading of files with reading options."""
+"""Options shared by several commands, and loading of files with reading options."""
 
 from __future__ import annotations
 
@@ -48,7 +48,8 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[P
 
     if is_spectrum(file):
         raise ValueError(
-            f"{printable_path(file)}: is a spectrum of several scans; only stiction pair accepts it instead of a scan"
+            f"{printable_path(file)}: is a spectrum of several scans, which only stiction pair accepts instead of a "
+            "scan"
         )
     show_reader_import(file)
     values: dict[str, Any] = {name: split_list(name, text) for name, text in options.items() if text is not None}
@@ -56,7 +57,7 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[P
 
 
 def show_reader_import(file: Path) -> None:
-    """Show on a terminal that the reader of an instrument file is being imported, which takes some seconds."""
+    """Print on a terminal that the reader of an instrument file is being imported, which takes some seconds."""
     from stiction.surfaces.measured.reading import READERS
 
     if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:
@@ -64,7 +65,7 @@ def show_reader_import(file: Path) -> None:
 
 
 def reject_options(context: typer.Context, reason: str, *names: str) -> None:
-    """Raise a `ValueError` if the command line contains one of the options, which do not apply."""
+    """Raise a `ValueError` if the command line contains one of these options, which do not apply."""
     for name in names:
         if option_was_given(context, name):
             option = f"--{name.replace('_', '-')}"

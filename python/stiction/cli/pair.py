@@ -1,4 +1,4 @@
-"""`stiction pair`: static friction of two measured profiles or surfaces."""
+"""Command `stiction pair`: static friction of two measured profiles or surfaces."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def pair(
     for file in bodies.files:
         show_reader_import(Path(file.file))
     studies = bodies.studies
-    body_attributes(studies[0])  # rejects surfaces that cannot be pressed before any file is written
+    body_attributes(studies[0])  # reject surfaces that cannot be pressed before any file is written
     # the result already shows the source of the elasticity
     first_remark = 0 if verbose else bool(bodies.elasticity.source)
     for remark in bodies.remarks[first_remark:]:
@@ -180,7 +180,7 @@ def pair(
 
 
 def preview_line(study: Study) -> str:
-    """Return a line with a preview of the friction from the first members of a study.
+    """Return a line with a friction preview from the first members of a study.
 
     Raises `ValueError` if the surfaces do not touch.
     """
@@ -191,7 +191,7 @@ def preview_line(study: Study) -> str:
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:
-    """Compute a preview with the asperity model in one worker, and print it if messages go to a terminal."""
+    """Compute a preview with the asperity model in one worker, and print it if messages appear on a terminal."""
 
     def print_preview(future: Future[str]) -> None:
         if not future.cancelled() and future.exception() is None:  # an error means that the surfaces do not touch

@@ -1,4 +1,4 @@
-"""Command line options that are created from the declarations in `studies.pair_options`."""
+"""Command line options created from the declarations in `studies.pair_options`."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ COMMON_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.items() if
 
 
 class _OptionNames(dict[str, str]):
-    """Names of options on the command line, which replace the placeholders of a help line."""
+    """Command line names of options, which replace the placeholders in a help line."""
 
     def __missing__(self, name: str) -> str:
         return format_command_line_name(name)
 
 
 def format_option_help(name: str) -> str:
-    """Return the help line of an option of `pair`, with the names of options on the command line."""
+    """Return the help line of an option of `pair` with the command line names of options."""
     return PAIR_OPTIONS[name].help.format_map(_OptionNames())
 
 
@@ -44,7 +44,7 @@ def pair_argument(name: str) -> Any:
 
 
 def read_given_options(context: typer.Context) -> dict[str, object]:
-    """Return the options of `pair` that the command line contains, by field name."""
+    """Return the options of `pair` on the command line, by field name."""
     values: Mapping[str, object] = context.params
     return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
 

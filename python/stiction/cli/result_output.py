@@ -1,4 +1,4 @@
-"""Output of results that all commands share: printed values and assessment, tables, figures and reports."""
+"""Output of results, shared by all commands: printed values and assessment, tables, figures and reports."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-# number of lines for caveats in `pair` and `run`, so that values and assessment fit on a terminal of 24 lines
+# number of lines for caveats in `pair` and `run`; values and assessment then fit on a terminal of 24 lines
 MAX_CAVEAT_LINES = 5
 
 VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
 
 
 def open_with_warning(directory: Path) -> Result:
-    """Open the result in a directory and print a warning if it is not finished."""
+    """Open the result in a directory, and print a warning if it is unfinished."""
     from stiction.studies.result import Result
     from stiction.studies.store import StoreError, open_stored
 
@@ -70,7 +70,7 @@ def print_values(
             print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE_OPTION))
 
     def print_remainder() -> None:
-        complete_summary = result.summary()  # this summary includes the studies that have been computed in the meantime
+        complete_summary = result.summary()  # this summary includes the studies computed since the first summary
         if as_json:
             print_output(rows.summary_json(command, complete_summary, **(fields or {})))
         elif study.is_measured and (remainder := text.resolution_and_onset_text(complete_summary, verbose=verbose)):
@@ -101,7 +101,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {names[0]} (open it), {' and '.join(names[1:])}")
 
 
-MAX_REWRITES = 4  # largest number of attempts to write files that agree with the stored study
+MAX_REWRITES = 4  # maximum number of attempts to write files that agree with the stored study
 
 
 def _write_files(result: Result, folder: Path) -> list[str]:
@@ -127,5 +127,5 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:
-    """Return the function that prints messages; with JSON on standard output, it prints to standard error."""
+    """Return the function that prints messages. With JSON on standard output, it prints to standard error."""
     return print_message if as_json else print_output

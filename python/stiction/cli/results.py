@@ -1,4 +1,4 @@
-"""Commands on results of pairs and studies: info, plot, report and export."""
+"""Commands for results of pairs and studies: info, plot, report and export."""
 
 from __future__ import annotations
 

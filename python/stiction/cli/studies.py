@@ -73,7 +73,7 @@ def studies(
         from stiction.views.study_keys import study_keys_text
 
         if name is not None:
-            raise StudyError(f"--keys cannot be combined with the name of a study, got {short_repr(name)}")
+            raise StudyError(f"--keys must not be combined with the name of a study, got {short_repr(name)}")
         print_output(study_keys_text())
         return
     if name is not None:
@@ -88,7 +88,7 @@ def studies(
 
 
 def _load_study(text: str) -> tuple[Study, Path]:
-    """Return the study with a name, file or directory, and the default directory for its results."""
+    """Return the study with a given name, file or directory, and the default directory for its results."""
     if text in study_names():
         return Study.named(text), Path(text)
     path = Path(text)

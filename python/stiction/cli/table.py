@@ -1,4 +1,4 @@
-"""`stiction table`: tables of friction, contact area and stiffness for another simulation code."""
+"""Command `stiction table`: tables of friction, contact area and stiffness for another simulation code."""
 
 from __future__ import annotations
 
