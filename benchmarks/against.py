@@ -36,7 +36,7 @@ def compare_plain_program() -> list[tuple[str, str]]:
         largest_difference = max(
             largest_difference, float((np.abs(our_sums - expected) / np.maximum(np.abs(expected), 1e-300)).max())
         )
-    # The plain program has round-off errors of 4e-7 rad in the phases at the highest frequency.
+    # The plain program has phase errors of 4e-7 rad at the highest frequency, due to round-off.
     assert largest_difference < 1e-3, largest_difference
     return [
         ("the straightforward NumPy/SciPy program over a pair, one thread", f"{np.mean(times) / our_time:.0f}"),
@@ -57,7 +57,7 @@ def compare_generators() -> list[tuple[str, str]]:
     result = [("direct sum in NumPy over the family of 50 profiles", f"{naive / ours:.0f}")]
     import finufft
 
-    # One non-uniform transform for each frequency group (40 wavelengths, 150 000 points), then the matrix product.
+    # One non-uniform transform per frequency group (40 wavelengths, 150 000 points), then the matrix product.
     m, n = np.arange(1, 41), np.arange(40)
     wave = np.cos(np.pi * m / 40)[:, None] * 1.5 ** n[None, :] * (PROFILE_LENGTH / NUM_POINTS)
     angle = 2 * np.pi * (wave - np.rint(wave))
@@ -66,7 +66,7 @@ def compare_generators() -> list[tuple[str, str]]:
     def generate_by_finufft():
         groups = np.empty((40, NUM_POINTS))
         for k in range(40):
-            # Modes start at -N/2; the strengths contain the phase of the first point.
+            # Modes start at -N/2; the strengths include the phase of the first point.
             strengths = np.exp(1j * (phases[:, k] + angle[:, k] * (NUM_POINTS // 2)))
             sums = finufft.nufft1d1(
                 np.ascontiguousarray(angle[:, k]), strengths, NUM_POINTS, eps=1e-12, isign=1, nthreads=1
@@ -107,7 +107,7 @@ def compare_boundary_elements() -> list[tuple[str, str]]:
         return float((model.traction > 0).mean())
 
     area = solve()
-    # Without the interaction of asperities, the area is smaller.
+    # Without interaction between asperities, the area is smaller.
     assert 0.05 < float(curve.contact_area[20]) / area < 1
     ours = seconds(lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20)
     return [

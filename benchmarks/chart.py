@@ -57,7 +57,7 @@ def load_ratios(table: str) -> dict[str, dict[str, float]]:
 
 
 def draw() -> None:
-    """Draw a group of bars for each task, stiction first."""
+    """Draw a group of bars for each task, with stiction first."""
     groups = load_ratios((DOCS / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
         bars = sum(1 + len(group) for group in groups.values())

@@ -34,7 +34,7 @@ _task = runner.compute_block
 
 
 class StoredSums:
-    """Task of an executor that computes nothing: it reads stored sums once per process from a file."""
+    """Task of an executor without computation: it reads stored sums from a file once per process."""
 
     def __init__(self, path: str, has_shared_folder: bool) -> None:
         self.path = path
@@ -53,7 +53,7 @@ _read: dict[str, list[dict]] = {}
 
 
 def randomise(sums: dict) -> list[dict]:
-    """Return the sums of a repetition with random digits, so that they compress like real sums. Zeros remain zero."""
+    """Return the sums of a repetition with random digits, so that they compress like real sums. Zeros are kept."""
     random = np.random.default_rng(0)
 
     def change_digits(values: np.ndarray) -> np.ndarray:
@@ -75,7 +75,7 @@ def measure_storage(
         size = runner.choose_block_size(study)
         parts = -(-study.ensemble.repetitions // (size * NUM_BLOCKS))
         try:
-            # The first run loads all modules and is not measured.
+            # Do not measure the first run, which loads all modules.
             runner.compute_missing(study, Path(folder) / "r", part=(2, parts), executor=executor)
             start, driver_start = time.perf_counter(), time.process_time()
             count = runner.compute_missing(study, Path(folder) / "r", part=(1, parts), executor=executor)

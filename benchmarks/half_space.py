@@ -1,4 +1,4 @@
-"""Compare the processor times of the half-space solver and of other solvers on one thread, at equal error."""
+"""Compare the processor times of half-space solvers on one thread at equal error."""
 
 import importlib.util
 import statistics
@@ -31,7 +31,7 @@ def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: f
 
 
 def measure_error(heights: np.ndarray, pressure: np.ndarray) -> float:
-    """Return the error measure for all solvers, Σ p (v - min v)/(F h): the energy bound over load and rms height."""
+    """Return a common error measure, Σ p (v - min v)/(F h): an energy bound divided by load and rms height."""
     n, m = heights.shape
     k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
     compliance = np.divide(2 / MODULUS, k, out=np.zeros_like(k), where=k > 0)
@@ -87,7 +87,7 @@ def measure_solver(solve: Callable[..., Any], heights: np.ndarray, load: float) 
 
 
 def measure_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
-    # Each solver has its own measure of the error. These tolerances give about the same common error for all solvers.
+    # Each solver measures its error differently. These tolerances give about the same common error for all solvers.
     others = {"tamaas": tamaas_solver(STICTION_TOLERANCE)}
     if importlib.util.find_spec("aspher"):
         others["aspher"] = aspher_solver(1.5e-7)
@@ -114,7 +114,7 @@ def measure_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
 
 
 def print_agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
-    """Print the largest difference of pressures from tamaas, relative to the highest pressure. This takes minutes."""
+    """Print the largest pressure difference from tamaas, relative to the highest pressure. This takes minutes."""
     for n in sides:
         heights = create_heights((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)
@@ -158,7 +158,7 @@ def measure_position(side: int = 384) -> tuple[str, str]:
 
 
 def measure_threads(side: int = 1024) -> tuple[str, str]:
-    """Return the speed-up by a second thread of the solver, and of transforms alone (`scipy.fft.set_workers`)."""
+    """Return the speed-up by a second thread, of the solver and of transforms alone (`scipy.fft.set_workers`)."""
     heights = create_heights((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)

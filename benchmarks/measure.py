@@ -18,7 +18,7 @@ _FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
 def keep_memory() -> None:
-    """Free a large block, so that the C library keeps blocks of up to that size."""
+    """Free a large block, so that the C library keeps blocks of up to this size."""
     block = np.ones(3 << 20)  # 24 MiB
     del block
 
@@ -40,7 +40,7 @@ def measure_unit(repeats: int = 40) -> float:
 
 
 def measure_in_units(call: Callable[[], object], repeats: int = 5) -> float:
-    """Return the median of the time of a call divided by U; U is timed around each call, because the clock drifts."""
+    """Return the median of call time divided by U. U is timed around each call, because the clock rate drifts."""
     ratios = []
     for _ in range(repeats):
         unit_before = measure_unit(10)
@@ -62,6 +62,6 @@ def peak_mebibytes(call: Callable[[], object]) -> float:
 
 def _report_peak(call: Callable[[], object], queue: "multiprocessing.Queue[float]") -> None:
     call()
-    # getrusage is unsuitable: a new process inherits the peak of its parent.
+    # getrusage is unsuitable, because a new process inherits the peak of its parent.
     lines = Path("/proc/self/status").read_text("ascii").splitlines()
     queue.put(next(float(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM")))

@@ -1,4 +1,4 @@
-"""Measure a result of a million repetitions: storing, opening, mapping and extending it.
+"""Measure a result of a million repetitions: storing, opening, mapping and extending.
 
 The sums are synthetic. There are few fractal dimensions and approaches, so that the cost of repetitions dominates.
 """
@@ -32,7 +32,7 @@ NUM_DIFFERENT_MEMBERS = 4099
 
 
 def stand_in(study: Study) -> Callable[[Study, int], dict]:
-    """Return synthetic sums: powers of the approach by Hertz's law, times a random factor for each repetition."""
+    """Return synthetic sums: powers of the approach (Hertz's law) times a random factor for each repetition."""
     random = np.random.default_rng(study.ensemble.seed)
     step = np.arange(1.0, 1 + study.contact.steps().size)
     bank = []

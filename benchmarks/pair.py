@@ -1,4 +1,4 @@
-"""Measure a pair of figure6 and its parts in units of U, and the gain of a second thread."""
+"""Measure a pair of figure6 and its parts in units of U, and the gain from a second thread."""
 
 from concurrent.futures import Executor, ThreadPoolExecutor
 
@@ -8,7 +8,7 @@ from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import _reuse_array, member_sums
 from stiction.studies.members import fill_profiles
 
-# This number is large, so that the last repetition, which a single thread computes, takes a small fraction.
+# With this large number, the last repetition, which a single thread computes, takes a small fraction of the time.
 NUM_REPETITIONS = 60
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": NUM_REPETITIONS})
 NUM_PAIRS = NUM_REPETITIONS * 50
@@ -18,18 +18,18 @@ FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
 def time_with_new_threads(study: Study, workers: int) -> float:
-    """Return the seconds of a run with new threads, which first allocate their memory."""
+    """Return the run time (s) with new threads, which first allocate their memory."""
     with ThreadPoolExecutor(workers) as pool:
         return seconds(lambda: run(study, executor=pool), 1)
 
 
 def measure_speedup(study: Study, one: Executor, two: Executor) -> float:
-    """Return the speed of two threads relative to one."""
+    """Return the speed of two threads relative to one thread."""
     return seconds(lambda: run(study, executor=one), 1) / seconds(lambda: run(study, executor=two), 1)
 
 
 def measure_rows() -> list[tuple[str, str]]:
-    fresh = seconds(lambda: np.fft.rfft(FFT_INPUT), 40)  # No large block has been freed before this measurement.
+    fresh = seconds(lambda: np.fft.rfft(FFT_INPUT), 40)  # No large memory block has been freed before this measurement.
     result = [
         ("U", f"{1e3 * measure_unit():.2f} ms"),
         ("the same FFT in a process that has not freed large memory yet", f"{1e3 * fresh:.2f} ms"),

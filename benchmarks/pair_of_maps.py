@@ -1,4 +1,4 @@
-"""Measure the processor time of `stiction pair` on two 512 x 512 maps, and the part that the solver takes."""
+"""Measure the processor time of `stiction pair` on two 512 x 512 maps, and the solver's fraction of it."""
 
 import resource
 import statistics
@@ -82,7 +82,7 @@ def measure_rows() -> list[tuple[str, str]]:
         commands = [measure_command(folder, "0")]
         study, cutoff_study = (open_stored(folder / "0" / sub).study for sub in ("", CUTOFF_STUDY_FOLDER))
         tasks = prepare_solutions(study), prepare_solutions(cutoff_study), lambda: compute_onset(study)
-        # The first solution imports modules and computes kernels, and is not measured.
+        # Do not measure the first solution, which imports modules and computes kernels.
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
         solved = []
         for turn in range(NUM_TURNS):

@@ -1,4 +1,4 @@
-"""Measure the size of the interactive report of figure6 and its response time in headless Chromium.
+"""Measure the size of the interactive report on figure6, and its response time in headless Chromium.
 
 The browser is headless Chromium.
 """
@@ -46,7 +46,7 @@ def measure_key_press(driver, slider: str) -> float:
 
 
 def measure_interpolation_error(driver, dataset: xarray.Dataset) -> float:
-    """Return the median error of values and interval ends at random points, relative to the tolerances of the nodes."""
+    """Return the median error of values and interval ends at random points, relative to the node tolerances."""
     random = np.random.default_rng(1)
     errors = []
     loads, axes = driver.execute_script("return [loads, nodeAxes]")

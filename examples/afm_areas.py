@@ -1,4 +1,4 @@
-"""Compute the friction of two AFM maps in all directions: python afm_areas.py [UPPER LOWER].
+"""Compute the friction of two AFM maps in all directions; usage: python afm_areas.py [UPPER LOWER].
 
 UPPER and LOWER are instrument files. Without them, the script writes synthetic files.
 """

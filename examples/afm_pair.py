@@ -1,4 +1,4 @@
-"""Compute the friction of two AFM maps line by line in both directions: python afm_pair.py [UPPER LOWER].
+"""Compute the friction of two AFM maps line by line in both directions; usage: python afm_pair.py [UPPER LOWER].
 
 UPPER and LOWER are instrument files. Without them, the script creates synthetic maps.
 """
@@ -13,7 +13,7 @@ from stiction.views.style import COLUMN_WIDTH, MATPLOTLIB_STYLE
 
 
 def create_synthetic_map(side):
-    """Return a synthetic map of 10 µm whose lines, unlike lines of a measured map, are independent."""
+    """Return a synthetic map of 10 µm with independent lines, unlike the lines of a measured map."""
     lines = [
         self_affine(
             3, hurst_exponent=0.85, rms=0.02, points=512, spacing=10 / 512, shortest_wavelength=0.1, side=side,

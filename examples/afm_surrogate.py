@@ -1,4 +1,4 @@
-"""Compare a worn map and a surrogate, each in contact with itself, to show the effect of the height distribution."""
+"""Press a worn map and its surrogate, each on itself, to show the effect of the height distribution."""
 
 import matplotlib
 
@@ -33,7 +33,7 @@ for name, body, colour in (("worn", worn, "0.0"), ("surrogate", surrogate_body, 
     area = 100 * table["contact_area_fraction"].values
     axes[1].fill_between([3, 10, 30], area[:, 1], area[:, 2], color=colour, alpha=0.2, linewidth=0)
     axes[1].plot([3, 10, 30], area[:, 0], "o-", markersize=3, color=colour, label=f"{name} on itself")
-    # These are means over directions and positions, with their intervals.
+    # The results are means over directions and positions, with their intervals.
     friction, low, high = table["friction_all_round"].sel(sliding="all").isel(load=1).values
     print(f"{name}: Sq {1000 * parameters.Sq:.1f} nm, Ssk {parameters.Ssk:.2f}, Sdq {parameters.Sdq:.3f}; at 10 MPa")
     print(f"  A/A0 = {area[1, 0]:.2f} % [{area[1, 1]:.2f}, {area[1, 2]:.2f}]")

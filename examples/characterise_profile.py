@@ -1,4 +1,4 @@
-"""Write a synthetic scan of a lapped part like an instrument, and read, level and characterise it."""
+"""Write a synthetic scan of a lapped part as an instrument would, then read, level and characterise the scan."""
 
 from pathlib import Path
 

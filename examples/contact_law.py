@@ -1,4 +1,4 @@
-"""Compute a contact law for a discrete-element code, which then presses a grain and pushes it until it slides."""
+"""Compute a contact law for a discrete-element code. The law then presses a grain, which is pushed until it slides."""
 
 import matplotlib
 
@@ -19,7 +19,7 @@ mean = table.sel(statistic="mean")
 pressure, approach = mean["pressure"].values, mean["approach"].values  # GPa, µm
 friction = mean["friction_coefficient"].values
 
-FACE_AREA = 1e4  # area of the contact face between two grains in µm²
+FACE_AREA = 1e4  # area of the contact face between two grains, µm²
 
 
 def normal_force(overlap):

@@ -1,4 +1,4 @@
-"""Compute static friction of lapped steel on lapped steel against load, for generated profiles of three finishes."""
+"""Compute the static friction of lapped steel on lapped steel against load for generated profiles of three finishes."""
 
 import matplotlib
 
@@ -12,7 +12,7 @@ plt.rcParams.update(MATPLOTLIB_STYLE)
 
 STEEL_MODULUS = float(effective_modulus(210.0, 0.3, 210.0, 0.3))  # GPa
 PRESSURES = np.geomspace(1.0, 100.0, 9)  # MPa
-NUM_SCANS = 6  # number of scans of each face; each scan of the upper face is combined with each scan of the lower face
+NUM_SCANS = 6  # number of scans of each face; each scan of the upper face is pressed on each scan of the lower face
 
 figure, axes = plt.subplots(figsize=(4.2, 3.0), layout="constrained")
 for rms, grey in ((0.02, "0.0"), (0.05, "0.35"), (0.1, "0.6")):  # µm

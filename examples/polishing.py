@@ -1,4 +1,4 @@
-"""Compute friction and true area of two faces as functions of the roughness of the upper face, which is polished."""
+"""Compute friction and true area of two faces as functions of the roughness of the upper, polished face."""
 
 import matplotlib
 
@@ -18,7 +18,7 @@ OPTIONS = {
 
 
 def create_face(side, rms):
-    """Return a lapped face with a given Sq in µm."""
+    """Return a lapped face with a given Sq (µm)."""
     return self_affine_surface(
         9, hurst_exponent=0.8, rms=rms, shape=(192, 192), spacing=0.2, longest_wavelength=8.0, shortest_wavelength=1.0,
         side=side,
@@ -31,7 +31,7 @@ rows = [pair(create_face("upper", rms), lower, **OPTIONS).at().isel(cut_off=0, l
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
 for tau0, colour in zip((0.0, 0.5), STRENGTH_COLOURS, strict=True):
     for rule, style, rule_text in (("opposing", "-", "opposing contacts rub"), ("all", "--", "all rub")):
-        # These are means over all directions, which cancel the effect of a tilt.
+        # The results are means over all directions, which cancel the effect of a tilt.
         middle, low, high = np.transpose([table["friction_all_round"].sel(sliding=rule, tau0=tau0) for table in rows])
         left.fill_between(FINISHES, low, high, color=colour, alpha=0.15, linewidth=0)
         label = rf"{rule_text}, $\tau_0$ = {1000 * tau0:.0f} MPa"

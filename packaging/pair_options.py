@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write the parameters of `stiction.pair` and of the commands from the declared options of a pair.
+"""Write the parameters of `stiction.pair` and of the commands, generated from the declared options of a pair.
 
 pair_options.py write the files pair_options.py --check end with status 1 if a file differs from what would be written
 """
@@ -50,7 +50,7 @@ DOCSTRING_TYPES = {
 
 
 def declared_types() -> dict[str, str]:
-    """Return the type of each option as the model declares it, such as "Value | None"."""
+    """Return the type of each option as declared in the model, such as "Value | None"."""
     types = {}
     groups = [group.__name__ for group in OPTION_GROUPS]
     for node in ast.parse(inspect.getsource(pair_options)).body:
@@ -112,7 +112,7 @@ def parameter_descriptions() -> str:
 
 
 class PythonNames(dict[str, str]):
-    """Names of options in Python, which replace the placeholders of a help line."""
+    """Python names of options, which replace the placeholders of a help line."""
 
     def __missing__(self, name: str) -> str:
         return f"`{format_python_name(name)}`"
@@ -137,7 +137,7 @@ def command_parameters() -> str:
 
 
 def reader_parameters() -> str:
-    """Return the parameters of the command `characterise` that concern the reading of files."""
+    """Return the file-reading parameters of the command `characterise`."""
     lines = []
     for name in ReadingOptions.model_fields:
         once = ", repeatable=False" if PAIR_OPTIONS[name].is_repeatable else ""
@@ -146,7 +146,7 @@ def reader_parameters() -> str:
 
 
 def replace_section(text: str, start: str, end: str, new: str) -> str:
-    """Return a text in which the section between `start` and `end` is replaced."""
+    """Replace the section of a text between `start` and `end`."""
     head, result, rest = text.partition(start)
     _, closed, tail = rest.partition(end)
     assert result, start
@@ -173,7 +173,7 @@ def generate_files() -> dict[Path, str]:
 
 
 def format_code(text: str) -> str:
-    """Return a text in the format of ruff."""
+    """Format a text with ruff."""
     ruff = Path(sys.executable).with_name("ruff")
     line = [str(ruff), "format", "--stdin-filename", str(FUNCTION_FILE), "-"]
     return subprocess.run(line, input=text, capture_output=True, text=True, check=True, cwd=ROOT).stdout

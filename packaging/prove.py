@@ -1,4 +1,4 @@
-"""Verify a wheel: its contents, its requirements, and that it works without a compiler, Eigen, GSL and FFTW.
+"""Verify a wheel: its contents, its requirements, and its use without a compiler, Eigen, GSL and FFTW.
 
     python packaging/prove.py [--quick] WHEEL [TESTS ...]
 
@@ -33,12 +33,12 @@ MAX_GLIBC = (2, 34)
 MAX_IMPORT_SECONDS = 5.0
 """Largest accepted time of `import stiction`. An idle machine takes 0.3 s."""
 
-# Every Linux with glibc has these dynamic libraries.
+# Every Linux system with glibc has these dynamic libraries.
 SYSTEM_LIBRARY = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.so\.\d+")
 COMPILER = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|cmake|ninja|g?make)(-[\d.]+)?")
 SYSTEM_PATH = [Path(folder) for folder in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")]
 
-# Print the compilers, Eigen, GSL and FFTW that are visible. The script runs inside the environment and, once, outside.
+# Print the visible compilers, Eigen, GSL and FFTW. The script runs inside the environment and, once, outside.
 INSPECTION = """
 import os, shutil, sys
 path = os.environ["PATH"] + os.pathsep + sys.argv[1]
@@ -73,7 +73,7 @@ def call(
     quiet: bool = True,
     within: Iterable[str] = (),
 ) -> str:
-    """Run a command, in another command if given, and return its output; if it fails, exit with the output."""
+    """Run a command, optionally in another command, and return its output. If it fails, exit with the output."""
     whole = [*within, *map(str, command)]
     message = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
     done = subprocess.run(whole, check=False, cwd=cwd, env=env, text=True, **message)  # type: ignore[call-overload]
@@ -83,7 +83,7 @@ def call(
 
 
 def compare(what: str, found: Iterable[str], expected: Iterable[str]) -> None:
-    """Exit with the difference if two sets of names differ. The message calls them `what`."""
+    """Exit with the difference if two sets of names differ. The message describes the names by `what`."""
     extra, missing = sorted(set(found) - set(expected)), sorted(set(expected) - set(found))
     if extra:
         fail(f"{what}: there is also {', '.join(extra)}")
@@ -107,7 +107,7 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         extensions = [name for name in names if re.fullmatch(r"stiction/_core\.cpython-[\w-]+\.so", name)]
         if len(extensions) != 1:
             fail(f"{wheel.name} holds {len(extensions)} extensions, not one")
-        # auditwheel adds a bill of materials, which lists no bundled libraries here.
+        # auditwheel adds a bill of materials; here it lists no bundled libraries.
         message = {name for name in names if name.startswith(f"{ARCHIVE_STEM}.dist-info/sboms/")}
         compare(
             "the wheel, of the package and its licences",
@@ -134,7 +134,7 @@ def check_metadata(text: bytes) -> None:
 
 
 def check_floor(wheel: Path) -> None:
-    """Check that the wheel needs no newer glibc than the documented one."""
+    """Check that the wheel runs with the documented minimum version of glibc."""
     floors = [(int(major), int(minor)) for major, minor in re.findall(r"manylinux_(\d+)_(\d+)_", wheel.name)]
     if not floors:
         fail(f"{wheel.name}: not the name of a manylinux wheel")
@@ -176,16 +176,16 @@ class IsolatedEnvironment:
         self.environment = stored | {"PATH": f"{self.bin}{os.pathsep}{tools}"}
         self.mounts = self.can_hide_folders()
         call(sys.executable, "-m", "venv", folder / "environment")
-        # The option for dependency groups needs pip 25.1.
+        # The option for dependency groups requires pip 25.1.
         self.pip("pip>=25.1")
 
     def can_hide_folders(self) -> bool:
-        """Return whether mounts can hide directories, which needs root and affects no other process."""
+        """Return whether mounts can hide directories. This needs root and affects no other process."""
         able = sys.platform == "linux" and os.geteuid() == 0 and shutil.which("unshare") is not None
         return able and subprocess.run(["unshare", "--mount", "true"], check=False, capture_output=True).returncode == 0
 
     def hiding_script(self) -> str:
-        """Return shell commands that hide directories by empty directories, and programs and libraries by /dev/null."""
+        """Return shell commands that hide directories behind empty ones, and files behind /dev/null."""
         folders = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
         programs = [
             program
@@ -213,7 +213,7 @@ class IsolatedEnvironment:
         return call(*command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, within=within)
 
     def check_hidden(self) -> None:
-        """Check that everything that is visible outside the environment is hidden inside."""
+        """Check that everything visible outside the environment is hidden inside."""
         system = os.pathsep.join(map(str, SYSTEM_PATH))
         if self.mounts:
             seen_outside = call(sys.executable, "-c", INSPECTION, system, "/usr").splitlines()
@@ -291,7 +291,7 @@ def prove(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
         environment.check_hidden()
         by = "a mount namespace and PATH" if environment.mounts else "PATH alone"
         print_message(f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {by}")
-        stored = shutil.copy(wheel, folder)  # This tree is hidden, so the wheel is copied first.
+        stored = shutil.copy(wheel, folder)  # Copy the wheel first, because this tree will be hidden.
         environment.pip(stored)
         environment.check_installed()
         if (seconds := environment.measure_import_time()) > MAX_IMPORT_SECONDS:

@@ -1,4 +1,4 @@
-"""Check the list of docs/project/releasing.md: a function of this script checks each of its lines.
+"""Check each line of the list in docs/project/releasing.md with a function of this script.
 
     python packaging/release.py                  report what is done and what is missing
     python packaging/release.py --tagged         check the tag that its workflow releases
@@ -90,7 +90,7 @@ def recipe_matches_dependencies() -> str | None:
 
 
 def missing_recipe_lines() -> Iterator[str]:
-    """Yield the lines that the conda recipe lacks."""
+    """Yield the lines that are missing in the conda recipe."""
     lines = {line.strip() for line in read_file("packaging/conda/recipe.yaml").splitlines()}
     if f'version: "{RELEASE_VERSION}"' not in lines:
         yield f'version: "{RELEASE_VERSION}"'
@@ -152,7 +152,7 @@ def run_checks(*, tagged: bool) -> bool:
 
 
 def write_address(url: str) -> None:
-    """Write the address of the repository into pyproject.toml, CITATION.cff and the links of README.md."""
+    """Write the repository address into pyproject.toml, CITATION.cff and the links of README.md."""
     if not re.fullmatch(r"https://[\w.-]+/[\w.-]+/[\w.-]+", url):
         fail(f"--address must be that of a repository, https://HOST/OWNER/NAME, got {url!r}")
     name = url.rpartition("/")[2]

@@ -1,4 +1,4 @@
-"""Build the source distribution, a wheel from it for each installed Python, and verify all of them.
+"""Build the source distribution and a wheel from it for each installed Python, and verify all of them.
 
 `./dev wheel` runs this; `./dev wheel --quick` leaves out the tests, which otherwise run with the Python of ./dev.
 Releases are built by cibuildwheel, which needs containers. This script needs none, and finds most problems before.
@@ -33,7 +33,7 @@ sys.exit(sys.version_info[:2] != (3, int(sys.argv[1])) or not os.path.exists(hea
 
 
 def find_interpreters() -> dict[str, Path]:
-    """Return an interpreter that can create environments for each version such as "3.11", from PATH or pyenv."""
+    """Return a suitable interpreter for each version such as "3.11", from PATH or pyenv."""
     result = {}
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
     for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1):
@@ -52,7 +52,7 @@ def can_build(python: Path, minor: int) -> bool:
 
 
 def describe_commit() -> str:
-    """Return the current commit, with a mark if there are uncommitted changes."""
+    """Return the current commit, marked if there are uncommitted changes."""
     return call("git", "describe", "--always", "--dirty", "--abbrev=40", "--match", "nothing").strip()
 
 
@@ -62,7 +62,7 @@ def build_sdist(folder: Path) -> Path:
 
 
 def check_sdist(sdist: Path) -> int:
-    """Check that the source distribution contains only tracked files of the allow-list, and return their number."""
+    """Check that the source distribution contains only tracked files of the allow-list; return their number."""
     patterns = [
         f":(top,glob){pattern.lstrip('/')}" for pattern in PYPROJECT["tool"]["scikit-build"]["sdist"]["include"]
     ]
@@ -88,7 +88,7 @@ def build_wheel(sdist: Path, python: Path, folder: Path) -> Path:
 
 
 def repair(built: Path, folder: Path) -> Path:
-    """Set the oldest manylinux tag that the symbols of the wheel allow, and fail if a library would be bundled."""
+    """Add the oldest manylinux tag that the symbols of the wheel allow; fail if a library would be bundled."""
     tools = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     call(sys.executable, "-m", "auditwheel", "repair", "--wheel-dir", folder / "repaired", built, cwd=folder, env=tools)
     (wheel,) = (folder / "repaired").glob("*.whl")
@@ -98,7 +98,7 @@ def repair(built: Path, folder: Path) -> Path:
 
 
 def verify_wheel(wheel: Path, python: Path, *, with_tests: bool) -> bool:
-    """Verify a wheel in a process of its Python version, which creates its environments."""
+    """Verify a wheel in a process of its Python version. This process creates the test environments."""
     command: list[str | Path] = [python, ROOT / "packaging/prove.py", *([] if with_tests else ["--quick"]), wheel]
     return subprocess.run(command, check=False, cwd=ROOT).returncode == 0
 
@@ -107,7 +107,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Build the source distribution and wheels, and prove them.")
     parser.add_argument("--quick", action="store_true", help="without the tests")
     options = parser.parse_args()
-    # The files in the archives have the time of the commit, so that builds are reproducible.
+    # Files in the archives have the time of the commit, so that builds are reproducible.
     os.environ["SOURCE_DATE_EPOCH"] = call("git", "log", "-1", "--format=%ct").strip()
     RECORD_FILE.unlink(missing_ok=True)
     for folder in (DIST_FOLDER, UNPROVEN_FOLDER):
@@ -130,7 +130,7 @@ def main() -> None:
             print_message(f"building the wheel for Python {version} from it")
             wheel = repair(build_wheel(sdist, python, version_folder), version_folder)
             call(sys.executable, "-m", "twine", "check", "--strict", wheel)
-            # The wheel is kept even if the verification fails, because building takes long.
+            # The wheel is kept even if the verification fails, because building it takes a long time.
             stored = Path(shutil.copy(wheel, UNPROVEN_FOLDER))
             with_tests = not options.quick and python == Path(sys.executable)
             if verify_wheel(stored, python, with_tests=with_tests):

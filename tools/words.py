@@ -1,4 +1,4 @@
-"""Draw sentences and names of the committed tree at random, and check names and sentences against tools/words.toml.
+"""Draw random sentences and names from the committed tree, and check names and sentences against tools/words.toml.
 
 words.py sample [--seed S] [--number N] [--functions N]
     Print N sentences and N names as a table in which a reader marks each one. The same seed and commit give the
@@ -28,11 +28,11 @@ ROOT = Path(__file__).resolve().parents[1]
 RULES_FILE = ROOT / "tools/words.toml"
 SENTENCE_KINDS = ("docstring", "comment", "message", "documentation", "commit subject")
 NAME_KINDS = ("function", "class", "constant", "variable", "test")
-MIN_COMMENT_LENGTH = 25  # in characters; most shorter comments are units and markers
-MIN_WORDS = 7  # smallest number of words in a drawn sentence of the documentation
-MAX_COMMITS = 200  # number of newest commits of which subjects are drawn
-MAX_SAMPLE_LENGTH = 300  # largest number of characters of a sentence that are printed
-MAX_FUNCTION_LINES = 40  # Longer functions are not drawn for explanation.
+MIN_COMMENT_LENGTH = 25  # minimum length in characters; most shorter comments are units and markers
+MIN_WORDS = 7  # minimum number of words in a drawn sentence of the documentation
+MAX_COMMITS = 200  # number of newest commits whose subjects are drawn
+MAX_SAMPLE_LENGTH = 300  # maximum number of printed characters of a sentence
+MAX_FUNCTION_LINES = 40  # Longer functions are not drawn for a reader to explain.
 PYTHON_FOLDERS = ("python/stiction", "tests", "benchmarks", "docs", "examples", "packaging", "tools", "dev")
 IMPORTABLE_FOLDERS = ("python/stiction", "tests/support", "tests/reference", "packaging", "tools")
 
@@ -103,7 +103,7 @@ def docstrings(files: Files) -> Iterator[Item]:
 
 
 def comments(files: Files) -> Iterator[Item]:
-    """Yield the comments of Python, C++ and JavaScript, with consecutive lines joined to one comment."""
+    """Yield the comments of Python, C++ and JavaScript, joining consecutive lines."""
     for name, text in sorted(files.items()):
         lines: list[tuple[int, bool, str]] = []
         if is_python(name):
@@ -172,7 +172,7 @@ SENTENCES: dict[str, Callable[[Files], Iterator[Item]]] = dict(
 
 
 def bound_names(node: ast.AST) -> Iterator[tuple[str, str]]:
-    """Yield the kind and spelling of each name that a node of the syntax tree binds."""
+    """Yield the kind and spelling of each name that a syntax tree node binds."""
     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
         yield ("test" if node.name.startswith("test_") else "function"), node.name
     elif isinstance(node, ast.ClassDef):
@@ -189,7 +189,7 @@ def is_constant(name: str) -> bool:
 
 
 def names(files: Files) -> dict[str, list[Item]]:
-    """Return the place and spelling of each name by kind. A name that occurs several times in a file counts once."""
+    """Return the place and spelling of each name by kind. A repeated name counts once per file."""
     unique: dict[str, dict[Item, None]] = {kind: {} for kind in NAME_KINDS}
     for path, node in python_nodes(files):
         for kind, name in bound_names(node):
@@ -202,7 +202,7 @@ def names(files: Files) -> dict[str, list[Item]]:
 
 
 def draw(items_by_kind: Mapping[str, list[Item]], number: int, generator: random.Random) -> Iterator[str]:
-    """Yield rows of a table with `number` items, as equally many of each kind as possible."""
+    """Yield table rows of `number` items, with equal numbers of each kind where possible."""
     yield "| mark | kind | place | text |\n|---|---|---|---|"
     for i, (kind, items) in enumerate(items_by_kind.items()):
         count = number // len(items_by_kind) + (i < number % len(items_by_kind))
@@ -275,7 +275,7 @@ def repeated_classes(files: Files) -> dict[str, set[str]]:
 
 
 def repeated_constants(files: Files) -> dict[str, set[str]]:
-    """Return the modules of each constant that several modules define by different values."""
+    """Return the modules of each constant that several modules define with different values."""
     modules: dict[str, dict[str, str]] = {}
     for path, text in sorted(files.items()):
         if not is_python(path) or not is_in(path, IMPORTABLE_FOLDERS):

@@ -1,4 +1,4 @@
-"""Write the sample scans in this directory: generated faces in the file formats of instruments.
+"""Write the sample scans in this directory: generated faces in instrument file formats.
 
     python examples/scans/make.py FOLDER
 
@@ -42,7 +42,7 @@ MAIN_XML = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def trace_text(finish: str, side: str) -> str:
-    """Return the text file of a stylus instrument, with positions in µm and heights in nm."""
+    """Return a text file of a stylus instrument, with positions in µm and heights in nm."""
     points, spacing, waves, deviation, step = TRACE_OPTIONS[finish].values()
     face = self_affine(
         11 if finish == "lapped" else 21,
@@ -79,7 +79,7 @@ def converter_steps(side: str) -> np.ndarray:
 
 
 def write_x3p(path: Path, steps: np.ndarray) -> None:
-    """Write a surface as ISO 25178-72, with the same bytes at each call."""
+    """Write a surface as ISO 25178-72. Every call writes the same bytes."""
     data = steps.tobytes()
     rows, columns = steps.shape
     checksum = hashlib.md5(data, usedforsecurity=False).hexdigest()

@@ -1,5 +1,5 @@
-// NumPy arrays in the bindings. Arguments are views of exact type and layout, and results take over the memory of C++
-// vectors.
+// NumPy arrays in the bindings.
+// Arguments are views of exact type and layout, and results take over the memory of C++ vectors.
 #pragma once
 
 #include "stiction/array.hpp"

@@ -9,8 +9,8 @@
 
 namespace stiction::python {
 
-/// Return a check that runs Python's signal handlers, at most ten times a second. Outside the main thread, the check is
-/// empty. The caller must hold the GIL; the check acquires the GIL itself.
+/// Return a check that runs Python's signal handlers, at most ten times a second.
+/// Outside the main thread, the check is empty. The caller must hold the GIL; the check acquires the GIL itself.
 inline CancellationCheck keyboard_interrupt_check() {
   namespace py = pybind11;
   const py::object thread = py::module_::import("threading");
