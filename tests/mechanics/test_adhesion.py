@@ -430,7 +430,7 @@ def test_half_space_rejects_bad_adhesion_arguments():
         half_space(*bodies, [1.0], work_of_adhesion=-1.0)
     with pytest.raises(ValueError, match="a unit of work of adhesion"):
         half_space(*bodies, [1.0], work_of_adhesion="50 mJ/mm")
-    with pytest.raises(ValueError, match="hardness must be above .* GPa, the attraction in contact"):
+    with pytest.raises(ValueError, match=r"hardness must be above .* GPa, the attraction in contact"):
         half_space(*bodies, [1.0], hardness=1e-3, **adhesive)
     with pytest.raises(RuntimeError, match="separate"):
         half_space(*bodies, [-2 * np.pi * adhesive["work_of_adhesion"]], **adhesive)

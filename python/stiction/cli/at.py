@@ -200,7 +200,7 @@ def _select_nearest(
         if values is not None:
             if name not in dataset.dims:
                 raise ValueError(
-                    f"{flag} applies to studies of generated surfaces, got {', '.join((f'{v:g}' for v in values))}"
+                    f"{flag} applies to studies of generated surfaces, got {', '.join(f'{v:g}' for v in values)}"
                 )
             dataset = dataset.sel({name: values}, method="nearest").drop_duplicates(name)
     return dataset.isel(amplitude=[0]) if "amplitude" in dataset.dims and amplitudes is None else dataset

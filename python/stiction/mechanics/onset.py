@@ -61,8 +61,7 @@ class TangentialProblem(Protocol):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Onset(PlotRepr):
-    """Onset of sliding of two surfaces as a tangential load grows
-    from 0 under a constant normal load. Arrays are read-only.
+    """Onset of sliding of two surfaces as a tangential load grows from 0 at constant normal load (read-only arrays).
 
     An onset is returned by ``curve.onset(index, mu0=..., tau0=...)`` of a `HalfSpaceCurve`, `LoadCurve` or
     `SurfaceLoadCurve`.

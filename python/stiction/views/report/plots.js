@@ -41,7 +41,7 @@ const rem = () => parseFloat(getComputedStyle(document.documentElement).fontSize
 
 const path = (points) => points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
 
-/** Split points into runs of known points. */
+/** Split points into runs without unknown points. */
 function runs(points, isKnown) {
   const found = [[]];
   for (const point of points) isKnown(point) ? found.at(-1).push(point) : found.push([]);
@@ -314,7 +314,7 @@ function tipOfNearest(place, here) {
 const PLASMA = ["0d0887", "310597", "4c02a1", "6600a7", "7e03a8", "9511a1", "aa2395", "bc3587", "cc4778", "da5a6a",
   "e66c5c", "f0804e", "f89540", "fdac33", "fdc527", "f8df25", "f0f921"];
 
-/** A colour of plasma, [red, green, blue], at a share of it. */
+/** Return the colour of plasma, [red, green, blue], at a fraction of its length. */
 function colourAt(share) {
   const place = share * (PLASMA.length - 1);
   const i = Math.min(Math.floor(place), PLASMA.length - 2);
@@ -348,7 +348,7 @@ function hatch(name, id) {
     shape("path", {d: lines, "stroke-width": 1.3, "stroke-linecap": "round", style: "stroke: var(--muted); fill: none"}));
 }
 
-/** White lines with dark edges over colours that stay what they are, on light and on dark pages: beyond the model. */
+/** Return a hatch for values beyond the model: white lines with dark edges, visible on light and on dark pages. */
 function beyondModel(id) {
   const d = "M-2 6L2 10M0 0L8 8M6 -2L10 2";
   return pattern(id,
@@ -365,8 +365,8 @@ function swatch(...shapes) {
 const ringed = (x, y, size, width = 2.5) => [["var(--paper)", 2 * width + 1], ["var(--ring)", width]].map(([colour, w]) =>
   shape("circle", {cx: x, cy: y, r: size, "stroke-width": w, style: `fill: none; stroke: ${colour}`}));
 
-/** A quantity over dimension and load: map {status, value, trusted}, colours between low and high, and the picked cell
- * [d, l]. Returns the entries of the legend. */
+/** Draw a quantity over dimension and load, and return the entries of the legend.
+ * `map` is {status, value, trusted}, `colours` are the ends of the scale, and `picked` is the chosen cell [d, l]. */
 function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked, title}) {
   const x = edges(facts.cells.values);
   const y = edges(loads.map(Math.log)).map(Math.exp);
