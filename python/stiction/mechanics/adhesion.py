@@ -167,7 +167,7 @@ class Attraction:
             attraction = following
 
     def at(self, load: float, near: State | None) -> State:
-        """Return the equilibrium at a mean external load (GPa), starting from `near` or, if this is None, no contact."""
+        """Return the equilibrium at a mean external load (GPa). The start is `near` or, if this is None, no contact."""
         if near is None and load < 0:
             near = self.relax(None, 0.0)[0]
         found, holds = self.relax(near, load)
