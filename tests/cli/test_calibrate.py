@@ -133,7 +133,7 @@ def test_calibrate_command_rejects_contradictory_table(tmp_path, header, row, ex
     ("arguments", "expected_words"),
     [
         (("forces.csv",), "--pair DIR or --ball"),
-        (BALL_OPTIONS, "FORCES.csv, or --load and --measured"),
+        (BALL_OPTIONS, "FORCES.csv must be given, or --load and --measured"),
         ((*BALL_OPTIONS, "--load", "1 mN"), "--load and --measured"),
         ((*BALL_OPTIONS, "--load", "1 mN", "--measured", "0.25"), "uncertainty is needed"),
         ((*BALL_OPTIONS, "--load", "1 mN", "--measured", "red"), "--measured must be a number"),

@@ -77,9 +77,9 @@ class TestCandidates:
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
         ):
             press(points, [0.04])
-        with pytest.raises(ValueError, match=r"^detection .*'gap-minimum', got 'cell'"):
+        with pytest.raises(ValueError, match=r"^detection must be 'gap-minimum', .* got 'cell'"):
             press(points, [0.01], detection="cell")
-        with pytest.raises(ValueError, match=r"^curvature .*'convex', got 'signed'"):
+        with pytest.raises(ValueError, match=r"^curvature must be 'convex', .* got 'signed'"):
             contacts(points, 0.01, curvature="signed")
         with pytest.raises(ValueError, match="deepest"):
             candidates(*pair, deepest="deep")

@@ -176,7 +176,7 @@ class TestSettingClass:
         ({"lc": 2.0}, "lc must be at least 7 points, 3.5 µm, got 2 µm"),
         ({"lc": -1.0}, "lc must be a finite number above 0 µm"),
         ({"lc": 40.0, "ls": 0.7}, "ls must be 0, or between two points, 1 µm, and lc, 40 µm, got 0.7 µm"),
-        ({"lc": 40.0, "ls": 41.0}, "ls must be 0 or from two points"),
+        ({"lc": 40.0, "ls": 41.0}, "ls must be 0, or between two points"),
         ({"lc": 40.0, "ls": -2.0}, "ls must be"),
         ({"lc": 40.0, "sections": 0}, "sections must be a whole number of at least 1"),
     ],

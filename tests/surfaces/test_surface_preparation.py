@@ -152,7 +152,7 @@ def test_rotation_turns_the_lay_by_its_angle():
 
 
 def test_rotation_rejects_a_narrow_strip():
-    with pytest.raises(ValueError, match="angle 45 leaves 3 rows"):
+    with pytest.raises(ValueError, match="angle must leave at least 4 rows and points per row, got 3 rows"):
         rotated(Surface(np.random.default_rng(1).normal(size=(5, 90)), spacing=1.0), 45)
 
 
