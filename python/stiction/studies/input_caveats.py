@@ -235,6 +235,8 @@ def _of_instrument(
         yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden.cut_off, has_readings)
     if blunt.reason == "tip" and blunt.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
         text = f"{_waves(blunt)}, which the tip does not resolve: the surface is steeper"
+        if elastic:
+            text += ", and the interval does not include this"
         # Without a hardness, steeper slopes reduce the true area without limit.
         how: Severity = "fault" if elastic and blunt.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
