@@ -291,7 +291,7 @@ def test_swapped_or_foreign_blocks_are_detected(folder_copy, tmp_path):
     other = tmp_path / "other"
     compute_missing(TINY_STUDY.with_changes({"ensemble.seed": 1}), other)
     replace_block(find_block(folder_copy, 4), find_block(other, 4).read_bytes())
-    with pytest.raises(StoreError, match=r"belongs to another study than study\.toml: ensemble\.seed"):
+    with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
         store.read(folder_copy)
 
 

@@ -1,4 +1,4 @@
-"""Onset of sliding of a measured pair: the mean curve of some members, which is stored with the result."""
+"""Onset of sliding of a measured pair: mean curve of some members, stored with the result."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ if TYPE_CHECKING:
     from stiction.studies.store import StoredResult
 
 ONSET_FILE = "onset.nc"  # name of the file in the folder of a result
-ONSET_TABLE_FILE = "onset.csv"  # file with the mean curve as a table, which can serve as the backbone of a Masing model
-ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes of this table, by which it is recognised
+ONSET_TABLE_FILE = "onset.csv"  # table of the mean curve, such as the backbone of a Masing model
+ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes that identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
-"""Default numbers of members whose onset is computed; the second applies to half-spaces of maps, which take longer."""
+"""Default numbers of members with a computed onset: in general (first), and for half-spaces of maps (second)."""
 
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Fractions of the sliding load at which the curve is evaluated."""
 
-TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions; it changes displacements by about 1e-7
-DEFAULT_POISSON_RATIO = 0.3  # for both bodies, if the study has no Poisson's ratio
+TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions, for errors of displacements of about 1e-7
+DEFAULT_POISSON_RATIO = 0.3  # default for both bodies
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
     "displacement": "displacement",
@@ -48,7 +48,7 @@ _CURVE_TITLES = {
     "slipped_load": "slipped load",
     "energy_lost": "energy lost",
 }
-"""Quantities of the curve, and their column titles in `ONSET_TABLE_FILE`."""
+"""Column titles in `ONSET_TABLE_FILE`, by quantity."""
 
 _NUMBER_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
@@ -61,7 +61,7 @@ def compute_onset(
 
     By default the load is the first load of the study. The dataset has the dimensions `fraction` (of the sliding load)
     and `statistic`. It also contains the slip map of the first member, and the parameters of Iwan and LuGre models of
-    the mean curve. None is returned for generated bodies, without friction, and if no member has a solution.
+    the mean curve. Returns None for generated bodies, without friction, or if the solver fails for all members.
     """
     if not study.is_measured:
         return None
@@ -89,7 +89,7 @@ def compute_onset(
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """Compute the onset curve of one member, as arrays with its index and position; return None without a solution."""
+    """Compute the onset curve of a member with its index and position, or return None if the solver fails."""
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
@@ -124,7 +124,7 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
         values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, attributes_of(name))
-    # the long name covers all points of the curve up to sliding
+    # the long name applies to all points of the curve up to sliding
     variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {
         "fraction": (
@@ -148,7 +148,10 @@ PRESLIDING_MODELS = {
     "iwan": ("sliding_load_mN", "stiffness_mN_per_um", "chi", "beta", "largest_residual"),
     "lugre": ("sigma0_mN_per_um", "largest_residual"),
 }
-"""Models fitted to the mean curve, and their parameters, which are attributes of the dataset, such as "iwan_chi"."""
+"""Parameters of each model that is fitted to the mean curve.
+
+The parameters are attributes of the dataset, such as "iwan_chi".
+"""
 
 
 def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
@@ -161,7 +164,7 @@ def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
         lugre = fit_lugre(displacement, load, sliding_load=sliding)
     except ValueError:  # free half-planes have no displacement
         return {}
-    chi = round(iwan.chi, 12) + 0.0  # replaces -0 at the bound by 0
+    chi = round(iwan.chi, 12) + 0.0  # replaces -0 by 0 at the bound
     values = {
         "iwan": (sliding, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding)),
         "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding)),
@@ -177,7 +180,9 @@ def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
 
 
 def load_onset(result: StoredResult) -> xarray.Dataset | None:
-    """Load the onset stored with a result; return None if it is missing, or if its load, mu0 or tau0 differ.
+    """Load the onset stored with a result.
+
+    Returns None if the onset is missing, or if its load, mu0 or tau0 differ from the study.
 
     Raises a `StoreError` if the file is damaged.
     """
@@ -200,7 +205,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
 
 
 def format_backbone(onset: xarray.Dataset) -> str:
-    """Return the mean curve from zero load as CSV with units: the backbone of a Masing model."""
+    """Format the mean curve from zero load as CSV with units, such as the backbone of a Masing model."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
@@ -221,7 +226,7 @@ _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
-    """Return the fraction of the sliding load at which each point of a map, or each asperity contact, slips.
+    """Return the fraction of the sliding load at which each point, or each asperity contact, slips.
 
     The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
     by the point that slips first. The dataset is empty for profiles.
@@ -255,7 +260,7 @@ def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
 
 
 def _find_block_minima(values: Floats, step: int) -> Floats:
-    """Return the smallest value in each block of `step` rows and columns; NaN if the block contains no values."""
+    """Return the minimum in each block of `step` rows and columns, or NaN for a block without values."""
     rows, columns = (-(-size // step) * step for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

@@ -59,21 +59,24 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
 
-# default number of positions of a pair of profiles; enough for an interval after some seconds of computation
+# default number of positions of a pair of profiles, which takes some seconds
 DEFAULT_NUM_POSITIONS = 64
-NUM_ADHESION_LOADS = 4  # number of loads of adhesive contacts below the requested loads, spread over two decades
-PRELOAD_FRACTION = 1e-3  # load that replaces a load of zero, relative to the attraction of one grid cell
+NUM_ADHESION_LOADS = 4  # number of loads below the requested loads for adhesive contacts (two decades)
+PRELOAD_FRACTION = 1e-3  # load instead of a load of zero, relative to the attraction of a grid cell
 DEFAULT_LAW = "hertz-sphere"  # contact law of the asperity model
-HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength of small contacts in the law of Jackson and Green
+HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
 GAP_REMARK = (
-    "A gap map does not contain the slopes of the two faces: each face is assumed to have half of the slopes. "
+    "A gap map does not contain the slopes of the two faces. Each face is assumed to have half of the slopes. "
     "Closure, stiffness and area do not depend on this assumption."
 )
 
 
 class Pair:
-    """Two bodies and their options, with values in core units. Invalid options raise an `ArgumentError`."""
+    """Pair of two bodies and its options, with values in core units.
+
+    Invalid options raise an `ArgumentError`.
+    """
 
     def __init__(self, options: PairOptions) -> None:
         self.options = options
@@ -96,7 +99,10 @@ class Pair:
 
     @classmethod
     def from_values(cls, **values: object) -> Pair:
-        """Create a pair from unchecked values of the options; the keywords are field names of `PairOptions`."""
+        """Create a pair from unvalidated option values.
+
+        The keywords are field names of `PairOptions`.
+        """
         return cls(read_options(values))
 
     def _find_kind(self, name: str) -> OptionKind:
@@ -105,7 +111,7 @@ class Pair:
         return kind
 
     def _parse_quantity(self, name: str, value: object) -> Quantity:
-        """Parse the value of an option, whose kind of quantity is known from its name."""
+        """Parse the value of an option as its kind of quantity."""
         return parse_quantity(name, value, self._find_kind(name))
 
     def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
@@ -125,7 +131,7 @@ class Pair:
         return parts[0], parts[1]
 
     def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredFile:
-        """Return the entry of a body in the study: a file with its reading options, or a body in memory."""
+        """Return the study entry of a body: a file with reading options, or a body in memory."""
         options = self.options
         properties: dict[str, Any] = {}
         if options.tip is not None:
@@ -140,7 +146,7 @@ class Pair:
                     continue
                 if options.given(name) not in (None, "error", "keep"):
                     raise ArgumentError(
-                        f"{{{name}}} is for files: if one body is in memory, read the other file first, got {{{name}}}"
+                        f"{{{name}}} must not be given for a body in memory, got {{{name}}}; read the other file first"
                     )
             body = self._from_array(side, index, body) if is_array else body
             return MeasuredFile.from_body(body, side).model_copy(update=properties)
@@ -159,7 +165,7 @@ class Pair:
             raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=why) from None
 
     def _select_value(self, name: str, index: int) -> Any:
-        """Return the value of an option for a body; a single value applies to both bodies."""
+        """Return the value of an option for a body, where a single value applies to both bodies."""
         given = self.options.given(name)
         values = given if isinstance(given, list) else [given]
         if len(values) > 2:
@@ -176,7 +182,7 @@ class Pair:
         return name
 
     def _from_array(self, side: str, index: int, heights: Any) -> Body:
-        """Convert an array of heights to a body, with the spacing and unit for this body or for both bodies."""
+        """Convert an array of heights to a body, using the given spacing and unit."""
         spacing: Any = self._select_value("spacing", index)
         unit: Any = self._select_value("unit", index) or "um"
         if spacing is None:
@@ -212,7 +218,7 @@ class Pair:
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of the upper and of the lower body."""
+        """Numbers of scans of the upper and the lower body."""
         upper, lower = self.files
         return len(upper.scans), len(lower.scans)
 
@@ -225,14 +231,14 @@ class Pair:
 
     @property
     def press(self) -> str:
-        """Kind of members to press: "areas", "lines" or "surrogates"."""
+        """Kind of the members: "areas", "lines" or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute; the result is that of the first model."""
+        """Contact models to compute, starting with the model of the result."""
         default: Mechanics = (
             "half-space" if self.press != "lines" or self.has_missing or self._uses_plastic_lines else "asperities"
         )
@@ -242,7 +248,7 @@ class Pair:
 
     @property
     def _uses_plastic_lines(self) -> bool:
-        """True if both bodies are profiles with a hardness, and no option of the asperity model is given."""
+        """True if both bodies are profiles with a hardness and there are no asperity options."""
         asperity_options = (
             self.options.law,
             self.options.yield_strength,
@@ -260,7 +266,7 @@ class Pair:
 
     @property
     def has_surrogates(self) -> bool:
-        """True if surrogates are pressed."""
+        """True if the study has surrogates."""
         return self.press == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property
@@ -271,7 +277,7 @@ class Pair:
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
-        """Inputs by name that were given as ranges or with an uncertainty."""
+        """Inputs that were given as ranges or with an uncertainty, by name."""
         inputs: dict[str, list[UncertainInput]] = {}
         for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.given(name)) if text is not None]
@@ -292,7 +298,7 @@ class Pair:
 
     @cached_property
     def strength(self) -> Interface | None:
-        """Joint distribution of mu0 and tau0, or None if no interface is given."""
+        """Joint distribution of mu0 and tau0, or None without an interface."""
         if self.options.interface is None:
             return None
         if not isinstance(self.options.interface, (str, Path)):
@@ -303,7 +309,7 @@ class Pair:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
     def _nominal_value(self, name: str) -> Any:
-        """Return the value of an option; an uncertain input is replaced by its central value with four digits."""
+        """Return the value of an option, or the central value of an uncertain input with four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
             return round_median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -315,7 +321,7 @@ class Pair:
 
     @property
     def _uncertainty_table(self) -> dict[str, Any]:
-        """Table `known` of the study: the uncertain inputs, with all moduli if one of them is uncertain."""
+        """Table `known` of the study: the uncertain inputs, with all moduli if any modulus is uncertain."""
         names = set(self.uncertain_inputs) | {
             name for name in ("hardness", "creep") if self.options.given(name) is not None
         }
@@ -338,15 +344,15 @@ class Pair:
 
     @cached_property
     def loads(self) -> list[Quantity]:
-        """Requested loads in ascending order, mN; pressures are multiplied by the nominal area."""
+        """Requested loads (mN) in ascending order, with pressures multiplied by the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else THICKNESS / self._width
-        # Products are rounded so that the loads have no spurious last digits.
+        # Products are rounded, so that the loads have no spurious last digits.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        # A load of zero is replaced by a small load. The pull-off force always exceeds the attraction of one grid cell.
+        # A load of zero becomes a small fraction of the attraction of a grid cell, a lower bound of the pull-off force.
         if 0.0 in forces:
             forces = {force or float(f"{PRELOAD_FRACTION * self._cell_attraction:.3g}") for force in forces}
         return [quantity(exact_text(force, "mN"), "force") for force in sorted(forces)]
@@ -357,7 +363,7 @@ class Pair:
 
     @property
     def _cell_attraction(self) -> float:
-        """Largest attraction of one grid cell, w/ρ times the area of the cell, mN."""
+        """Largest attraction of a grid cell (mN), which is w/ρ times the area of the cell."""
         points = int(np.prod(self._body_attributes.attributes["shape"]))
         steps = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work, given = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
@@ -366,7 +372,7 @@ class Pair:
 
     @property
     def _width(self) -> float:
-        """Width of the profiles over which a given force is distributed, µm."""
+        """Width (µm) of the profiles under a given force."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -378,7 +384,7 @@ class Pair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Given loads in mN or GPa, each with True if the load is a pressure."""
+        """Given loads (mN or GPa), each with True if the load is a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -393,14 +399,14 @@ class Pair:
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Study of the result and, if a check is requested, the same study with the other contact model."""
+        """Study of the result, followed by the same study with the other contact model if a check is requested."""
         contacts = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
         loads = [exact_text(load, "mN") for load in self._load_steps(contacts).tolist()]
         return [self._build_study(contact | {"load": loads}) for contact in contacts]
 
     @property
     def preview_study(self) -> Study | None:
-        """Study for a preview with the asperity model; None for lines, and if the result itself uses this model."""
+        """Study for a preview with the asperity model, or None for lines or a result with this model."""
         if self.press == "lines" or self.contact_models[0] == "asperities" or self.has_missing:
             return None
         return self._build_study(self._build_contact_table("asperities") | {"load": self.loads})
@@ -426,7 +432,7 @@ class Pair:
         friction = {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths), "load": self.loads}
         if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
-                raise ArgumentError("{wait} needs {hardness}: elastic contacts do not creep")
+                raise ArgumentError("{wait} needs {hardness}, because elastic contacts do not creep")
             friction["wait"] = _sort_unique(self._parse_quantities("wait", self.options.wait))
         data = {
             "surfaces": self._build_surfaces_table(), "contact": contact, "friction": friction,
@@ -445,7 +451,7 @@ class Pair:
         else:
             table["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            level = "mean"  # keeps the measured orientation of the faces to each other
+            level = "mean"  # keep the measured relative orientation of the faces
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
@@ -468,11 +474,11 @@ class Pair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Keys of the surfaces table if much of the slope is from wavelengths that may not belong to a surface.
+        """Keys of the surfaces table for filtering, if some wavelengths may not belong to a surface.
 
         The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
-        come first, and so give the quoted result, if the spectrum of one scan ends in a noise floor of an instrument,
-        and the other scans may contain only noise as well. The dictionary is empty if no scan needs a filter.
+        come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
+        if wavelengths in the other scans may be noise as well. The dictionary is empty if no scan needs a filter.
         """
         limits = [[_find_noise(scan) for scan in file.scans] for file in self.files]
         present_limits = [limit for part_limits in limits for limit in part_limits if limit is not None]
@@ -505,7 +511,7 @@ class Pair:
             shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
             listed = self._listed_positions
             repetitions = (shifts if listed is None else len(listed)) + self._parse_num_surrogates(0)
-        # All pairs of scans have the same number of members.
+        # all pairs of scans have the same number of members
         pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
         if self._listed_positions is not None:
             repetitions *= pairs
@@ -516,7 +522,10 @@ class Pair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Listed positions (µm) of the slider on the counterface, (x, y) for maps; None if no list is given."""
+        """Listed positions (µm) of the slider on the counterface, or None without a list.
+
+        Positions on maps are pairs (x, y).
+        """
         if self.options.positions is None:
             return None
         values = self._parse_quantities("positions", self.options.positions)
@@ -579,13 +588,16 @@ class Pair:
 
     @property
     def _adhesion(self) -> dict[str, Quantity]:
-        """Work of adhesion and its range. Each must be a single value, because every value needs its own solution."""
+        """Work of adhesion and its range, as table entries.
+
+        Each must be a single value, because the contacts are computed for a single value.
+        """
         quantities = {}
         for name in ("work_of_adhesion", "adhesion_range"):
             if (value := self.options.given(name)) is None:
                 continue
             if isinstance(value, str) and UNCERTAINTY_PATTERN.search(value):
-                message = f"{{{name}}} must be one value; compute both ends of a range separately, got {{got}}"
+                message = f"{{{name}}} must be one value, got {{got}}; compute both limits of a range separately"
                 raise ArgumentError(message, got=repr(value))
             quantities[name] = self._parse_quantity(name, value)
             reject_negative(name, [quantities[name]], value)
@@ -593,9 +605,9 @@ class Pair:
 
     @property
     def _growth(self) -> UncertainInput | None:
-        """Coefficient α of junction growth, or None if contacts do not grow.
+        """Junction growth α, or None if contacts do not grow.
 
-        The default is the value of the interface or, without an interface, the value of the softer material.
+        The default is the value for the interface or, without an interface, for the softer material.
         """
         alpha_text = self.options.junction_growth
         if alpha_text is None:
@@ -607,7 +619,7 @@ class Pair:
             value = softer and softer.junction_growth
             alpha_text = f"{value.low:g}..{value.high:g}" if value else 0.0
         elif self._hardness is None:
-            raise ArgumentError("{junction_growth} needs {hardness}: elastic contacts do not grow")
+            raise ArgumentError("{junction_growth} needs {hardness}, because elastic contacts do not grow")
         try:
             alpha = parse_study_input("junction_growth", alpha_text)
         except ValueError as error:
@@ -618,20 +630,20 @@ class Pair:
 
     @property
     def _hardness(self) -> Quantity | None:
-        """Given hardness or, by default, the hardness of the softer material."""
+        """Given hardness, or the hardness of the softer material by default."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
             return None if value is None else quantity(exact_text(value, "GPa"), "pressure")
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
-        self._parse_inputs("hardness")  # raises an error that also lists the hardness scales
+        self._parse_inputs("hardness")  # raises an error that lists the hardness scales
         hardness = self._parse_quantity("hardness", self._nominal_value("hardness"))
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
         return hardness
 
     def _build_law(self) -> Any:
-        """Return the contact law of the asperity model, with its parameters, as a value of the study."""
+        """Return the contact law of the asperity model with its parameters, as in a study."""
         if self.contact_law != JacksonGreen.name:
             return self.contact_law
         strength, ratio = self.options.yield_strength, self.elasticity.poisson_ratio
@@ -646,7 +658,7 @@ class Pair:
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
-        """Return the loads (mN) at which contacts are solved, the same for all contact models."""
+        """Return the loads (mN) at which contacts are computed with all contact models."""
         max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
@@ -661,7 +673,7 @@ class Pair:
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        # Results are not interpolated between a load of zero and the other loads.
+        # no interpolation between a load of zero and the other loads
         preloads = loads[:1] if self._has_zero_load else []
         regular_loads = loads[len(preloads) :] or loads
         num_smaller = NUM_ADHESION_LOADS if self._adhesion.get("work_of_adhesion") else 1
@@ -684,14 +696,17 @@ class Pair:
 
     @property
     def _nominal_area(self) -> float:
-        """Nominal area of each member, µm²."""
+        """Nominal area of each member (µm²)."""
         area = self._body_attributes.nominal_area
         assert area is not None, "measured bodies have a nominal area"
         return area
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Validate the tables of a study. If an option set the invalid key, the `ArgumentError` names the option."""
+    """Validate the tables of a study.
+
+    If an option set the invalid key, the `ArgumentError` names the option.
+    """
     try:
         return validated(Study, data, "pair")
     except StudyError as error:
@@ -702,7 +717,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the name of the option that sets a key of a study, such as "friction.mu0[0]"; None if no option does."""
+    """Return the name of the option that sets a study key such as "friction.mu0[0]", or None."""
     key = key.partition("[")[0]
     last = key.rpartition(".")[2]
     return next(
@@ -711,19 +726,22 @@ def _find_option(key: str) -> str | None:
 
 
 def study_from_options(options: PairOptions) -> Study:
-    """Return the study of two bodies, given as files or in memory. Raises a `ValueError` if they cannot be pressed."""
+    """Return the study of two bodies from files or in memory.
+
+    Raises a `ValueError` if the contact of the bodies cannot be computed.
+    """
     study = Pair(options).study
     body_attributes(study)
     return study
 
 
 def _split_commas(value: Any) -> Any:
-    """Split a text at its commas. Other values are returned unchanged."""
+    """Split a text at commas, and return other values unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a part, given as a list, a folder, comma-separated names, or a single scan."""
+    """Return the scans of a part from a list, a folder, comma-separated names, or a single scan."""
     if isinstance(given, (list, tuple)):
         scans = list(given)
     elif isinstance(given, str) and not given.strip():  # `Path` would interpret an empty string as the current folder
@@ -736,15 +754,15 @@ def _list_scans(side: str, given: Any) -> list[Any]:
         return [given]
     if not scans or any(isinstance(scan, str) and not scan.strip() for scan in scans):
         raise ArgumentError(
-            f"{{{side}}} must have at least one scan, and no empty name, got {{got}}", got=repr(str(given))
+            f"{{{side}}} must have at least one scan and no empty name, got {{got}}", got=repr(str(given))
         )
     return scans
 
 
 def _find_noise(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
-    """Return the limit below which wavelengths may not belong to the surface, or else noise that a scan may hide.
+    """Find wavelengths of a scan that may not belong to the surface, or possible hidden noise.
 
-    Return None if these hardly affect the slope.
+    Returns None if they affect the slope only slightly.
     """
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
@@ -760,6 +778,6 @@ def _to_length(wavelength: float) -> Quantity:
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:
-    """Sort quantities in ascending order without duplicates; among equal quantities, the last is kept."""
+    """Sort quantities in ascending order, and keep the last of equal quantities."""
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]

@@ -1,4 +1,4 @@
-"""Options of a measured pair. Each option is declared once, with its type, unit, default, help text and conditions."""
+"""Options of a measured pair, with type, unit, default, help text and conditions."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from stiction.surfaces.surface import Surface
 
 
 class HeightData(Protocol):
-    """Height data from another library, such as surfalize or xarray, in the attribute `data`."""
+    """Height data from another library such as surfalize or xarray, in the attribute `data`."""
 
     @property
     def data(self) -> object:
@@ -86,7 +86,7 @@ def _read_degrees(value: object) -> float:
 
 
 def _read_positions(value: object) -> object:
-    """Read lengths, or pairs (x, y) of lengths as a flat list."""
+    """Parse lengths, or pairs (x, y) of lengths in a flat list."""
     value = scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
@@ -115,11 +115,11 @@ Value: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
 Values: TypeAlias = Annotated[
     str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_read_values)
 ]  # fmt: skip
-"""One value or several values, which are separated by commas if given as a text."""
+"""One or several values, which are separated by commas in a text."""
 Positions: TypeAlias = Annotated[
     str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_read_positions)
 ]  # fmt: skip
-"""Positions along profiles, or positions (x, y) on maps, which may be given as a flat list."""
+"""Positions along profiles, or positions (x, y) on maps, possibly as a flat list."""
 Count: TypeAlias = Annotated[int, PlainValidator(_read_count)]
 Seed: TypeAlias = Annotated[int, PlainValidator(_read_non_negative)]
 Degrees: TypeAlias = Annotated[float, PlainValidator(_read_degrees)]
@@ -136,7 +136,7 @@ Level = Literal["mean", "line", "plane", "quadratic", "none"]
 
 
 class PairFacts(Protocol):
-    """Properties of a pair on which the conditions of options depend."""
+    """Properties of a pair that determine which options apply."""
 
     @property
     def options(self) -> PairOptions:
@@ -181,14 +181,14 @@ class PairFacts(Protocol):
 
 @dataclass(frozen=True)
 class Condition:
-    """Condition under which an option applies, and the error message if it does not apply."""
+    """Condition for the use of an option, with the error message if the option does not apply."""
 
     holds: Callable[[PairFacts], bool]
-    message: str  # text that follows the name of the option; other options are written as {name}
+    message: str  # text after the option name; {name} stands for another option
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Condition]:
-    """Return a decorator that converts a function to a condition with this message."""
+    """Return a decorator that converts a function to a condition with the given message."""
 
     def decorate(holds: Callable[[PairFacts], bool]) -> Condition:
         return Condition(holds, message)
@@ -202,9 +202,9 @@ def is_one_map(pair: PairFacts) -> bool:
     return pair.are_maps and pair.scan_counts == (1, 1)
 
 
-@make_condition("must not be combined with {gap}: its two faces belong together")
+@make_condition("must not be combined with {gap}, because the position of its faces is fixed")
 def has_two_bodies(pair: PairFacts) -> bool:
-    """Return whether two bodies are given, and not the gap between them."""
+    """Return whether two bodies are given rather than the gap between them."""
     return pair.options.gap is None
 
 
@@ -216,25 +216,25 @@ def has_two_profiles(pair: PairFacts) -> bool:
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairFacts) -> bool:
-    """Return whether two profiles are pressed as lines."""
+    """Return whether the members are lines of two profiles."""
     return pair.are_profiles and pair.press == "lines"
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def makes_surrogates_of_whole_scans(pair: PairFacts) -> bool:
-    """Return whether surrogates, if any, are made of scans without masked points."""
+    """Return whether there are no surrogates of scans with masked points."""
     return not (pair.has_missing and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
-    """Return whether the asperity model, if used, presses scans without masked points."""
+    """Return whether the asperity model is not used for scans with masked points."""
     return not pair.has_missing or "asperities" not in pair.contact_models
 
 
 @make_condition("needs scans without masked points; {missing} interpolate fills them, and {crop} excludes them")
 def has_whole_scans(pair: PairFacts) -> bool:
-    """Return whether no points are masked."""
+    """Return whether all points are measured."""
     return not pair.has_missing
 
 
@@ -246,25 +246,25 @@ def has_no_spectrum(pair: PairFacts) -> bool:
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_pairs_of_lines(pair: PairFacts) -> bool:
-    """Return whether there are several pairs of lines, taken from maps or from surrogates of profiles."""
+    """Return whether there are several pairs of lines, from maps or from surrogates of profiles."""
     return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
 
 
 @make_condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairFacts) -> bool:
-    """Return whether lines are pressed."""
+    """Return whether the members are lines."""
     return pair.press == "lines"
 
 
 @make_condition("is for lines of surfaces")
 def presses_lines_of_surfaces(pair: PairFacts) -> bool:
-    """Return whether lines of height maps are pressed."""
+    """Return whether the members are lines of height maps."""
     return pair.press == "lines" and not pair.are_profiles
 
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairFacts) -> bool:
-    """Return whether the areas of two height maps are pressed."""
+    """Return whether the members are areas of two height maps."""
     return pair.press == "areas"
 
 
@@ -276,7 +276,7 @@ def moves_areas(pair: PairFacts) -> bool:
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairFacts) -> bool:
-    """Return whether lines or areas of the scans are pressed."""
+    """Return whether the members are lines or areas of the scans."""
     return pair.press != "surrogates"
 
 
@@ -288,7 +288,7 @@ def has_no_positions(pair: PairFacts) -> bool:
 
 @make_condition("is for {surrogates}")
 def presses_surrogates(pair: PairFacts) -> bool:
-    """Return whether surrogates are pressed."""
+    """Return whether the members are surrogates."""
     return pair.has_surrogates
 
 
@@ -300,7 +300,7 @@ def presses_by_one_model(pair: PairFacts) -> bool:
 
 @make_condition("is for {mechanics} half-space")
 def presses_half_space(pair: PairFacts) -> bool:
-    """Return whether the half-space model is used, for the result or as a check."""
+    """Return whether the half-space model is used for the result or as a check."""
     return "half-space" in pair.contact_models
 
 
@@ -312,31 +312,31 @@ def has_result_by_half_space(pair: PairFacts) -> bool:
 
 @make_condition("is for {mechanics} half-space alone")
 def presses_half_space_alone(pair: PairFacts) -> bool:
-    """Return whether only the half-space model is used, and the asperity model is not added as a check."""
+    """Return whether only the half-space model is used, without the asperity model as a check."""
     return pair.contact_models == ("half-space",)
 
 
 @make_condition("is for {mechanics} asperities")
 def presses_asperities(pair: PairFacts) -> bool:
-    """Return whether the asperity model is used, for the result or as a check."""
+    """Return whether the asperity model is used for the result or as a check."""
     return "asperities" in pair.contact_models
 
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def suits_grooves(pair: PairFacts) -> bool:
-    """Return whether the contact law suits the lay: grooves require the law of cylinders."""
+    """Return whether the contact law suits the lay; grooves require the law of cylinders."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
 @make_condition("is for {law} jackson-green")
 def has_law_with_yield(pair: PairFacts) -> bool:
-    """Return whether the contact law is that of Jackson and Green, with a yield strength."""
+    """Return whether the contact law is the law of Jackson and Green, which has a yield strength."""
     return pair.contact_law == JacksonGreen.name
 
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
-    """Return whether no hardness is given that would set the yield strength of asperities."""
+    """Return whether the yield strength of asperities is not determined by a given hardness."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
@@ -366,13 +366,13 @@ def has_work_of_adhesion(pair: PairFacts) -> bool:
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairFacts) -> bool:
-    """Return whether no interface gives mu0 and tau0 jointly."""
+    """Return whether mu0 and tau0 are not determined by an interface."""
     return pair.options.interface is None
 
 
 @make_condition("is for {young} and {law} jackson-green")
 def needs_poisson_ratio(pair: PairFacts) -> bool:
-    """Return whether Poisson's ratio is used, with Young's modulus or in the law of Jackson and Green."""
+    """Return whether Poisson's ratio is used with Young's modulus or in the law of Jackson and Green."""
     return pair.options.young is not None or pair.contact_law == JacksonGreen.name
 
 
@@ -382,12 +382,12 @@ OptionKind = Literal["length", "pressure", "force", "time", "work of adhesion"]
 DEFAULT_UNITS: dict[OptionKind, str] = {
     "length": "µm", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m²",
 }  # fmt: skip
-"""Default units of numbers, by the kind of quantity."""
+"""Default units of numbers by kind of quantity."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FormField:
-    """Field for an option in the form of the app."""
+    """Form field of an option in the app."""
 
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
@@ -396,21 +396,21 @@ class FormField:
     choices: tuple[tuple[str, str], ...] = ()  # values and labels of a drop-down list
     size: int = 0  # width of the field in characters; 0 for the default width
     unit: str = ""  # unit that is appended to a number without a unit
-    has_commas: bool = False  # True if values are separated by commas, which then are not decimal commas
-    keyboard: Literal["", "numeric", "decimal"] = ""  # virtual keyboard that a phone shows
+    has_commas: bool = False  # True if commas separate values and are not decimal commas
+    keyboard: Literal["", "numeric", "decimal"] = ""  # virtual keyboard on a phone
 
 
 @dataclass(frozen=True)
 class Option:
-    """Declaration of a pair option for the command line, Python, the study file and the app."""
+    """Declaration of a pair option for the command line, Python, study files and the app."""
 
-    value: str  # placeholder of the value on the command line, such as PRESSURE; empty for a switch
-    help: str  # one or two sentences of help; other options are written as {name}
+    value: str  # placeholder for the value on the command line, such as PRESSURE; empty for a switch
+    help: str  # one or two sentences of help; {name} stands for another option
     kind: OptionKind | None = None
     usual: str = ""  # description of the default value
-    flag: str = ""  # name on the command line, if it differs from the name of the field
-    argument: str = ""  # name in Python, if it differs from the name of the field
-    key: str = ""  # key of a study file that the option sets
+    flag: str = ""  # name on the command line, if it differs from the field name
+    argument: str = ""  # name in Python, if it differs from the field name
+    key: str = ""  # key in a study file that the option sets
     field: FormField | None = None
     applies: tuple[Condition, ...] = ()
     is_common: bool = False  # True if the short help lists the option
@@ -420,7 +420,10 @@ class Option:
 
 
 class OptionGroup(BaseModel):
-    """Group of options. The value None stands for the default."""
+    """Group of options.
+
+    The value None stands for the default.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, arbitrary_types_allowed=True)
 
@@ -428,7 +431,7 @@ class OptionGroup(BaseModel):
 
 
 class SurfaceOptions(OptionGroup):
-    """Options of the two bodies and of how their scans are prepared."""
+    """Options of the two bodies and of the preparation of their scans."""
 
     title: ClassVar[str] = "Surfaces"
 
@@ -481,7 +484,7 @@ class SurfaceOptions(OptionGroup):
 
 
 class ReadingOptions(OptionGroup):
-    """Options for reading files. Each is given once for both files, or once for each file."""
+    """Options for reading files, with a single value for both files or a value for each file."""
 
     title: ClassVar[str] = "Reading files"
 
@@ -548,7 +551,10 @@ class ReadingOptions(OptionGroup):
 
 
 class MaterialOptions(OptionGroup):
-    """Options for the materials; effective_modulus, young with poisson, or the names of materials are required."""
+    """Options for the materials.
+
+    Either effective_modulus, young with poisson, or the names of materials are required.
+    """
 
     title: ClassVar[str] = "Materials"
 
@@ -731,7 +737,7 @@ class PairOptions(
     title: ClassVar[str] = "Options of a pair"
 
     def given(self, name: str) -> object:
-        """Return the value of an option; None if it was not given."""
+        """Return the value of an option, or None if the option was not given."""
         value: object = getattr(self, name)
         return None if value is False else value
 
@@ -739,7 +745,7 @@ class PairOptions(
 OPTION_GROUPS: tuple[type[OptionGroup], ...] = (
     FrictionOptions, MaterialOptions, ContactOptions, SurfaceOptions, EnsembleOptions, ReadingOptions, ComputingOptions,
 )  # fmt: skip
-"""Groups of options in the order in which the help lists them."""
+"""Groups of options in the order of the help."""
 
 
 def _find_declaration(field: FieldInfo) -> Option:
@@ -758,7 +764,7 @@ READING_OPTION_NAMES: tuple[str, ...] = tuple(
 
 
 def split_list(name: str, text: str) -> str | tuple[str, ...]:
-    """Split the text of an option at commas; return it unchanged if the option takes a single value."""
+    """Split the text of an option at commas, or return it unchanged for an option with a single value."""
     return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
 
@@ -767,11 +773,11 @@ CHECK_ORDER: tuple[str, ...] = tuple(
     for group in (SurfaceOptions, ContactOptions, EnsembleOptions, FrictionOptions, MaterialOptions)
     for name in group.model_fields
 )
-"""Names of the options in the order in which their conditions are checked."""
+"""Names of the options in the order of their checks."""
 
 
 def list_choices(name: str) -> tuple[str, ...]:
-    """Return the allowed words of an option; empty if its values are not words."""
+    """Return the allowed words of an option, or an empty tuple if its values are not words."""
     annotation = PairOptions.model_fields[name].annotation
     literal = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
     return tuple(argument for argument in get_args(literal) if isinstance(argument, str))
@@ -781,18 +787,18 @@ def list_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Names of options by the argument names of the surface functions that they set."""
+"""Option names by the argument names of surface functions."""
 
 
 def format_command_line_name(name: str) -> str:
-    """Return the name of an option as written on the command line, such as "--hardness"."""
+    """Return the command-line name of an option, such as "--hardness"."""
     name = _OPTION_ALIASES.get(name, name)
     option = PAIR_OPTIONS.get(name)
     return option.flag if option and option.flag else f"--{name.replace('_', '-')}"
 
 
 def format_python_name(name: str) -> str:
-    """Return the name of an option in a call of `stiction.pair`, such as "hardness"."""
+    """Return the Python name of an option, such as "hardness"."""
     name = _OPTION_ALIASES.get(name, name)
     option = PAIR_OPTIONS.get(name)
     return option.argument if option and option.argument else name
@@ -800,7 +806,7 @@ def format_python_name(name: str) -> str:
 
 @contextmanager
 def argument_errors() -> Iterator[None]:
-    """Convert a validation error of pydantic to an `ArgumentError` for its first fault."""
+    """Convert the first fault of a pydantic validation error to an `ArgumentError`."""
     try:
         yield
     except ValidationError as error:
@@ -827,6 +833,9 @@ def argument_errors() -> Iterator[None]:
 
 
 def read_options(values: dict[str, object]) -> PairOptions:
-    """Validate options from values by field name. Raises an `ArgumentError` if a value is invalid."""
+    """Create options from values by field name.
+
+    Raises an `ArgumentError` if a value is invalid.
+    """
     with argument_errors():
         return PairOptions.model_validate(values)

@@ -1,4 +1,4 @@
-"""Complete a result folder: compute missing blocks and, for a measured pair, the companion files.
+"""Completion of a result folder: missing blocks and, for a measured pair, companion files.
 
 Companion files contain the contacts of a typical member, areas at other hardnesses, and the onset of sliding. The
 cutoff study is stored in a subfolder.
@@ -43,7 +43,7 @@ from stiction.studies.study import Study, find_differences, find_member_differen
 
 LinePrinter = Callable[[str], Any]  # function that prints a line
 
-MIN_ANNOUNCED_TIME = 20.0  # computing time in seconds above which an estimate of the time is always printed
+MIN_ANNOUNCED_TIME = 20.0  # computing time (s) above which an estimate of the time is always printed
 
 _COMPANION_FILES = {
     PICTURE_FILE: CHECKSUM_SEAL,
@@ -51,11 +51,11 @@ _COMPANION_FILES = {
     ONSET_FILE: CHECKSUM_SEAL,
     ONSET_TABLE_FILE: ONSET_TABLE_MARK,
 }
-"""Companion files of a measured pair, each with the bytes that identify such a file."""
+"""Companion files of a measured pair, each with the first bytes that identify the file."""
 
 
 def _ignore_line(_: str) -> None:
-    """Ignore a line of text; used if nothing is to be printed."""
+    """Ignore a line of text (for runs without output)."""
 
 
 def complete_result(
@@ -64,7 +64,9 @@ def complete_result(
     print_remark: LinePrinter = _ignore_line, announce: LinePrinter = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of a part of it. Without a part, also compute companion files.
+    """Compute the missing blocks of a study, or of a part of the study.
+
+    Without a part, the companion files are computed too.
 
     `replace` removes the result of another study. `onset` is the number of members whose onset of sliding is computed,
     0 for none. `print_finished` receives lines about finished work, `print_remark` receives important remarks, and
@@ -95,7 +97,7 @@ def complete_result(
         return Result(stored)
     result = Result(stored)
     if measured and load_areas_over_hardness(stored) is None and not is_unloaded(result):
-        # Some members are solved at other hardnesses and moduli if these inputs are ranges.
+        # Some members are computed at other hardnesses and moduli if these inputs are ranges.
         seconds = (
             count_solutions(stored.study) * estimate_solution_time(stored.study)
             if stored.study.uses_half_space
@@ -119,7 +121,7 @@ def complete_result(
 
 
 def _write_companion(stored: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a companion file. Do nothing if there is no data, or if the files of the bodies are missing."""
+    """Compute and write a companion file, unless there is no data or files of the bodies are missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored.path / name, replace=True)
@@ -129,7 +131,7 @@ def compute_companions(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
     announce: LinePrinter = _ignore_line, print_remark: LinePrinter = _ignore_line,
 ) -> None:  # fmt: skip
-    """Compute the cutoff study and the onset of sliding of a measured pair, unless they exist."""
+    """Compute the cutoff study and the onset of sliding of a measured pair if they are missing."""
     stored = result.stored
     if stored is None or not stored.study.is_measured:
         return
@@ -139,7 +141,7 @@ def compute_companions(
             folder = stored.path / CUTOFF_STUDY_FOLDER
             existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing and find_member_differences(existing.study, cutoff_study):
-                remove_result(existing)  # it belongs to another pair or other loads
+                remove_result(existing)  # remove a study of another pair or other loads
             seconds = cutoff_study.ensemble.repetitions * estimate_member_time(cutoff_study)
             (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                 f"cutoff study: about {format_duration(seconds)} of one core"
@@ -160,7 +162,7 @@ def compute_companions(
 
 
 def remove_result(stored: StoredResult) -> None:
-    """Remove the study and the blocks of a result, but no other files in its folder."""
+    """Remove the study and the blocks of a result, but no other files in the folder."""
     for block in stored.blocks:
         (stored.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
     areas = (AREAS_FILE,) if stored.study.is_measured else ()

@@ -1,4 +1,4 @@
-"""Values at one point of a dataset of `at_load`. A point is one combination of cell, load, mu0 and tau0."""
+"""Values at a point of a dataset of `at_load`: a combination of cell, load, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RuleValue:
-    """Coefficient of static friction at a point, for one sliding rule."""
+    """Coefficient of static friction at a point for a sliding rule."""
 
     rule: str  # "all" or "opposing"
-    value: float  # mean over the directions, followed by the ends of the combined 95 % interval
+    value: float  # mean over the directions, and limits of the combined 95 % interval
     lower: float
     upper: float
     positions: tuple[float, float] = (math.nan, math.nan)  # sampling interval of the mean over positions
-    next_test: tuple[float, float] = (math.nan, math.nan)  # prediction interval of a single test in one direction
-    low: float = math.nan  # 10 % and 90 % quantile of single members
+    next_test: tuple[float, float] = (math.nan, math.nan)  # prediction interval of a single test in a single direction
+    low: float = math.nan  # 10 % and 90 % quantiles of single members
     high: float = math.nan
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
 
@@ -44,25 +44,28 @@ def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 RULE_ORDER = ("all", "opposing")
-"""Sliding rules, starting with the rule that is quoted for measured bodies, because mu0 is measured on smooth faces."""
+"""Sliding rules, starting with the quoted rule for measured bodies.
+
+With this rule friction acts at all contacts, because mu0 is measured on smooth faces.
+"""
 
 CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of the cells of any kind of study
-MEAN_AND_ENDS = ("mean", "lower", "upper")  # a mean and the ends of its 95 % interval
+MEAN_AND_ENDS = ("mean", "lower", "upper")  # mean and limits of its 95 % interval
 
 
 def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
-    """Return the symbol and the value of the roughness exponent: H for self-affine surfaces, otherwise D."""
+    """Return symbol and value of the roughness exponent: H for self-affine surfaces, D for other surfaces."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
 
 def by_rule(table: Any, rule: str) -> Any:
-    """Select a sliding rule from an array; an array without a dimension of sliding rules is returned unchanged."""
+    """Select a sliding rule from an array, or return an array without sliding rules unchanged."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
 def value_of(point: xarray.Dataset, name: str) -> float:
-    """Return the mean of a quantity at a point, averaged over its directions if any; NaN if the quantity is missing."""
+    """Return the mean of a quantity at a point over all directions, or NaN if the quantity is missing."""
     if name not in point.variables:
         return math.nan
     table = point[name]
@@ -90,25 +93,25 @@ def pressure_of(point: xarray.Dataset) -> float:
 
 
 def rules_of(study: Study) -> list[str]:
-    """Return the sliding rules of a study; the first rule is quoted."""
+    """Return the sliding rules of a study, starting with the quoted rule."""
     order = RULE_ORDER if study.is_measured else RULE_ORDER[::-1]
     return sorted(study.contact.rules(), key=order.index)
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return True if a nominal area is meaningful; spheres on a strip of arbitrary thickness have none."""
+    """Return whether the nominal area is meaningful, unlike the area of a strip of arbitrary thickness with spheres."""
     if "nominal_area" not in point.coords:
         return False
     return study.is_areal or study.uses_half_space or "cylinder" in law_of(study)
 
 
 def law_of(study: Study) -> str:
-    """Return the name of the contact law in lower case; empty for the half-space model."""
+    """Return the name of the contact law, or an empty text for the half-space model."""
     return str(study.contact.law or "").lower()
 
 
 def is_capped(study: Study) -> bool:
-    """Return True if the contact model limits the pressure, by a hardness or a yield strength."""
+    """Return whether a hardness or a yield strength limits the contact pressure."""
     return study.contact.hardness is not None or "jackson" in law_of(study)
 
 
@@ -118,7 +121,7 @@ def modulus_of(point: xarray.Dataset, study: Study) -> float:
 
 
 def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the range of adhesion (µm) of the study, and the range on its grid, which may be longer."""
+    """Return the range of adhesion (µm) in the study, and the range that the grid resolves."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or ADHESION_RANGE)
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))
@@ -128,18 +131,21 @@ def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
 
 
 def is_unloaded(point: xarray.Dataset) -> bool:
-    """Return True if the load of a point is negligible compared with the pull-off force."""
+    """Return whether the load at a point is negligible compared with the pull-off force."""
     return "pull_off" in point and float(point["load"]) < NEGLIGIBLE_LOAD_RATIO * value_of(point, "pull_off")
 
 
 def hardness_of(study: Study) -> float:
-    """Return the hardness (GPa) of a study; NaN if it has none."""
+    """Return the hardness (GPa) of a study, or NaN without a hardness."""
     hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 
 
 def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
-    """Return tau0/H', the adhesive friction if all contacts yield; NaN at seizure, and None without a hardness."""
+    """Return tau0/H', the adhesive friction of fully plastic contacts.
+
+    The value is NaN at seizure, or None without a hardness.
+    """
     hardness = hardness_of(study)
     if math.isnan(hardness) or not study.uses_half_space:
         return None

@@ -13,25 +13,26 @@ if TYPE_CHECKING:
     import xarray
 
 STICKING_PRESSURE = 1e-7
-"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, the pressure below a steel plate that is 1.3 mm thick."""
+"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, the weight per area of a steel plate of 1.3 mm."""
 
 ValueWithInterval = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Sticking:
-    """Pull-off force (mN), pull-off pressure (GPa) and friction without a load (mN), each with its 95 % interval."""
+    """Pull-off force (mN), pull-off pressure (GPa) and friction without a load (mN), with 95 % intervals."""
 
     pull_off: ValueWithInterval
     pressure: ValueWithInterval
     friction: ValueWithInterval
-    is_bound: bool  # True if the pull-off force of some members is only a lower bound
+    is_bound: bool  # True if the pull-off force of some members is a lower bound
 
     @property
     def sticks(self) -> Literal["yes", "no", "uncertain"]:
-        """Position of the interval of the pull-off pressure relative to `STICKING_PRESSURE`: "yes" above, "no" below.
+        """Answer to the question whether bodies stick: "yes", "no" or "uncertain".
 
-        The value is "uncertain" if the interval contains this pressure.
+        The value is "yes" if the interval of the pull-off pressure is above `STICKING_PRESSURE`, "no" if it is below,
+        and "uncertain" if it contains this pressure.
         """
         value, lower, upper = self.pressure
         if (lower if np.isfinite(lower) else value) > STICKING_PRESSURE:
@@ -42,7 +43,7 @@ class Sticking:
 
 
 def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
-    """Return pull-off force and unloaded friction at a point of `at_load`; None if the bodies do not adhere."""
+    """Return pull-off force and unloaded friction at a point, or None if the bodies do not adhere."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (

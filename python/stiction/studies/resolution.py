@@ -1,4 +1,4 @@
-"""Effect of the resolution of a measured pair: a small study at several cutoffs, and the slope from each wavelength."""
+"""Effect of the scan resolution on a measured pair: a study at several cutoffs, and the slope at each wavelength."""
 
 from __future__ import annotations
 
@@ -37,21 +37,21 @@ from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_rou
 if TYPE_CHECKING:
     import xarray
 
-CUTOFF_STUDY_FOLDER = "resolution"  # folder, within a result folder, of the study of the same pair at several cutoffs
-# number of members for height maps: the first members of the result, so that only the cutoff differs
+CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in a result folder
+# number of members for height maps (the first members of the result)
 NUM_AREAL_MEMBERS = 4
 NUM_LINE_MEMBERS = 16  # number of pairs of lines
-MAX_CUTOFFS = 4  # largest number of cutoffs; the shortest is two points, and each cutoff is twice the previous cutoff
+MAX_CUTOFFS = 4  # largest number of cutoffs, which start at two points and double successively
 FOUR_DIGIT_ERROR = 5e-4  # largest relative error of a number rounded to four digits
 MAX_RELATIVE_CUTOFF = 1 / 30  # largest ratio of a cutoff to the shortest side of the scans
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return a study of the same pair at several cutoffs, with few members, at the loads of the original study.
+    """Return a study of the same pair at several cutoffs with few members and the original loads.
 
     The first cutoff is the cutoff of the original study. The other cutoffs start at the shortest resolved wavelength
-    and double successively. None is returned for generated bodies, for the asperity model, if the study itself has
-    several cutoffs, and if the scans are too short.
+    and double successively. Returns None for generated bodies, for the asperity model, if the original study has
+    several cutoffs, or if the scans are too short.
     """
     if not study.is_measured or not study.uses_half_space:
         return None
@@ -64,7 +64,7 @@ def build_cutoff_study(study: Study) -> Study | None:
     candidates = (
         2 * step * 2.0 ** np.arange(MAX_CUTOFFS) if cutoffs[0] == 0 else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     )
-    # Lengths are rounded up, because a wavelength below two points does not exist on the grid.
+    # Lengths are rounded up, because the grid has no wavelengths below two points.
     lengths = [
         cutoffs[0],
         *(
@@ -88,9 +88,9 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
-    """Evaluate a result with several cutoffs, or the cutoff study in its folder, at the loads of the study.
+    """Evaluate a result at several cutoffs and at the loads of its study.
 
-    None is returned if the result has neither.
+    The cutoffs are those of the result itself or of the cutoff study in its folder. Returns None if there is neither.
     """
     study = result.study
     if not study.is_measured:
@@ -118,20 +118,20 @@ def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap of a pair at resolved wavelengths, and its extrapolation to shorter wavelengths."""
+    """Roughness of the gap of a pair at resolved wavelengths, with its extrapolation to shorter wavelengths."""
 
     shortest: float  # shortest resolved wavelength (two points or the cutoff), µm
     longest: float  # longest side of the pressed bodies, µm
     gradient: float  # root-mean-square gradient of the gap of the first member
     roughness: ScaleDependentRoughness
-    estimate: HurstEstimate | None  # Hurst exponent of the gap; None if its spectrum has no self-affine band
+    estimate: HurstEstimate | None  # Hurst exponent of the gap, or None without a self-affine band
 
     def fraction_below(self, wavelength: float) -> float:
-        """Return the fraction of the mean square gradient of the gap at wavelengths below the given wavelength (µm)."""
+        """Return the fraction of the mean square gradient of the gap at wavelengths below a limit (µm)."""
         return float(self.roughness.fraction_below(wavelength))
 
     def find_plastic_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Return the wavelength (µm) down to which roughness must extend to multiply the elastic pressure by `ratio`.
+        """Return the shortest wavelength (µm) of roughness at which the elastic pressure is multiplied by `ratio`.
 
         The ratio is relative to the mean contact pressure at the resolution of the scans.
         """
@@ -143,7 +143,7 @@ class ResolvedRoughness:
         """Extrapolate the gradient and the area fraction of elastic bodies to finer scans.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
-        area fractions are triples of value, lower end and upper end.
+        area fractions are triples of value, lower limit and upper limit.
         """
         gradients = brackets.extrapolated_gradients(self.roughness, self.estimate, self.shortest, self.gradient)
         flat_fraction = np.array([area_fraction * self.gradient]) / brackets.interface_stretch(np.array(self.gradient))
@@ -155,7 +155,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Return the resolved roughness of the gap of a measured pair; None for generated bodies or missing files."""
+    """Return the resolved roughness of the gap of a measured pair, or None for generated bodies or missing files."""
     if not study.is_measured:
         return None
     try:
@@ -169,7 +169,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
     wavelength = surfaces.quoted_cut_off()
-    # the first member that consists of pieces of the scans or, without such a member, a surrogate
+    # first member from pieces of the scans or, without such a member, a surrogate
     first = surfaces.first_scanned
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair
@@ -188,7 +188,10 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
-    """Return mu0 + tau0/H', the lower bound for finer scans with friction at all contacts; None without a hardness."""
+    """Return mu0 + tau0/H', the lower bound for finer scans with friction at all contacts.
+
+    Returns None without a hardness.
+    """
     adhesion = plastic_adhesion(point, study)
     return None if adhesion is None else float(point["mu0"]) + adhesion
 
@@ -206,7 +209,7 @@ class YieldEstimate:
 
 @dataclass(frozen=True)
 class CutoffPoint:
-    """Values at one cutoff, load, mu0 and tau0."""
+    """Values at a cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
     values: dict[str, float]  # friction by rule, gradient, area fraction and pressure
@@ -239,7 +242,7 @@ class Resolution:
 
 
 def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> Resolution | None:
-    """Return the effect of the scan resolution on a dataset of `Result.at`; None if nothing is known about it.
+    """Return the effect of the scan resolution on a dataset of `Result.at`, or None without data about it.
 
     `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
     """
@@ -272,9 +275,10 @@ def _cutoff_point(point: xarray.Dataset, study: Study) -> CutoffPoint:
 
 
 def yield_estimates(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> tuple[YieldEstimate, ...]:
-    """Estimate at which wavelength the pressure reaches typical hardnesses.
+    """Estimate the wavelengths at which the pressure reaches typical hardnesses.
 
-    The wavelength is where the elastic mean pressure E* h'(λ)/κ, with κ of this result, equals the hardness.
+    At this wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
+    result.
     """
     modulus, pressure = modulus_of(point, study), pressure_of(point)
     if not pressure > 0:
@@ -289,7 +293,7 @@ def yield_estimates(point: xarray.Dataset, study: Study, scan: ResolvedRoughness
 
 
 def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return the limits for the figure of results against cutoff, as arrays.
+    """Return arrays of the limits for the figure of results against cutoff.
 
     `dataset` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``, the
     plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files are
@@ -324,7 +328,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
 
 
 def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Return the closed-form estimate for two spectra, at least one of which joins several scans."""
+    """Return the closed-form estimate for two spectra, if at least one spectrum joins several scans."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]

@@ -1,4 +1,4 @@
-"""Result of a study, in memory or in a directory: the computed sums, and the values derived from them."""
+"""Result of a study in memory or in a directory: contact sums, and values that are derived from the sums."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from stiction.studies.summary import PointSummary, Summary
     from stiction.surfaces.profile import Profile
 
-# number of fractal dimensions in an overview, for studies with a range of fractal dimensions
+# number of fractal dimensions in an overview of a range
 NUM_OVERVIEW_DIMENSIONS = 4
 
 _Read = TypeVar("_Read")
@@ -58,7 +58,7 @@ class Result:
 
     @classmethod
     def of(cls, result: Result | xarray.Dataset | StoredResult) -> Result:
-        """Return a result unchanged; wrap a dataset of member sums or an open directory as a result."""
+        """Return a result unchanged, or create a result from a dataset of member sums or an open directory."""
         import xarray
 
         if isinstance(result, Result):
@@ -87,12 +87,15 @@ class Result:
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """Contact sums of all members, in memory. Raises a `StoreError` if they take more than 2 GiB."""
+        """Contact sums of all members in memory.
+
+        Raises a `StoreError` if the sums take more than 2 GiB.
+        """
         return self.source.dataset() if isinstance(self.source, StoredResult) else self.source
 
     @cached_property
     def head(self) -> xarray.Dataset:
-        """Dataset with the coordinates and attributes of the result, and with the values of its first members.
+        """Dataset with the coordinates and attributes of the result, and values of the first members.
 
         Raises a `StoreError` if no member is finished.
         """
@@ -116,7 +119,7 @@ class Result:
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result, or some of its variables, in pieces of members; one piece is in memory at a time.
+        """Yield some or all variables of the result in pieces of members, with one piece in memory at a time.
 
         The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
         """
@@ -130,7 +133,7 @@ class Result:
             yield some.isel(repetition=slice(first, first + step))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
-        """Average variables that depend on the member over all members. One piece is in memory at a time."""
+        """Average variables over all members, with one piece of the result in memory at a time."""
         import xarray
 
         names, total, count = list(names), dict[str, xarray.Variable](), 0
@@ -148,15 +151,17 @@ class Result:
 
     @cached_property
     def num_solved(self) -> int:
-        """Number of members that have a solution at every load or approach."""
+        """Number of members that were computed at all loads or approaches."""
         from stiction.studies.maps import solved_pieces
 
         return sum(piece.sizes["repetition"] for piece in solved_pieces(self, ["normal_elastic"]))
 
     def alongside(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
-        """Call a function that reads from the directory of the result, and cache its value; None for results in memory.
+        """Call a function that reads from the directory of the result, and cache its value.
 
-        None is not cached, because an unfinished run may add the data later.
+        Returns None for results in memory.
+
+        The value None is not cached, because an unfinished run may add the data later.
         """
         if self.stored is None:
             return None
@@ -169,55 +174,61 @@ class Result:
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """Onset of sliding of a measured pair at the first load, mu0 and tau0 of its study; None if not stored."""
+        """Onset of sliding of a measured pair at the first load, mu0 and tau0 in the study, or None if not stored."""
         from stiction.studies.onset import load_onset
 
         return self.alongside(load_onset)
 
     @property
     def over_cut_offs(self) -> xarray.Dataset | None:
-        """Values of a few members at several cutoff wavelengths; None if the cutoff study is not stored."""
+        """Values of a few members at several cutoff wavelengths, or None without a stored cutoff study."""
         from stiction.studies.resolution import evaluate_cutoffs
 
         return self.alongside(evaluate_cutoffs)
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
-        """Heights, contacts and pressures of a typical member; None if they are not stored."""
+        """Heights, contacts and pressures of a typical member, or None if not stored."""
         from stiction.studies.contact_picture import load_contact_picture
 
         return self.alongside(load_contact_picture)
 
     @cached_property
     def coming_and_going(self) -> xarray.Dataset | None:
-        """Load, area and approach of a typical adhesive member during loading and unloading; computed on first use."""
+        """Load, area and approach of a typical adhesive member during loading and unloading.
+
+        The values are computed on first use.
+        """
         from stiction.studies.contact_picture import coming_and_going
 
         return coming_and_going(self)
 
     def find_touching_profiles(self, load: float) -> tuple[Profile, Profile, float, float] | None:
-        """Return the first pair of measured profiles that touch at a load, their approach and offset (µm), or None."""
+        """Return the first pair of measured profiles that touch at a load, with approach and offset (µm), or None."""
         from stiction.studies.contact_picture import find_touching_profiles
 
         return find_touching_profiles(self, load)
 
     @property
     def height_factors(self) -> dict[ScaledSides, list[float]]:
-        """Stored factors of the heights by scaled surfaces; empty if there are none besides 1."""
+        """Stored factors of the heights by scaled surfaces, or {} if factor 1 is the only factor."""
         from stiction.studies.height_scale import list_stored_factors
 
         return {} if self.stored is None else list_stored_factors(self.stored)
 
     @cached_property
     def nodes(self) -> Nodes:
-        """Values at nodes of mu0 and tau0, between which a report interpolates."""
+        """Values at nodes of mu0 and tau0 for interpolation in a report."""
         from stiction.studies.nodes import Nodes
 
         return Nodes(self)
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the bodies that apply at any load. The files are read on first use."""
+        """Caveats about the bodies that apply at all loads.
+
+        The files are read on first use.
+        """
         from stiction.studies.input_caveats import find_study_caveats
 
         return find_study_caveats(self.study)
@@ -225,21 +236,27 @@ class Result:
     # ---- At a load ---------------------------------------------------------------------------------------------------
 
     def reached_loads(self, steps: int = 80) -> NDArray[np.float64]:
-        """Return loads (mN) in equal ratios, up to the largest mean load; a `ValueError` if there is no contact."""
+        """Return loads (mN) in equal ratios up to the largest mean load.
+
+        Raises a `ValueError` if there is no contact.
+        """
         from stiction.studies.evaluation import reached_loads
 
         return reached_loads(self, steps)
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study or, if it has none, loads within reach. Raises a `ValueError` without contact."""
+        """Loads (mN) of the study or, without these, loads within the range of the result.
+
+        Raises a `ValueError` if there is no contact.
+        """
         from stiction.studies.evaluation import default_loads
 
         return default_loads(self)
 
     @cached_property
     def mean_areas(self) -> NDArray[np.float64]:
-        """Mean true area (µm²) of the members at the solved loads."""
+        """Mean true area (µm²) of the members at the computed loads."""
         from stiction.studies.evaluation import mean_areas
 
         return mean_areas(self)
@@ -248,7 +265,7 @@ class Result:
     def at_study_loads(self) -> xarray.Dataset:
         """Values and intervals at the loads, mu0 and tau0 of the study, with the uncertainty budget.
 
-        If the study has a range of fractal dimensions, only `NUM_OVERVIEW_DIMENSIONS` of them are evaluated.
+        If the study has a range of fractal dimensions, only `NUM_OVERVIEW_DIMENSIONS` values are evaluated.
         """
         at = self.at(budget=True)
         if self.study.is_measured:
@@ -256,7 +273,7 @@ class Result:
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return at
-        # A range describes a curve, for which a few values suffice. All values of a list are evaluated.
+        # A few values of a range suffice for a curve, but all values of a list are needed.
         number = at.sizes["fractal_dimension"]
         shown = np.unique(np.linspace(0, number - 1, min(NUM_OVERVIEW_DIMENSIONS, number)).round().astype(int))
         return at.isel(fractal_dimension=shown)
@@ -267,13 +284,15 @@ class Result:
         height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
         compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Evaluate the result at any loads, mu0 and tau0, with intervals. Stored contacts are not solved again.
+        """Evaluate the result with intervals at any loads, mu0 and tau0.
+
+        The contacts need no new computation.
 
         For measured bodies at elastic loads, `friction_combined` has the combined 95 % interval. All other coefficients
         have the sampling interval of the mean over positions.
 
-        With `height_scale`, the dataset contains friction, true area and stiffness for factors of the heights, as if
-        the bodies were finished differently. Factors between stored factors are interpolated. Other factors are solved
+        With `height_scale`, the dataset contains friction, true area and stiffness for factors of the heights, as for
+        other surface finishes. Results between stored factors are interpolated. Results at other factors are computed
         if `compute` is true.
 
         Parameters
@@ -360,18 +379,18 @@ class Result:
 
     @property
     def nominal_area(self) -> float | None:
-        """Nominal area of a member of measured bodies, µm²; None for generated bodies."""
+        """Nominal area (µm²) of a member of measured bodies, or None for generated bodies."""
         return float(self.head["nominal_area"]) if self.study.is_measured else None
 
     def _loads_of(self, load: Any) -> Any:
-        """Return loads in mN. For measured bodies, a string may be a pressure on the nominal area."""
+        """Convert loads to mN, including pressures on the nominal area of measured bodies."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Return a table with one row per contact of a typical member, or of given members, which are solved again.
+        """Compute a table of all contacts of a typical member, or of the given members, with one row per contact.
 
         Parameters
         ----------
@@ -403,7 +422,7 @@ class Result:
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Summarize the values that may be quoted at given loads, mu0 and tau0; the defaults are those of the study.
+        """Summarize the values that may be quoted at given loads, mu0 and tau0, by default the values in the study.
 
         The default summary is computed only once.
         """
@@ -412,7 +431,7 @@ class Result:
         return self.summary_of(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def summary_of(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset of `at` with its budget, or a selection of its cells, loads and directions."""
+        """Summarize a dataset of `at` with its budget, or a selection of cells, loads and directions."""
         from stiction.studies.summary import summarize
 
         return summarize(at, self.study, input_caveats=self.input_caveats)
@@ -427,27 +446,27 @@ class Result:
 
     @property
     def value(self) -> float:
-        """Coefficient of static friction of the quoted point; NaN if there is none."""
+        """Coefficient of static friction at the quoted point, or NaN without a coefficient."""
         return self._first.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Ends of the combined 95 % interval of `value`, which covers inputs, positions and unresolved roughness."""
+        """Limits of the combined 95 % interval of `value`, which covers inputs, positions and unresolved roughness."""
         return self._first.lower, self._first.upper
 
     @property
     def of_positions(self) -> tuple[float, float]:
-        """Ends of the 95 % sampling interval of the mean over positions, with all inputs at their central values."""
+        """Limits of the 95 % sampling interval of the mean over positions, with all inputs at their central values."""
         return self._first.rules[0].positions
 
     @property
     def next_test(self) -> tuple[float, float]:
-        """Ends of the 95 % prediction interval for a single test at one position and in one direction."""
+        """Limits of the 95 % prediction interval for a single test at one position in one direction."""
         return self._first.rules[0].next_test
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """Uncertainty budget: for each input, the interval that would remain if this input were exact.
+        """Uncertainty budget: the interval that would remain if an input were exact, for each input.
 
         The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
         and share (fraction of the width that would vanish).
@@ -515,7 +534,7 @@ class Result:
             raise ValueError(f"name must be one of {', '.join(map(repr, drawings))}, got {name!r}")
         with mpl.rc_context(MATPLOTLIB_STYLE):
             figure: Figure = drawings[name]()
-        vars(figure)["_repr_png_"] = partial(render_png, figure)  # a notebook can then show the figure without pyplot
+        vars(figure)["_repr_png_"] = partial(render_png, figure)  # allows a notebook to show the figure without pyplot
         return figure
 
     def _drawings(self) -> Sequence[tuple[str, Any]]:
@@ -552,7 +571,7 @@ class Result:
         """Return the text that the terminal shows."""
         try:
             return self._text().rstrip()
-        except ValueError as error:  # there is no contact, or no member is finished
+        except ValueError as error:  # no contact, or no finished member
             return f"no answer: {error}"
 
     def _text(self) -> str:
@@ -569,7 +588,7 @@ class Result:
 
 
 def open_result(directory: str | Path) -> Result:
-    """Open a result in a directory that `run`, `pair` or a command wrote. The result may be unfinished.
+    """Open a finished or unfinished result in a directory that `run`, `pair` or a command wrote.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Execution of a study by any executor, with one task for each block of members."""
+"""Execution of a study by an executor, with a task for each block of members."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ from stiction.studies.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# seconds of work in a block: short enough that a crash loses little, long enough that writing takes only a few per cent
+# seconds of work in a block: a crash loses little, and writing takes only a few per cent of the time
 BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-MIN_BLOCKS = 16  # smallest number of blocks, so that workers do not wait long for the last block
-MIN_BLOCK_TIME = 0.06  # smallest time in seconds of a block, because writing its file takes some milliseconds
+MIN_BLOCKS = 16  # smallest number of blocks, which limits the wait for the last block
+MIN_BLOCK_TIME = 0.06  # smallest seconds of work in a block, because writing its file takes some milliseconds
 MAX_SUBMITTED_TASKS = 1000  # largest number of queued tasks if the workers write the block files
-# largest number of queued tasks if this process writes the block files; enough for a large machine
+# largest number of queued tasks if this process writes the block files
 MAX_RETURNED_TASKS = 256
-SHUTDOWN_TIMEOUT = 3.0  # seconds that an interrupted run waits for unfinished blocks
+SHUTDOWN_TIMEOUT = 3.0  # seconds for which an interrupted run waits for unfinished blocks
 MAX_BYTES_IN_MEMORY = 2**34  # largest size of a result without a store, in bytes
 
 
@@ -66,8 +66,8 @@ def run(
     ----------
     study : Study
     executor : concurrent.futures.Executor, optional
-        Executor that computes the repetitions; by default one thread per core. Results are bitwise the same for any
-        executor.
+        Executor that computes the repetitions, by default with one thread per core. Results are bitwise equal for all
+        executors.
     store : path, optional
         Folder for the blocks of repetitions. Workers that can reach the folder write their blocks themselves. A folder
         with repetitions of the same study is resumed: finished repetitions are not computed again, and the number of
@@ -126,7 +126,10 @@ def compute_missing(
 
 
 def prepare_folder(study: Study, folder: str | Path, part: tuple[int, int] | None = None) -> StoredResult:
-    """Create the folder of a study, or open it if it exists. Raises the errors of `compute_missing`."""
+    """Create the folder of a study, or open an existing folder.
+
+    Raises the errors of `compute_missing`.
+    """
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
     if (size := member_bytes(study)) > MAX_BYTES_IN_MEMORY:
@@ -142,10 +145,10 @@ def complete_blocks(
     stored: StoredResult, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
 ) -> StoredResult:  # fmt: skip
-    """Compute the missing blocks of a stored result, and return the completed result.
+    """Compute the missing blocks of a stored result, and return the complete result.
 
-    `update` receives a new estimate of the run time after the first block if much time remains, and more than first
-    estimated. Raises the errors of `compute_missing`.
+    `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
+    was too low. Raises the errors of `compute_missing`.
     """
     missing = _MissingMembers(stored, part)
     with contextlib.ExitStack() as stack:
@@ -166,8 +169,11 @@ def _compute_into(
     stored: StoredResult, missing: _MissingMembers, pool: Executor, advance: Callable[[int], None],
     announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
-    """Compute the missing blocks of a stored result. Workers that can access its folder write the block files."""
-    workers = getattr(pool, "_max_workers", None)  # None for a cluster, whose number of workers may change
+    """Compute the missing blocks of a stored result.
+
+    Workers that can access the folder write the block files.
+    """
+    workers = getattr(pool, "_max_workers", None)  # None for a cluster with a variable number of workers
     started, is_first = time.monotonic(), update is not None and workers is not None
 
     def accept(members: range, content: bytes | None) -> None:
@@ -195,9 +201,9 @@ def _compute_into(
 
 @contextlib.contextmanager
 def _create_token(path: Path) -> Iterator[SharedFolder]:
-    """Create a token file that exists for the duration of a run.
+    """Create a token file that exists during a run.
 
-    A worker that finds the token file can access the folder, and knows that the run is still active.
+    If a worker finds the token file, the worker can access the folder, and the run is still active.
     """
     folder = SharedFolder(path.resolve(), new_partial_name())
     token = folder.path / BLOCKS_FOLDER / folder.token
@@ -214,7 +220,7 @@ def _create_token(path: Path) -> Iterator[SharedFolder]:
 
 @contextlib.contextmanager
 def _count_finished_on_error(stored: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to the message of a `StoreError` or of an error about a worker that ended."""
+    """Add the number of finished members to errors about storage or ended workers."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -246,11 +252,11 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(missing.total), arrays, body_attributes(study))
 
 
-LONG_RUN_TIME = 600.0  # estimated time in seconds on all threads above which advice for a shorter run is printed
+LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice for a shorter run is printed
 
 
 def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:
-    """Return a line about the work ahead: run time, number and size of files, and a warning about a full disk."""
+    """Describe the work ahead in a line: run time, number and size of files, and a warning about a full disk."""
     study = stored.study
     free = shutil.disk_usage(stored.path).free
     files = sum(1 for _ in missing)
@@ -270,11 +276,11 @@ def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: b
     )
 
 
-MIN_REPORTED_TIME = 60.0  # seconds of remaining work above which a new estimate of the run time is printed
+MIN_REPORTED_TIME = 60.0  # remaining time (s) above which a new estimate of the run time is printed
 
 
 def _new_estimate(missing: _MissingMembers, members: int, seconds: float, workers: int, cost: float) -> str:
-    """Return a line with a new estimate of the run time, based on the time of the first block.
+    """Return a line with a new estimate of the run time after the first block.
 
     The line is empty if little time remains, or if the first estimate was right.
     """
@@ -286,7 +292,7 @@ def _new_estimate(missing: _MissingMembers, members: int, seconds: float, worker
 
 
 class _MissingMembers:
-    """Unfinished members of a study, or of a part of it, as ranges of members within blocks."""
+    """Unfinished members of a study, or of a part of the study, as ranges of members within blocks."""
 
     def __init__(self, stored: StoredResult, part: tuple[int, int] | None) -> None:
         members = stored.study.ensemble.repetitions
@@ -304,7 +310,7 @@ class _MissingMembers:
         for block in self._blocks:
             first = block * self.block
             is_finished = self._is_finished[first : first + self.block]
-            # indices at which a range of missing members starts or ends
+            # first and last indices of ranges of missing members
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first + start, first + end)
@@ -314,14 +320,14 @@ def _compute_ranges(
     missing: _MissingMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
-    """Submit a task for each range of missing members, and pass each result to `accept`.
+    """Submit a task for each range of missing members, and call `accept` with each result.
 
     At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
     """
     ranges = iter(missing)
     task = use_idle_threads(task, pool, sum(1 for _ in missing), count_points(arguments[1]))
     pending: dict[Future[Any], range] = {}
-    # `concurrent.futures.wait` would lock all futures in each call, and leave some locked if interrupted.
+    # `concurrent.futures.wait` would lock all futures, and leave some locked if interrupted.
     done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit(count: int) -> None:
@@ -351,18 +357,18 @@ def _compute_ranges(
 
 @dataclass(frozen=True)
 class SharedFolder:
-    """Result folder into which workers on other machines write if they share its file system."""
+    """Result folder into which workers on other machines write if they can access it."""
 
     path: Path
-    token: str  # name of the token file, which exists in the folder of the blocks during the run
+    token: str  # name of the token file, which exists in the blocks folder during a run
 
     def is_visible(self) -> bool:
-        """Return True if this process can access the folder."""
+        """Return whether this process can access the folder."""
         return (self.path / BLOCKS_FOLDER / self.token).exists()
 
 
 def compute_block(version: str, study: Study, folder: SharedFolder | None, members: range) -> bytes | None:
-    """Compute a block of members. Write its file, or return the bytes of the file if the folder is not accessible."""
+    """Compute a block of members, and write its file or, without access to the folder, return its bytes."""
     from stiction.studies.store import encode_members
 
     is_visible = folder is not None and folder.is_visible()
@@ -374,7 +380,10 @@ def compute_block(version: str, study: Study, folder: SharedFolder | None, membe
 
 
 def compute_block_arrays(version: str, study: Study, members: range) -> Arrays:
-    """Compute a block of members and return its arrays. Raises a `StudyError` if `version` is not this version."""
+    """Compute the arrays of a block of members.
+
+    Raises a `StudyError` if `version` is not the version of this process.
+    """
     if version != __version__:
         raise StudyError(
             f"the worker on {socket.gethostname()} has stiction {__version__}, but the study was submitted with "
@@ -389,9 +398,11 @@ NUM_PREVIEW_MEMBERS = 4
 
 
 def preview_result(study: Study) -> Result:
-    """Return the result of the first members of a study. Raises a `ValueError` if they cannot be pressed.
+    """Compute the result of the first members of a study.
 
-    With the asperity model this takes less than a second. It serves as a preview of a half-space result.
+    Raises a `ValueError` if their contact cannot be computed.
+
+    The computation takes less than a second with the asperity model, which serves as a preview of a half-space result.
     """
     members = range(min(NUM_PREVIEW_MEMBERS, study.ensemble.repetitions))
     arrays = stack_members(study, [member_sums(study, member) for member in members])

@@ -60,9 +60,9 @@ if TYPE_CHECKING:
 
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
-STUDY_FILE_MARK = "# Written by stiction"  # first words of every study file that stiction wrote
-MAX_RESULT_BYTES = 2**31  # largest result that is read into memory as a whole, in bytes
-MAX_COMPANION_BYTES = 2**26  # largest companion file that is read, in bytes
+STUDY_FILE_MARK = "# Written by stiction"  # first words of each study file that stiction wrote
+MAX_RESULT_BYTES = 2**31  # largest result (bytes) that is read into memory as a whole
+MAX_COMPANION_BYTES = 2**26  # largest companion file (bytes) that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 MAX_RELOADS = 3
 
@@ -73,7 +73,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class Block:
-    """Block of members: the range of the members and the checksum of the file, which form the file name."""
+    """Block of members: range of the members and checksum of the file, as in the file name."""
 
     first: int
     last: int
@@ -92,12 +92,15 @@ class StoreInfo:
     study: Study
     finished: int  # number of finished repetitions out of study.ensemble.repetitions
     size: int  # size on disk in bytes
-    versions: dict[str, str]  # version of stiction that created the result
+    versions: dict[str, str]  # versions of software that created the result
 
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Result in a folder. Blocks are read on demand; a result that fits into one piece is cached."""
+    """Result in a folder.
+
+    Blocks are read on demand, and a result that fits into a single piece is cached.
+    """
 
     path: Path
     study: Study
@@ -105,7 +108,10 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[Block, int, int]]:
-        """Blocks, each with the range of members that is read from it, because blocks may overlap."""
+        """Blocks, each with the range of members that is read from the block.
+
+        The ranges do not overlap, even if the blocks do.
+        """
         ranges, covered = [], 0
         for block in sorted(self.blocks, key=lambda block: (block.first, -block.last, block.checksum)):
             first, last = max(block.first, covered), min(block.last + 1, self.study.ensemble.repetitions)
@@ -128,7 +134,7 @@ class StoredResult:
 
     @cached_property
     def version(self) -> str:
-        """Version of stiction that created the first block; without blocks, this version."""
+        """Version of stiction that created the first block, or this version without blocks."""
         return self.first_content.version if self.blocks else __version__
 
     @cached_property
@@ -142,18 +148,19 @@ class StoredResult:
         return self.count * member_bytes(self.study)
 
     def reload(self) -> StoredResult:
-        """Return the result with the blocks that its folder contains now."""
+        """Return the result with the current blocks in its folder."""
         return StoredResult(self.path, self.study, _list_blocks(self.path))
 
     @cached_property
     def first_content(self) -> BlockContent:
-        """Contents of the first block. Its study may differ from the study of the folder."""
+        """Contents of the first block, whose study may differ from the study in the folder."""
         return self._read(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
-        """Return the whole result.
+        """Return the dataset of all finished members.
 
-        Raises a `StoreError` if it exceeds 2 GiB, has no finished members, is damaged, or belongs to another study.
+        Raises a `StoreError` if the dataset exceeds 2 GiB, or if the result has no finished members, is damaged, or
+        does not match its study.
         """
         total = self.study.ensemble.repetitions
         if not self.count:
@@ -169,7 +176,7 @@ class StoredResult:
         )
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in consecutive pieces, one of which is in memory at a time; see `Result.pieces`."""
+        """Yield the result in consecutive pieces, with one piece in memory at a time (see `Result.pieces`)."""
         selected, count = None if names is None else list(names), self.count
         for first in range(0, count, self._piece_length):
             piece = (
@@ -181,7 +188,7 @@ class StoredResult:
 
     @cached_property
     def _piece_length(self) -> int:
-        """Number of members in one piece."""
+        """Number of members in a piece."""
         return piece_length(member_bytes(self.study))
 
     @cached_property
@@ -193,7 +200,7 @@ class StoredResult:
         return dataset
 
     def _read_range(self, first: int, last: int) -> xarray.Dataset:
-        """Return the members with the positions first to last - 1 in `finished`."""
+        """Return the members at the positions first to last - 1 in `finished`."""
         version, numbers = self.version, self.finished[first:last]
         axis = len(self.study.surfaces.cells())
         arrays: Arrays = {
@@ -211,9 +218,7 @@ class StoredResult:
                 content = self.first_content if block is self._block_ranges[0][0] else self._read(block)
                 if differ := find_member_differences(content.study, self.study):
                     raise _damage_error(
-                        self.path,
-                        block,
-                        f"belongs to another study than {STUDY_FILE}: {format_differences(differ[:1])}",
+                        self.path, block, f"does not match {STUDY_FILE}: {format_differences(differ[:1])}"
                     )
                 bodies = bodies or content.bodies
                 for name, values in arrays.items():
@@ -225,7 +230,7 @@ class StoredResult:
         return build_dataset(self.study, numbers, arrays, bodies).assign_attrs(stiction_version=version)
 
     def _read(self, block: Block) -> BlockContent:
-        """Return the contents of a block. A file whose checksum matches its name is trusted."""
+        """Return the contents of a block, after comparing its checksum with the file name."""
         try:
             written = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
             if zlib.crc32(written) != block.checksum:
@@ -289,9 +294,9 @@ def read(path: str | Path) -> xarray.Dataset:
 
 
 def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
-    """Read a companion file of a result, which has to contain the given variables.
+    """Read a companion file of a result, which must contain the given variables.
 
-    Returns None if the file does not exist. Raises a `StoreError` if it is damaged.
+    Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
     """
     import xarray
 
@@ -314,7 +319,10 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
 
 
 def open_stored(path: str | Path) -> StoredResult:
-    """Open the result in a folder without reading its blocks. Raises a `StoreError` if there is none."""
+    """Open the result in a folder without reading its blocks.
+
+    Raises a `StoreError` if the folder has no result.
+    """
     path = Path(path)
     if not path.exists():
         raise StoreError(f"{printable_path(path)}: no such directory")
@@ -329,7 +337,7 @@ def open_stored(path: str | Path) -> StoredResult:
 
 
 def info(path: str | Path) -> StoreInfo:
-    """Return a description of a result folder. Reads at most one block.
+    """Describe the contents of a result folder, reading at most one block.
 
     Raises
     ------
@@ -366,9 +374,10 @@ def _study(path: Path) -> Study:
 
 
 def create_or_open(path: str | Path, study: Study) -> StoredResult:
-    """Create a result in a folder, or open a result of the same study to resume it. Stale partial files are removed.
+    """Create a result in a folder, or open a result of the same study to resume it.
 
-    Raises a `StoreError` if the folder cannot be written, contains another study, or was created by another version.
+    Stale partial files are removed. Raises a `StoreError` if the folder cannot be written, contains another study, or
+    was created by another version.
     """
     path = Path(path)
     if path.is_file():
@@ -386,7 +395,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
             _files.write_atomically(
                 path / STUDY_FILE, f"{STUDY_FILE_MARK} {__version__}.\n\n{study.to_toml()}".encode()
             )
-    except (OSError, RuntimeError) as error:  # RuntimeError: a symbolic link that refers to itself
+    except (OSError, RuntimeError) as error:  # RuntimeError: symbolic link that refers to itself
         if stored.count < study.ensemble.repetitions:
             why = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {why}") from None
@@ -394,7 +403,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
 
 
 def _check_resumable(stored: StoredResult) -> None:
-    """Raise a `StoreError` if a run of this study cannot add to the existing blocks."""
+    """Raise a `StoreError` if a run of this study cannot resume from the existing blocks."""
     path, content, total = stored.path, stored.first_content, stored.study.ensemble.repetitions
     if differ := find_member_differences(content.study, stored.study):
         raise OtherStudyError(path, content.study, differ)
@@ -420,7 +429,7 @@ def _check_resumable(stored: StoredResult) -> None:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` if the study file in a folder was not written by stiction, and so must not be replaced."""
+    """Raise a `StoreError` if the study file in a folder was not written by stiction and must not be replaced."""
     try:
         if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_MARK.encode()):
             return
@@ -456,7 +465,7 @@ class OtherStudyError(StoreError):
 
 
 def write_block(path: Path, first: int, written: bytes, count: int) -> None:
-    """Write the block file of `count` members, beginning with the member `first`.
+    """Write the block file of `count` members, starting with the member `first`.
 
     Raises a `StoreError` if the file cannot be written.
     """
@@ -465,7 +474,7 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
         try:
             _files.write_atomically(path / BLOCKS_FOLDER / block.name, written)
             return
-        except FileNotFoundError:  # a process on another machine removed the partial file because it seemed to be stale
+        except FileNotFoundError:  # another process removed the partial file as stale
             if attempt == MAX_RELOADS or not (path / BLOCKS_FOLDER).is_dir():
                 raise StoreError(
                     f"{printable_path(path)}: was removed or replaced while it was being written"
@@ -476,25 +485,26 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# A file with a valid checksum is trusted, so only its study and the shapes of its arrays are compared.
+# For a valid checksum, only the study and the shapes of the arrays are compared.
 
 RESULT_ATTRIBUTES = (
     "title",
     "study",
     "stiction_version",
     "_NCProperties",
-)  # all other attributes of a result describe the bodies
+)  # the other attributes of a result describe the bodies
 
 CHECKSUM_SEAL = b"stiction crc32 "
-"""Bytes at the end of an exported file, followed by the checksum of all preceding bytes. The checksum is verified
-first, because HDF5 may never return from a damaged file. HDF5 ignores bytes after its own end, and a program that
-modifies the file removes the seal."""
+"""Bytes near the end of an exported file that precede the checksum of the file. The checksum is verified first, because
+HDF5 may never return from reading a damaged file. HDF5 ignores bytes after its own data, and programs that modify the
+file remove the seal.
+"""
 
-_template_lock = threading.Lock()  # ensures that concurrent threads create only one template
+_template_lock = threading.Lock()  # lets concurrent threads create only one template
 
 
 class DamageError(Exception):
-    """Error raised if a file is not a valid result. The message states the reason."""
+    """Error raised if a file is not a valid result, with the reason as its message."""
 
 
 @dataclass(frozen=True)
@@ -506,11 +516,14 @@ class BlockContent:
     numbers: NDArray[np.int64]
     arrays: Arrays
     bodies: BodyAttributes
-    is_exact: bool  # True if the coordinates are bitwise equal to those of the study
+    is_exact: bool  # True if the coordinates are bitwise equal to the coordinates in the study
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return the bytes of a block file with the arrays of `stack_members`. Equal members give equal bytes."""
+    """Return the bytes of a block file with arrays of `stack_members`.
+
+    Equal members give equal bytes.
+    """
     import h5py
 
     with _template_lock:
@@ -525,7 +538,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _template(study: Study, count: int) -> bytes:
-    """Return the bytes of a block file of `count` members, with zeros for all values.
+    """Return the bytes of a block file of `count` members with zeros for all values.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
@@ -539,7 +552,7 @@ def _template(study: Study, count: int) -> bytes:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file as xarray does, but without locks.
+    """Write a dataset to a netCDF file like xarray, but without locks.
 
     The locks of xarray would require a Dask scheduler in Dask workers.
     """
@@ -565,13 +578,13 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
 
 
 def append_seal(file: io.BytesIO) -> None:
-    """Append the seal, which contains the checksum of the file, to the file."""
+    """Append a seal with the checksum of the file to the file."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
 def decode_members(content: bytes) -> BlockContent:
-    """Return the members that the bytes of a file contain.
+    """Decode the members from the bytes of a file.
 
     Raises a `DamageError` if the arrays do not match the study in the file.
     """
@@ -608,7 +621,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
-        # exceptions that h5py raises for files that are not HDF5
+        # exceptions of h5py for files that are not HDF5
         raise DamageError("is not a readable netCDF file") from None
 
 
@@ -621,13 +634,13 @@ def _parse_study(text: str) -> Study:
 
 
 def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    """Return the values of a variable, which must be stored in this file and not in a linked file."""
+    """Return the values of a variable, which must be stored in this file rather than in a linked file."""
     import h5py
 
     variable = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
     if not isinstance(variable, h5py.Dataset) or variable.external or variable.is_virtual:
         raise DamageError(f"has no variable {name}")
-    if variable.id.get_storage_size() < variable.nbytes:  # the size that a small, damaged file declares may be huge
+    if variable.id.get_storage_size() < variable.nbytes:  # a small damaged file may declare a huge size
         raise DamageError(f"declares {name} but does not store it")
     if shape not in (None, variable.shape):
         raise DamageError(f"has {name} of shape {variable.shape} instead of {shape}")
@@ -642,13 +655,13 @@ class ExportError(ValueError):
 
 
 def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) -> None:
-    """Write a dataset to a netCDF file without loss: all variables, coordinates and attributes.
+    """Write all variables, coordinates and attributes of a dataset to a netCDF file without loss.
 
     Parameters
     ----------
     dataset : xarray.Dataset
     path : path
-        File to create, which must not exist yet. It appears only once it is complete.
+        File to create, which must not exist yet. The file appears only when it is complete.
     replace : bool
         True to replace an existing file that this function wrote.
 

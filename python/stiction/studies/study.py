@@ -1,4 +1,4 @@
-"""Studies: validated descriptions of a computation, read from a TOML file or built in."""
+"""Studies: validated descriptions of a computation, from a TOML file or built in."""
 
 from __future__ import annotations
 
@@ -52,21 +52,21 @@ from stiction.studies.values import (
 if TYPE_CHECKING:
     import xarray
 
-MAX_STUDY_BYTES = 1_000_000  # largest study file that is read, in bytes
-MAX_COMBINATIONS = 1000  # largest product of the numbers of loads, mu0 and tau0 of measured surfaces
+MAX_STUDY_BYTES = 1_000_000  # largest study file (bytes) that is read
+MAX_COMBINATIONS = 1000  # largest number of combinations of load, mu0 and tau0 of measured surfaces
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
-"""Table and key of each value that selects the class of a table."""
+"""Table and key of each value that selects a table class."""
 
 _LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
     "boundary", "hardness", "compliance_share",
 )  # fmt: skip
-"""Keys that come first in their tables when a study is written."""
+"""Keys that are written first in their tables."""
 
 _STUDY_LIBRARY = resources.files("stiction.studies") / "library"
 DEFAULT_SEED = 2016  # default seed of the random numbers
-StudyDifference = tuple[str, str, str]  # dotted key, with its value as TOML in the first and in the second study
+StudyDifference = tuple[str, str, str]  # dotted key, with its TOML values in the first and the second study
 MAX_LISTED_DIFFERENCES = 4  # largest number of differences in a message
 
 Surfaces = GeneratedSurfaces | MeasuredSurfaces  # table `[surfaces]` of a study
@@ -82,14 +82,13 @@ _SURFACE_CASES = {
     "surface": _list_cases("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
     "measured": _list_cases("press", *get_args(MeasuredSurfaces)),
 }
-"""Key that selects the class of a surfaces table, with the classes, by the value of the key `kind`.
-
-The first class is the default.
+"""Key that selects the class of a surfaces table and the possible classes, by the value of `kind`. The first class is
+the default.
 """
 
 
 def select_surface_case(given: Mapping[str, Any]) -> type[Surfaces]:
-    """Return the class of a surfaces table, which its keys `kind`, `generator` and `press` select."""
+    """Return the class of a surfaces table from its keys `kind`, `generator` and `press`."""
     key, cases = _SURFACE_CASES[chosen("kind", given, _SURFACE_CASES)]
     return cases[chosen(key, given, cases)]
 
@@ -188,7 +187,7 @@ class Figures(Table):
 def _add_bracketing_loads(
     surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the tables contact and friction with an additional load below and above the requested loads.
+    """Add a load below and a load above the requested loads to the tables contact and friction.
 
     This applies to the half-space of generated surfaces. Returns an empty dictionary if no loads are requested, if the
     study has its own load curve, or if a table is invalid.
@@ -209,10 +208,9 @@ def _add_bracketing_loads(
         upper = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
-            # The upper load must exceed the largest requested load. If it is too large, the validation reports an
-            # error.
+            # If the upper load is too large, the validation reports an error.
             upper = min(upper, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
-    except (ValueError, TypeError, AttributeError):  # the validation of the key will report the error
+    except (ValueError, TypeError, AttributeError):  # the validation of the key reports the error
         return {}
     around = [exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper)]
     return {
@@ -228,7 +226,7 @@ def _nominal_area(surfaces: Mapping[str, Any]) -> float:
 
 
 def _empty_table() -> Any:
-    """Return an empty table, which the validation later replaces by the class that matches the surfaces."""
+    """Return an empty table, which the validation later replaces with the class that matches the surfaces."""
     return {}
 
 
@@ -236,8 +234,8 @@ class Study(Table):
     """Description of a computation: pairs of surfaces, contact model and parameters.
 
     Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is a text with a unit, as in
-    "10 GPa". In Python it may also be a number in core units (µm, GPa, mN). Some keys exist only for one kind of
-    surfaces or one contact model, and are rejected in other studies.
+    "10 GPa". In Python, a quantity may also be a number in core units (µm, GPa, mN). Some keys exist only for a single
+    kind of surfaces or a single contact model, and are rejected in other studies.
 
     Examples
     --------
@@ -257,7 +255,7 @@ class Study(Table):
     @model_validator(mode="before")
     @classmethod
     def _add_curve_loads(cls, given: Any) -> Any:
-        """Add loads below and above the requested loads, between which results at the requested loads are interpolated.
+        """Add loads below and above the requested loads for interpolation at the requested loads.
 
         The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
         used if `friction.load` is missing.
@@ -274,14 +272,14 @@ class Study(Table):
             mechanics = select_contact_case(select_surface_case(surfaces), contact).model_fields["mechanics"].default
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             around = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
-        except (ValueError, TypeError):  # the validation of the key will report the error
+        except (ValueError, TypeError):  # the validation of the key reports the error
             return given
         return {**given, "contact": {**contact, "load": [exact_text(load, "mN") for load in around.tolist()]}}
 
     @field_validator("surfaces", mode="before")
     @classmethod
     def _read_surfaces(cls, value: object) -> Surfaces:
-        """Validate the table as the class that its keys select."""
+        """Validate the surfaces table as the class that its keys select."""
         if isinstance(value, SURFACE_CASES):
             return value
         if not isinstance(value, Mapping):
@@ -293,7 +291,7 @@ class Study(Table):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _read_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a table as the class that matches the surfaces, or as an empty table if the surfaces are invalid."""
+        """Validate a table as the class for the surfaces, or return an empty table if the surfaces are invalid."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfiles(), {}
@@ -303,7 +301,7 @@ class Study(Table):
             return read_contact(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaces):
             raise fault_at("load", "must have at least one load, got []")
-        # the contact is None if its table is invalid; then only the error of that table is reported
+        # if the contact is None, only the error of its table is reported
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         case = select_friction_case(type(surfaces), mechanics)
@@ -338,22 +336,22 @@ class Study(Table):
 
     @property
     def is_measured(self) -> bool:
-        """True if the surfaces are measured, not generated."""
+        """True if the surfaces are measured rather than generated."""
         return self.surfaces.kind == "measured"
 
     @property
     def is_gap(self) -> bool:
-        """True if the surfaces are given by a measured map of the gap between them."""
+        """True if the study has a measured map of the gap between the surfaces."""
         return bool(getattr(self.surfaces, "gap", None))
 
     @property
     def is_areal(self) -> bool:
-        """True if the members are areal contacts, not profiles."""
+        """True if the members are areal contacts rather than profiles."""
         return self.surfaces.is_areal
 
     @property
     def uses_half_space(self) -> bool:
-        """True if the contact model is the elastic half-space, not isolated asperities."""
+        """True if the contact model is the elastic half-space rather than isolated asperities."""
         return self.contact.mechanics == "half-space"
 
     @property
@@ -362,7 +360,7 @@ class Study(Table):
         return self.contact.step
 
     def sums(self) -> tuple[str, ...]:
-        """Return the names of the contact sums that a result contains for each member and loading step."""
+        """Return the names of the contact sums in a result for each member and loading step."""
         if self.uses_half_space:
             return HALF_SPACE_SUMS + (ADHESION if self.contact.adheres else ())
         approach = ("approach",) if self.step == "load" else ()
@@ -370,13 +368,14 @@ class Study(Table):
         return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are given as lists, and so are dimensions."""
+        """Return the sliding rules and directions (degrees) that form dimensions because they are given as lists."""
         return self.contact.motions()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
-        """Return the study with absolute paths and checksums of its files; a study without files is unchanged.
+        """Return the study with absolute paths and checksums of all files.
 
-        Bodies in memory are written into the folder, if one is given. Raises a `ValueError` if a file cannot be read.
+        Bodies in memory are written to the folder, if a folder is given. Raises a `ValueError` if a file cannot be
+        read.
         """
         if not isinstance(self.surfaces, MeasuredSurfaces):
             return self
@@ -392,12 +391,12 @@ class Study(Table):
 
     @classmethod
     def named(cls, name: str) -> Study:
-        """Return a built-in study by its name. `study_names` lists the names.
+        """Return the built-in study with a name that `study_names` lists.
 
         Raises
         ------
         StudyError
-            If there is no study of that name.
+            If there is no study with that name.
         """
         if name not in study_names():
             raise StudyError(
@@ -430,7 +429,7 @@ class Study(Table):
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
-        """Return the study with some values replaced; the keys are dotted.
+        """Return the study with some values replaced, by dotted keys.
 
         Parameters
         ----------
@@ -440,7 +439,7 @@ class Study(Table):
         Raises
         ------
         StudyError
-            If a key is unknown or a value impossible.
+            If a key is unknown, or if a value is impossible.
         """
         data = self._base_tables(changes)
         for key, value in changes.items():
@@ -456,7 +455,7 @@ class Study(Table):
         return validated(Study, data, "changes")
 
     def to_toml(self) -> str:
-        """Return the study as TOML text with all keys, from which `Study.from_toml` reads an equal study."""
+        """Return the study as TOML text with all keys, which `Study.from_toml` reads as an equal study."""
         tables = []
         for name, table in self._to_tables().items():
             if not table:
@@ -466,14 +465,14 @@ class Study(Table):
         return "\n".join(tables)
 
     def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the tables before the changes, converted to other classes if the changes require these."""
+        """Return the tables before the changes, converted to the classes that the changes require."""
         data = self._to_tables()
         given = {key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS}
         given = {key: value for key, value in given.items() if value is not None}
         try:
             surfaces = select_surface_case(given)
             contact = select_contact_case(surfaces, given)
-        except PydanticCustomError:  # the validation of the key will report the error
+        except PydanticCustomError:  # the validation of the key reports the error
             return data
         data["surfaces"] = _convert_table(self.surfaces, surfaces)
         data["contact"] = _convert_table(self.contact, contact)
@@ -483,7 +482,7 @@ class Study(Table):
         return data
 
     def _reset_loads(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
-        """Remove loads of generated surfaces that the changes invalidate, or that were derived from changed loads."""
+        """Remove loads of generated surfaces that the changes invalidate, or that depend on changed loads."""
         if "contact.load" in changes or not is_allowed:
             data["friction"].pop("load", None)
         elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
@@ -495,7 +494,7 @@ class Study(Table):
 
 
 def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
-    """Convert a table to another class; values that differ from the old defaults are kept."""
+    """Convert a table to another class, keeping values that differ from the old defaults."""
     table_class = type(table)
     changed = {key for key, value in table if value != table_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
@@ -504,7 +503,7 @@ def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
 
 
 def list_written_keys(table: Table) -> dict[str, Any]:
-    """Return the entries of a table that have a value, in the order of study files."""
+    """Return the entries of a table with a value, in the order of study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredAreasContact):
@@ -534,12 +533,15 @@ def study_names() -> list[str]:
 
 
 def study_summary(name: str) -> str:
-    """Return the one-sentence description of a built-in study: the first line of its file."""
+    """Return the description of a built-in study in a sentence, from the first line of its file."""
     return (_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
 def study_of(dataset: xarray.Dataset) -> Study:
-    """Return the study of a result. Raises a `StudyError` if the dataset has no attribute 'study'."""
+    """Return the study of a result.
+
+    Raises a `StudyError` if the dataset has no attribute 'study'.
+    """
     text = dataset.attrs.get("study")
     if not isinstance(text, str):
         raise StudyError("the dataset has no attribute 'study', so mu0 and tau0 must be given")
@@ -547,16 +549,16 @@ def study_of(dataset: xarray.Dataset) -> Study:
 
 
 def find_step_dimension(dataset: xarray.Dataset) -> str:
-    """Return the dimension of the loading steps: "approach", or "load" for the half-space."""
+    """Return the dimension of the loading steps: "load" for the half-space, or "approach"."""
     return "load" if "load" in dataset.dims else "approach"
 
 
 def find_differences(first: Table, second: Table, prefix: str = "") -> list[StudyDifference]:
-    """Return the differences between two tables, in the order of study files."""
+    """Find the differences between two tables, in the order of study files."""
     texts, result = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
-        if not field.repr:  # a body in memory is compared by its checksum
+        if not field.repr:  # bodies in memory are compared by checksum
             continue
         values = getattr(first, name, None), getattr(second, name, None)
         if values[0] == values[1]:
@@ -569,7 +571,7 @@ def find_differences(first: Table, second: Table, prefix: str = "") -> list[Stud
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """Return the differences between two studies that change their members.
+    """Find the differences between two studies that change their members.
 
     Members do not depend on the table `[friction]`, on figures, or on file paths.
     """
@@ -582,7 +584,7 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
 
 
 def format_differences(differ: list[StudyDifference]) -> str:
-    """Format the first differences as lines of a message."""
+    """Format the first few differences as lines of a message."""
     lines = [
         f"{key} = {short_repr(stored)} there, {short_repr(new)} here"
         for key, stored, new in differ[:MAX_LISTED_DIFFERENCES]
@@ -593,7 +595,10 @@ def format_differences(differ: list[StudyDifference]) -> str:
 
 
 def parse_study(text: str, source: str) -> Study:
-    """Parse a study from a TOML text. Error messages begin with the name of the source."""
+    """Parse a study from a TOML text.
+
+    Error messages start with the name of the source.
+    """
     try:
         data = toml(text)
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Summary of a result: all values that may be quoted, computed once for all views.
+"""Summary of a result: all values that may be quoted, which are computed once for all views.
 
 A summary has one point for each cell, load, mu0 and tau0. The terminal, JSON, CSV, figures, reports and notebooks show
 these points, and compute no further values.
@@ -40,12 +40,12 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 WAVELENGTHS_INPUT = "waves of unknown origin"  # name of this contribution to the uncertainty
-MIN_NAMED_FRACTION = 0.1  # fraction of an interval that must vanish if an input were exact for the input to be named
+MIN_NAMED_FRACTION = 0.1  # smallest fraction of the interval due to an input that is named
 
 
 @dataclass(frozen=True)
 class RemainingInterval:
-    """Entry of the uncertainty budget: the interval that would remain if one input were exact."""
+    """Entry of the uncertainty budget: the interval that would remain if an input were exact."""
 
     words: str
     lower: float
@@ -55,7 +55,7 @@ class RemainingInterval:
 
 @dataclass(frozen=True)
 class DwellTimeValue:
-    """Coefficient after a dwell time under load, with its combined 95 % interval."""
+    """Coefficient after a dwell time under load with its combined 95 % interval."""
 
     seconds: float
     value: float
@@ -65,7 +65,7 @@ class DwellTimeValue:
 
 @dataclass(frozen=True, eq=False)
 class PointSummary:
-    """Values, intervals, caveats and assessment at one cell, load, mu0 and tau0.
+    """Values, intervals, caveats and assessment at a cell, load, mu0 and tau0.
 
     Attributes
     ----------
@@ -73,21 +73,21 @@ class PointSummary:
     values : xarray.Dataset
         All quantities at the point, with their intervals, as returned by `Result.at`.
     rules : tuple of RuleValue
-        Coefficients of static friction by sliding rule; the first rule is quoted.
+        Coefficients of static friction by sliding rule, starting with the quoted rule.
     status : str
         "ok", or the reason why there is no coefficient.
     caveats : tuple of Caveat
-        Caveats; faults come first.
+        Caveats, starting with faults.
     at : dict
         Coordinates of the point: the cell, the Hurst exponent, load (mN), mu0 and tau0 (GPa).
     bracket : (float, float), optional
-        Range that contains the coefficient of any finer scan if friction acts at all contacts. It extends from mu0 +
-        tau0/H to the upper end of the interval of this scan, with an allowance for a small number of contacts. It
-        requires a hardness and a value that may be quoted.
+        Range that contains the coefficient of any finer scan if friction acts at all contacts. The range extends from
+        mu0 + tau0/H to the upper limit of the interval of this scan, with an allowance for a small number of contacts.
+        It exists only with a hardness and for a value that may be quoted.
     from_roughness : float, optional
-        Fraction of the value that depends on the scans, and does not follow from the inputs alone.
+        Fraction of the value that depends on the scans rather than on the inputs alone.
     budget : tuple of RemainingInterval
-        Intervals that would remain if one input were exact; the most important input comes first.
+        Intervals that would remain if an input were exact, starting with the most important input.
     parts : (float, float, float), optional
         Contributions to the coefficient: mu0, tau0 on the true area, and slopes.
     waited : tuple of DwellTimeValue
@@ -119,7 +119,7 @@ class PointSummary:
 
     @property
     def scans(self) -> tuple[int, int]:
-        """Number of scanned places of the upper and of the lower part."""
+        """Numbers of scanned places of the upper and the lower part."""
         return self.study.surfaces.scan_counts
 
     @property
@@ -143,7 +143,7 @@ class PointSummary:
         return is_unloaded(self.values)
 
     def quantity(self, name: str) -> tuple[float, float, float]:
-        """Return the mean of a quantity over directions and its 95 % interval, for the quoted rule; NaN if unknown."""
+        """Return the mean of a quantity over directions and its 95 % interval, or NaN if unknown."""
         if name not in self.values:
             return math.nan, math.nan, math.nan
         table = by_rule(self.values[name], self.rules[0].rule)
@@ -159,23 +159,23 @@ class PointSummary:
 
     @property
     def lower(self) -> float:
-        """Lower end of the combined 95 % interval of `value`."""
+        """Lower limit of the combined 95 % interval of `value`."""
         return self.rules[0].lower
 
     @property
     def upper(self) -> float:
-        """Upper end of the combined 95 % interval of `value`."""
+        """Upper limit of the combined 95 % interval of `value`."""
         return self.rules[0].upper
 
     @property
     def most(self) -> RemainingInterval | None:
-        """Input that contributes most to the width of the interval, if one input dominates."""
+        """Input that dominates the width of the interval, if there is such an input."""
         first, width = self.budget[:1], self.upper - self.lower
         return first[0] if first and first[0].width < (1 - MIN_NAMED_FRACTION) * width else None
 
     @property
     def ageing(self) -> float:
-        """Slope of the coefficient over the logarithm of the dwell time, from 1 s to the longest time; NaN if none."""
+        """Slope of the coefficient over the logarithm of the dwell time, or NaN without dwell times."""
         last = self.waited[-1] if self.waited else DwellTimeValue(1.0, self.value, self.lower, self.upper)
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
@@ -192,7 +192,7 @@ class PointSummary:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Points of a result at some loads, mu0 and tau0, with the contents of companion files.
+    """Points of a result at some loads, mu0 and tau0, with data from companion files.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class Summary:
     at : xarray.Dataset
         All quantities with their intervals and the uncertainty budget, as returned by `Result.at`.
     points : tuple of PointSummary
-        A point for each cell, load, mu0 and tau0; quoted points come first.
+        A point for each cell, load, mu0 and tau0, starting with quoted points.
     onset : xarray.Dataset, optional
         Onset of sliding at the first load, mu0 and tau0 of the study.
     over_cut_offs : xarray.Dataset, optional
@@ -215,7 +215,7 @@ class Summary:
 
     @cached_property
     def resolution(self) -> Resolution | None:
-        """Effect of the scan resolution; None of generated surfaces, and if files are missing."""
+        """Effect of the scan resolution, or None for generated surfaces or missing files."""
         from stiction.studies.resolution import find_resolution
 
         has_cutoffs = self.over_cut_offs is None and self.at.sizes.get("cut_off", 0) > 1
@@ -223,7 +223,7 @@ class Summary:
 
     @property
     def headlines(self) -> list[PointSummary]:
-        """Points to print. Points at a second cutoff are left out if the interval of another point covers them."""
+        """Points to print, without points at a second cutoff that the interval of another point covers."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -250,7 +250,7 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 
 
 def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
-    """Return the points at the quoted cutoff, whose intervals cover the other cutoff, followed by the other points."""
+    """Return the points with intervals at the quoted cutoff that also cover the other cutoff."""
     cut_off = found[0].at["cut_off"]  # the value at the first cutoff is quoted
     others = {_place(one): one for one in found if one.at["cut_off"] != cut_off}
     own = [one for one in found if one.at["cut_off"] == cut_off]
@@ -259,14 +259,14 @@ def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _place(one: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Return the load, mu0, tau0 and cell of a point, without the cutoff."""
+    """Return load, mu0, tau0 and cell of a point without the cutoff."""
     return tuple(item for item in one.at.items() if item[0] != "cut_off")
 
 
 def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
-    """Return the quoted point with intervals that cover the point at the other cutoff, and all caveats of both.
+    """Return the quoted point with intervals that cover the point at the other cutoff, and with its caveats.
 
-    Filtering does not improve an assessment: a fault at the other cutoff is a fault here too.
+    Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
     rules = tuple(_over_both(*each) for each in zip(one.rules, other.rules, strict=True))
     both = {left.words: left for left in other.budget}
@@ -296,7 +296,7 @@ def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
 
 
 def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
-    """Return a value with intervals that cover the intervals of the value at another cutoff."""
+    """Return a value with intervals extended to cover the intervals at another cutoff."""
     lower, upper = float(np.fmin(one.lower, other.lower)), float(np.fmax(one.upper, other.upper))
     (low, high), (other_low, other_high) = one.next_test, other.next_test
     next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
@@ -304,11 +304,11 @@ def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
 
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
-    """Summarize one point of a dataset of `Result.at`, including caveats about the bodies."""
+    """Summarize a point of a dataset of `Result.at`, including caveats about the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
     statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
-    # If one direction has no coefficient, the mean over all directions has none.
+    # A missing coefficient in one direction makes the mean over all directions NaN.
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
@@ -351,7 +351,7 @@ def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
 
 
 def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
-    """Return the remaining interval for each input, if this input were exact; the narrowest interval comes first."""
+    """Return the intervals that would remain if each input were exact, in ascending order of width."""
     if "friction_if_known" not in point:
         return ()
     own, found = by_rule(point, rule), []
@@ -370,7 +370,7 @@ def _waited(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, of tau0 on the true area, and of slopes, for friction at all contacts."""
+    """Return the contributions of mu0, of tau0 on the true area, and of slopes to friction at all contacts."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
@@ -390,10 +390,10 @@ def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
 
 
 def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
-    """Return the fraction of the coefficient that depends on the scans, for friction at all contacts; None if unknown.
+    """Return the fraction of the coefficient that depends on the scans, or None if unknown.
 
-    The part that follows from the inputs alone is mu0 times the contact load and, with a hardness H, tau0/H if all
-    contacts yield.
+    Friction acts at all contacts. The contribution of the inputs alone is mu0 times the contact load and, with a
+    hardness H, tau0/H if all contacts yield.
     """
     parts = _parts(point, rule)
     if parts is None or not study.is_measured:
@@ -402,15 +402,15 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 
 def _spoils_bracket(caveat: Caveat) -> bool:
-    """Return True if a caveat invalidates the bracket, which every fault except too few contacts does."""
+    """Return whether a caveat invalidates the bracket, as all faults except too few contacts do."""
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
-    """Return bounds of the coefficient of any finer scan, to second order in the slopes; they may be equal.
+    """Return bounds of the coefficient of any finer scan, accurate to second order in the slopes.
 
-    The upper bound is the upper end of the interval, plus an allowance for load that shorter wavelengths shift from
-    contacts of one member to contacts of another.
+    The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
+    between contacts of different members. The bounds may be equal.
     """
     hardness = study.contact.hardness
     measured = study.is_measured and study.uses_half_space and not study.contact.adheres

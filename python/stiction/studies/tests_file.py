@@ -1,4 +1,4 @@
-"""Friction tests in a text file: a line of column names with units, followed by one row per test."""
+"""Friction tests in a text file, with a line of column names and units, followed by one row per test."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ _COLUMN_ALIASES = {
     "coefficient of static friction": "coefficient",
     "standard uncertainty": "uncertainty", "dwell time": "wait", "waiting time": "wait",
 }  # fmt: skip
-"""Standard names of columns by their alternative names."""
+"""Standard names of columns by alternative name."""
 
 _COLUMN_UNITS = {
     "load": (*unit_names("force"), *unit_names("pressure")), "force": unit_names("force"),
     "coefficient": ("", "1", "%"),
     "uncertainty": ("", "1", "%", *unit_names("force")), "wait": unit_names("time"),
 }  # fmt: skip
-"""Accepted units of each column; columns that are not listed have no unit."""
+"""Accepted units by column. Other columns have no unit."""
 
 _TITLE_EXAMPLES = {"load": "load (mN)", "force": "force (mN)", "wait": "wait (s)"}
 MAX_TEST_FILE_BYTES = 10_000_000
@@ -47,8 +47,8 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
     """Parse a table of friction tests with a column `load` and a column `force` or `coefficient`.
 
     `TEST_COLUMNS` lists all columns. Columns are separated by tabs, semicolons or commas. With tabs or semicolons,
-    decimal commas are accepted. The column `pair` names one of the bodies, which are results or balls. Raises a
-    `ValueError` that names an invalid line.
+    decimal commas are accepted. The column `pair` contains the name of one of the bodies, which are results or balls.
+    Raises a `ValueError` with the number of an invalid line.
     """
     try:
         text = decode(read_content(Path(path), MAX_TEST_FILE_BYTES)).data.decode()
@@ -75,7 +75,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
 
 
 def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
-    """Return the index and the unit of each column, by the standard name of the column."""
+    """Return index and unit of each column by its standard name."""
     columns: dict[str, tuple[int, str]] = {}
     for index, cell in enumerate(head):
         match = _TITLE_PATTERN.fullmatch(cell)
@@ -135,7 +135,7 @@ class _TestTable:
     separator: str
 
     def parse_rows(self) -> Iterator[FrictionTest]:
-        """Yield the tests of all rows."""
+        """Yield the friction tests of all rows."""
         number_columns = [index for name, (index, _) in self.titles.items() if name in _COLUMN_UNITS]
         cells_with_commas = [
             row[index].strip()
@@ -165,7 +165,7 @@ class _TestTable:
         if name not in bodies:
             raise ValueError(f"pair must be one of {', '.join(bodies)}, got {short_repr(name)}")
         if (slid := _SLID_VALUES.get(cells.get("slid", "").lower())) is None:
-            raise ValueError(f"slid must be 1 if the pair slid, otherwise 0, got {short_repr(cells['slid'])}")
+            raise ValueError(f"slid must be 1 if the pair slid and 0 otherwise, got {short_repr(cells['slid'])}")
         arguments: dict[str, Any] = {"slid": slid, "run": cells.get("run") or None}
         for key in ("force", "wait", "uncertainty"):
             if cells.get(key):

@@ -1,4 +1,4 @@
-"""Types of values in a study file: quantities with units, lists in ascending order, and ranges."""
+"""Types of values in a study file: quantities with units, ascending lists, and ranges."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ read_length = _reader("length")
 
 
 def written(value: Any) -> Any:
-    """Return a quantity as a text with its number in six digits, also within tuples; return other values unchanged."""
+    """Format quantities (also in tuples) as texts with six digits, and return other values unchanged."""
     if isinstance(value, tuple):
         return tuple(map(written, value))
     if isinstance(value, Quantity):
@@ -85,7 +85,7 @@ _Item = TypeVar("_Item")
 
 
 def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
-    """Return a tuple unchanged. Raises a `ValueError` if two elements are equal."""
+    """Return a tuple unchanged, or raise a `ValueError` if two elements are equal."""
     if len(set(values)) < len(values):
         raise ValueError("must differ from each other, but two are equal")
     return values
@@ -113,7 +113,7 @@ Times = Annotated[tuple[Time, ...], *_none_or_few]
 
 
 def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]) -> PlainValidator:
-    """Return a validator that accepts a single value, or several different values as a tuple."""
+    """Return a validator that accepts a single value or a tuple of several different values."""
 
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -140,7 +140,7 @@ def _read_direction(value: object) -> Any:
 
 
 def degrees_of(direction: Direction) -> float:
-    """Convert a direction to degrees from +x towards +y, at least 0 and below 360."""
+    """Convert a direction to degrees from +x towards +y (at least 0 and below 360)."""
     return {"+x": 0.0, "-x": 180.0}[direction] if isinstance(direction, str) else direction % 360.0
 
 
@@ -163,18 +163,21 @@ class Table(BaseModel):
 
 
 class Case(Table):
-    """Table of a study file that has several classes with different keys."""
+    """Table of a study file with several classes that have different keys."""
 
     place: ClassVar[str]  # name of the class in messages
 
 
 def fault_at(key: str, message: str) -> PydanticCustomError:
-    """Return an error about a key of a table."""
+    """Create an error about a key of a table."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
 def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key in a table, one of the names in `cases`; the default is the first of them."""
+    """Return the value of a key in a table, by default the first name in `cases`.
+
+    Raises an error if the value is not a name in `cases`.
+    """
     value = given.get(key, next(iter(cases)))
     if not isinstance(value, str) or value not in cases:
         names = '" or "'.join(cases)
@@ -183,7 +186,7 @@ def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
 
 
 class _Range(Table):
-    """Range in equal steps that includes both ends."""
+    """Range in equal steps, including both limits."""
 
     start: Any
     stop: Any
@@ -241,7 +244,7 @@ class LoadRange(_Steps):
     stop: Force
 
 
-# Tags of ranges and lists, assigned before validation so that messages refer to a single type.
+# Tags of ranges and lists, assigned before validation, so that messages refer to a single type.
 RANGE_NAME, LIST_NAME = "a range", "a list"
 
 
@@ -274,9 +277,9 @@ def array_of(values: _Range | tuple[float, ...]) -> Floats:
 
 
 def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type[Case]]) -> None:
-    """Raise an error for a key that belongs to another class of the table, or for a missing required key.
+    """Raise an error if a key belongs to another class of the table, or if a required key is missing.
 
-    `shared` lists base classes whose keys several classes have; messages refer to these classes by their `place`.
+    `shared` lists base classes whose keys several classes have. Messages refer to these classes by `place`.
     """
     for key in table:
         if key in case.model_fields:
@@ -298,7 +301,7 @@ MAX_LISTED_FAULTS = 5  # largest number of errors in a message about a study
 
 
 class StudyError(ValueError):
-    """Error raised for an invalid study, with one line per fault that names the key.
+    """Error raised for an invalid study, with a line per fault that names the key.
 
     Attributes
     ----------
@@ -327,14 +330,17 @@ def as_toml(value: Any) -> str:
         case dict():
             items = [
                 f"{key} = {as_toml(item)}" for key, item in value.items() if key != "body"
-            ]  # a body in memory cannot be written
+            ]  # a body in memory has no TOML representation
             return "{ " + ", ".join(items) + " }"
         case _:
             return "[" + ", ".join(as_toml(item) for item in value) + "]"
 
 
 def toml(text: str) -> dict[str, Any]:
-    """Parse a TOML text. Raises a `ValueError` if the text is invalid or nested too deeply."""
+    """Parse a TOML text.
+
+    Raises a `ValueError` if the text is invalid or nested too deeply.
+    """
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -342,7 +348,10 @@ def toml(text: str) -> dict[str, Any]:
 
 
 def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
-    """Validate a table. Error messages begin with the name of the source of the table."""
+    """Validate a table as an instance of a class.
+
+    Error messages start with the name of the source of the table.
+    """
     try:
         return kind.model_validate(data)
     except ValidationError as error:
@@ -367,11 +376,11 @@ _ERROR_MESSAGES = {
     "string_too_short": "must have at least {min_length} characters",
     "string_too_long": "must have at most {max_length} characters",
 }  # fmt: skip
-"""Messages that replace the messages of pydantic, by the type of the error."""
+"""Messages that replace messages of pydantic, by error type."""
 
 
 def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
-    """Convert an error of pydantic to a key and a message."""
+    """Convert a pydantic error to a key and a message."""
     location = [part for part in fault["loc"] if part not in (RANGE_NAME, LIST_NAME)]
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
     if fault["type"] == "key":
@@ -397,7 +406,7 @@ MAX_SUGGESTIONS = 3  # largest number of suggestions for an unknown key
 
 
 def _suggestion(kind: type[Table], location: list[int | str]) -> str:
-    """Return a hint that suggests similar keys of all classes of the table, or refers to the list of keys."""
+    """Return a hint with similar keys of all classes of the table, or with the command that lists the keys."""
     tables = [kind]
     for part in location[:-1]:
         fields = [table.model_fields[str(part)] for table in tables if str(part) in table.model_fields]
@@ -411,7 +420,7 @@ def _suggestion(kind: type[Table], location: list[int | str]) -> str:
 
 
 def tables_of(annotation: Any) -> list[type[Table]]:
-    """Return the table classes that a field of this type accepts."""
+    """Return the table classes that a field with this annotation accepts."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, Table) else []
     return [table for part in get_args(annotation) for table in tables_of(part)]
