@@ -96,7 +96,7 @@ def measure_rows() -> list[tuple[str, str]]:
 
 
 def compare_boundary_elements() -> list[tuple[str, str]]:
-    """Compare with tamaas: a periodic map, a mean error of 1e-6, and one load with 1 % of the area in contact."""
+    """Compare with tamaas for a periodic map at one load (1 % of the area in contact) and a mean error of 1e-6."""
     import tamaas
 
     points = 1024

@@ -34,7 +34,7 @@ _task = runner.compute_block
 
 
 class StoredSums:
-    """Task of an executor without computation: it reads stored sums from a file once per process."""
+    """Task of an executor that computes nothing and reads stored sums from a file once per process."""
 
     def __init__(self, path: str, has_shared_folder: bool) -> None:
         self.path = path

@@ -11,7 +11,7 @@ namespace {
 // Return whether two ellipses overlap if their centres are r apart.
 // The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
 // Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
-// Multiplied by the determinant of the bracket, the condition is that a cubic becomes positive.
+// Multiplying by the determinant of the bracket turns this condition into a cubic that becomes positive.
 // Both end values of the cubic are negative.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {

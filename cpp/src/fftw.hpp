@@ -10,7 +10,7 @@
 
 namespace stiction {
 
-/// Alignment of buffers in bytes: the size of a cache line, and of the widest SIMD register that FFTW uses.
+/// Alignment of buffers in bytes. It is the size of a cache line and of the widest SIMD register that FFTW uses.
 /// The alignment decides which instructions FFTW uses, and therefore the last bits of the result.
 inline constexpr std::size_t alignment = 64;
 

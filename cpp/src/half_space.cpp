@@ -94,7 +94,7 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Interpolate values linearly along one axis to a grid of another number of points over the same length.
+// Interpolate values linearly along one axis to a grid of equal length with another number of points.
 // Whole rows of `width` values can be interpolated at a time.
 std::vector<double> interpolate_along(Values values, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                                       std::size_t width, bool periodic) {
@@ -238,9 +238,9 @@ double product(const double* left, const double* right, std::size_t size) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// Return the pressures at some points under which all of these points move by 1.
+// Return the pressures at some points that displace all these points by 1.
 // Conjugate gradients with the dense matrix of the points compute the pressures.
-// The result is empty if a pressure is negative, which is round-off at contacts of single points.
+// The result is empty if a pressure is negative. This is due to round-off at contacts of single points.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {
   const std::size_t size = points.size();

@@ -230,7 +230,7 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
         (["scan.csv", "--lc", "1 um", "--repeated"], "--repeated requires two scans"),
         (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust must not be combined with"),
         (["scan.csv", "--lc", "1 m"], "one section length is"),
-        (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be from half a point"),
+        (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be between half a point"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--form", "circle"], "'sphere', 'cylinder', got 'circle'"),
         (["scan.csv", "--row", "3"], "--row is for surfaces"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--level", "line"], "one of 'none', 'mean', 'plane'"),

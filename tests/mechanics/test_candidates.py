@@ -83,7 +83,7 @@ class TestCandidates:
             contacts(points, 0.01, curvature="signed")
         with pytest.raises(ValueError, match="deepest"):
             candidates(*pair, deepest="deep")
-        with pytest.raises(ValueError, match="must not have a lower surface"):
+        with pytest.raises(ValueError, match="lower must not be given together with candidates"):
             press(points, pair[1], [0.01])
         with pytest.raises(ValueError, match="must have equal spacings"):
             candidates(pair[0], Profile(pair[1].heights, spacing=1.0), deepest=0.1)

@@ -110,9 +110,9 @@ def test_cut_off_filter_adds_history_and_preserves_the_grid():
         (
             rough_profile(),
             0.004,
-            r"wavelength must be from half a point, 0.005 µm, to a third of the shortest side, 3.3\d* µm",
+            r"wavelength must be between half a point, 0.005 µm, and a third of the shortest side, 3.3\d* µm",
         ),
-        (rough_profile(), 3.4, "wavelength must be from half a point"),
+        (rough_profile(), 3.4, "wavelength must be between half a point"),
         (rough_profile(), 0.0, "wavelength must be a finite number above 0"),
         (rough_profile(), "1 mN", "wavelength has the unit .mN., which is not one of length"),
         (Surface(np.eye(20), spacing=(1.0, 0.1)), 0.7, "a third of the shortest side, 0.666667 µm"),

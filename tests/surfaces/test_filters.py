@@ -123,8 +123,8 @@ class TestRobust:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"cutoff": 0.004}, "cutoff must be from half a point, 0.005 µm, to the shortest side, 3 µm"),
-        ({"cutoff": 3.1}, "cutoff must be from half a point"),
+        ({"cutoff": 0.004}, "cutoff must be between half a point, 0.005 µm, and the shortest side, 3 µm"),
+        ({"cutoff": 3.1}, "cutoff must be between half a point"),
         ({"cutoff": 1.0, "kind": "R"}, "kind must be one of 'S', 'L'"),
         ({"cutoff": 1.0, "robust": True, "periodic": True}, "periodic must be False for a robust filter"),
     ],

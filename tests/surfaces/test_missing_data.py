@@ -105,8 +105,12 @@ def test_cropping_ignores_missing_points_outside_the_range(complete_surface, sca
     piece = read_surface(scan_path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ_OPTIONS)
     assert np.array_equal(piece.heights, complete_surface.heights[10:, :25])
     assert piece.history[-1] == "cropped to 0 to 2.5 µm along x and 1 to 6.4 µm along y"
-    for crop, why in (("1 um,9 um,0 um,1 um", "within the extent"), ("0 um,1 um", "4 positions for crop, got 2"),
-                      ("0 um,1 um,2 um", "x0,x1"), ("0,1", "unit of length")):  # fmt: skip
+    for crop, why in (
+        ("1 um,9 um,0 um,1 um", "within the extent"),
+        ("0 um,1 um", "crop must have 4 positions for this file, got 2"),
+        ("0 um,1 um,2 um", "x0,x1"),
+        ("0,1", "unit of length"),
+    ):
         with pytest.raises(ValueError, match=why):
             read_measurement(scan_path, crop=crop, **READ_OPTIONS)
 

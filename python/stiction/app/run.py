@@ -39,7 +39,7 @@ class Connection(H11Protocol):
         super().connection_made(transport)
         self.idle[self] = self.loop.call_later(MAX_IDLE, self._abort)
         if len(self.idle) > MAX_IDLE_CONNECTIONS:
-            # The event loop reads requests that have already arrived before it runs a callback scheduled by a callback.
+            # Check again in a second callback, because the event loop first reads requests that have already arrived.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:

@@ -38,7 +38,7 @@ MAX_INCREASE = 1e-3
 MIN_CONTACT = 1e-3
 STRIDE = 0.6  # ratio of successive contact loads during separation
 NEGLECTED = 0.01  # accepted relative error of the minimum load
-FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower load that is tried
+FIRST_STEP = 0.05  # relative step below the minimum load to the first lower load that is tried
 # Minimum gain of an additional solution: relative difference by which an interpolated load is below the minimum.
 MIN_GAIN = 0.003
 MIN_WIDTH = 0.01  # smallest relative difference of two contact loads for interpolation
@@ -184,7 +184,7 @@ class Attraction:
         return found
 
     def separate(self, start: State) -> list[State]:
-        """Return states of decreasing contact load, from the start to the state of minimum load or beyond.
+        """Return states of decreasing contact load, from the start to the state of minimum load or further.
 
         States of decreasing contact load lead close to the minimum. Lower loads are then tried, first with extrapolated
         steps and finally with plain steps from the start. The minimum is certain if the bodies separate under a load

@@ -53,7 +53,7 @@ def plastic_wavelength(
 ) -> tuple[float, float, float]:
     """Return the shortest wavelength at which the gradient of the gap reaches a value, with its interval.
 
-    The interval follows from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
+    The interval is computed from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
     """
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan

@@ -85,7 +85,7 @@ class Problem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    # mask of points that lack a height in at least one surface, and so make no contact
+    # mask of points that lack a height in at least one surface; these points make no contact
     missing: NDArray[np.bool_] | None = None
     # slopes along y and x, or along x, by which the upper surface is rotated about its centre
     tilt: Floats | float = 0.0
@@ -335,7 +335,7 @@ class TiltResponse:
     approach: float  # µm
     moments: Floats  # (n,) moments under the load, GPa µm
     slope_pressures: list[Floats]  # pressure per unit slope at constant load, GPa, for each axis
-    turning: Floats  # (n, n) moments by slope and axis, a negative definite matrix except for single points
+    turning: Floats  # (n, n) moments by slope and axis; negative definite except for single points
 
     @classmethod
     def solve(cls, problem: Problem, free: NDArray[np.bool_]) -> TiltResponse:

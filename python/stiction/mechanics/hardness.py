@@ -59,7 +59,7 @@ def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
 
 
 def _piecewise_linear(x: Floats, nodes: Floats, values: Floats) -> Floats:
-    """Interpolate values (..., n) over increasing nodes (n,) at x (h,); they are constant beyond the nodes.
+    """Interpolate values (..., n) linearly between increasing nodes (n,), and continue them as constants beyond.
 
     A sum over the changes of the slope is faster than a search for the panel of each x.
     """

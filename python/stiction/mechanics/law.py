@@ -112,7 +112,7 @@ class JacksonGreen(Law):
 
 
 LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all laws
-# laws without required parameters, which can be specified by name
+# laws that have no required parameters and can be specified by name
 LawName = Literal["hertz-sphere", "hertz-cylinder"]
 LAWS_BY_NAME: dict[str, Law] = {
     law.name: law() for law in LAWS if all(item.default is not MISSING for item in fields(law))

@@ -47,7 +47,8 @@ class CurveInputs:
         """Return all contacts at an approach. They do not depend on the direction."""
         if not self.bodies:
             raise ValueError(
-                "candidates of a curve from another process must be pressed again before its onset is computed"
+                "the curve must have candidates for an onset, got a curve from another process; press the candidates "
+                "again"
             )
         all_contacts: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
         return all_contacts
@@ -274,9 +275,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     points, model = candidates_and_model(upper, lower, contact)
     if points is not None and lower is not None:
         if approaches is not None:
-            raise ValueError(
-                "press must not have a lower surface if candidates are given, as in press(candidates, approaches)"
-            )
+            raise ValueError("lower must not be given together with candidates; use press(candidates, approaches)")
         approaches = lower
     given = [approaches] if isinstance(approaches, str) else approaches
     steps = float_array("approaches", to_core_units("approaches", given, "length"), ndim=1)

@@ -93,7 +93,9 @@ def approach_at_load(
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     model = model_for_pair(upper, lower, contact)
     if model.angles().ndim > 0:
-        raise ValueError(f"direction must be a single direction, because F_N depends on it, got {model.direction!r}")
+        raise ValueError(
+            f"direction must be a single direction, got {model.direction!r}, because F_N depends on the direction"
+        )
     mu0, tau0 = friction.check_strengths(mu0, tau0, model.effective_modulus)
     approach, _ = find_crossings(SurfacePair(upper, lower), targets.ravel(), mu0=mu0, tau0=tau0, model=model)
     return approach.reshape(targets.shape)
@@ -117,7 +119,7 @@ class SurfacePair:
     def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
-        """Find approaches at given loads. F_N is below the loads at `left`, and not below them at `right`."""
+        """Find approaches at given loads, between `left` (F_N below the load) and `right` (F_N not below it)."""
         arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
         return np.asarray(self._call_core(stiction._core.approaches_at, float(right.max()), model, arguments))
 
@@ -131,7 +133,7 @@ class SurfacePair:
             return function(self.upper.heights, self.lower.heights, spacing=self.upper.spacing, **arguments)
         cached = self._found
         if cached is None or cached.deepest < deepest or cached.curvature != model.curvature:
-            # The search goes deeper than requested, because the next request is often deeper.
+            # Search deeper than requested, because the next request is often deeper.
             cached = candidates(self.upper, self.lower, deepest=_DEPTH_MARGIN * deepest, curvature=model.curvature)
             self._found = cached
         return function(cached.core, **arguments)

@@ -137,7 +137,7 @@ class SlidingAsperities:
         return float(((strength * slipped * sine) @ weights * end[:, 0]).sum())
 
     def _strength(self, sine: Floats) -> Floats:
-        """Return the strengths 3/4 mu0 F (1 - t²) + 2/π tau0 A (1 - t²)^(1/2) at t = sqrt(1 - sine²), (c, n)."""
+        """Return the strength 3/4 mu0 F (1 - t²) + 2/π tau0 A (1 - t²)^(1/2) at t = sqrt(1 - sine²) (c, n)."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )

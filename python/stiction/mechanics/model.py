@@ -102,7 +102,7 @@ class ContactModel:
         return angles if self._has_many_directions() else angles.reshape(())
 
     def directions(self) -> Floats:
-        """Return the (m, 2) horizontal unit vectors (x, y) of the directions."""
+        """Return the horizontal unit vectors (x, y) of the directions (m, 2)."""
         return np.array([_unit_vector(angle) for angle in self._angles])
 
     def _has_many_directions(self) -> bool:

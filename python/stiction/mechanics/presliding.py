@@ -12,7 +12,7 @@ from stiction._checks import Floats, float_array, read_only
 from stiction._repr import TextRepr
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
-# The first displacement counts as round-off below this ratio to the last displacement.
+# The first displacement counts as round-off if its ratio to the last displacement is smaller.
 ROUND_OFF_RATIO = 1e-12
 
 
@@ -118,7 +118,7 @@ class LuGre(TextRepr):
 
 
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
-    """Fit the Iwan model to a curve by least squares of the loads."""
+    """Fit the Iwan model to a curve by minimising the squared errors of the loads."""
     from scipy.optimize import least_squares
 
     _check_curve(displacement, load, MIN_FIT_POINTS)
@@ -138,7 +138,7 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
 
 
 def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuGre:
-    """Fit the LuGre model to a curve by least squares of the loads."""
+    """Fit the LuGre model to a curve by minimising the squared errors of the loads."""
     from scipy.optimize import least_squares
 
     _check_curve(displacement, load, 1)

@@ -46,7 +46,7 @@ def filtered(
         Missing points have zero weight. Their filtered heights are estimated from the measured points.
     cutoff : float, µm
         Nesting index: the wavelength at which the Gaussian filter transmits half of the amplitude. It must be from half
-        of the finer spacing, where the filter hardly attenuates any wavelength, to the shortest side.
+        of the finer spacing, where the filter barely attenuates any wavelength, to the shortest side.
     kind : {"S", "L"}
         "S" removes the small lateral scales and returns the mean line, such as the primary profile for λs or the
         waviness for λc. "L" removes the large lateral scales and returns the deviation from the mean line, such as the
@@ -119,7 +119,7 @@ def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: flo
         end = "the shortest side" if longest == 1 else "a third of the shortest side"
         shown_value = repr(value) if isinstance(value, str) else f"{length:g} µm"
         raise ArgumentError(
-            f"{{{name}}} must be from half a point, {low:g} µm, to {end}, {high:g} µm, got {{got}}", got=shown_value
+            f"{{{name}}} must be between half a point, {low:g} µm, and {end}, {high:g} µm, got {{got}}", got=shown_value
         )
     return length
 
@@ -274,7 +274,7 @@ def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float],
     padded = [kernel.padded for kernel in kernels]
     inside = tuple(slice(points) for points in heights.shape)
     # The sums are transformed as in rfftn:
-    # by a half transform along the last axis and full complex transforms along the other axes.
+    # half transform along the last axis, full complex transforms along the others.
     lines = [
         [
             _broadcast_along((np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.line(power)), axis, heights.ndim)

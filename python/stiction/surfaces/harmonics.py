@@ -22,7 +22,7 @@ _MAX_CANDIDATES = 6  # largest number of peaks that are tested as the first harm
 _MIN_LINE_RATIO = 10.0
 _PEAK_HALF_WIDTH = 2.5  # half width of a harmonic's peak after a Hann window, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
-# Quantile of the density over one period of the harmonics that is unaffected by harmonics, even if they are aliased.
+# This quantile of the density over one period is unaffected by harmonics, even by aliased ones.
 _BACKGROUND_QUANTILE = 0.3
 
 

@@ -390,7 +390,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
 def _remove_noisy_end(
     q: Floats, power: Floats, variance_factor: float, selection: slice, piece: _SpectrumBins
 ) -> tuple[slice, _SpectrumBins]:
-    """Remove the shortest wavelengths from a band where white noise flattens the spectrum."""
+    """Remove the shortest wavelengths of a band if white noise flattens the spectrum there."""
     bins = _SpectrumBins.of(q[selection], power[selection])
     fit = fit_floor([BinnedSpectrum(bins.log_q, bins.power, bins.count / variance_factor)], exponents=(1.0, 5.0))
     if not fit.is_significant:

@@ -188,7 +188,7 @@ def _load_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return a column of means over all directions for each further coefficient, one value per rule and point.
+    """Return means over all directions of the further coefficients: one column each, one value per rule and point.
 
     Values for rules other than the quoted rule are NaN.
     """

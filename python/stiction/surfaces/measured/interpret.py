@@ -534,7 +534,7 @@ def _fill_gaps(
     steps: list[str] = []
     if options.crop is not None:
         if len(options.crop) != 2 * heights.ndim:
-            raise FormatError(f"needs {2 * heights.ndim} positions for crop, got {len(options.crop)}")
+            raise FormatError(f"crop must have {2 * heights.ndim} positions for this file, got {len(options.crop)}")
         ends = zip(
             options.crop[::-2], options.crop[-2::-2], heights.shape, spacing, "yx"[2 - heights.ndim :], strict=True
         )

@@ -135,7 +135,7 @@ class WordColumn:
     place: int  # column number
     words: str  # the most frequent words with their counts
     rarest: str  # the least frequent word
-    missing: NDArray[np.bool_]  # (rows,) True where the caller gave the word for missing points
+    missing: NDArray[np.bool_]  # (rows,) True where the caller declared the word as a missing point
 
 
 @dataclass(frozen=True)
