@@ -131,6 +131,12 @@ class NotReadableError(Exception):
     """Error raised for a file that is not of the expected kind."""
 
 
+def check_is_file(path: Path) -> None:
+    """Raise `NotReadableError` for a directory, a device or a pipe, and `OSError` if the path cannot be examined."""
+    if not stat.S_ISREG(mode := path.stat().st_mode):
+        raise NotReadableError("is a directory" if stat.S_ISDIR(mode) else "is not a file")
+
+
 def read_content(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
     """Return the bytes of a regular file without blocking on devices or pipes.
 

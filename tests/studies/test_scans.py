@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 from stiction import Profile, Study, Surface, open_result, pair, self_affine_surface
@@ -159,6 +161,16 @@ def test_pair_accepts_scans_as_a_list_a_directory_or_file_names(tmp_path) -> Non
     study_of_list = study.with_changes({"surfaces.upper": [{"file": name} for name in names]})
     assert study_of_list.surfaces.scan_counts == study.surfaces.scan_counts
     assert "others" in study_text
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="requires named pipes")
+def test_pair_rejects_pipe_in_directory_of_scans(tmp_path) -> None:
+    (tmp_path / "part").mkdir()
+    for index in range(2):
+        write_surface(rough_scan(index, "upper"), tmp_path / "part" / f"a{index}.npy")
+    os.mkfifo(tmp_path / "part/pipe.npy")  # reading it would block
+    with pytest.raises(ValueError, match=r"pipe\.npy: is not a file"):
+        pair(tmp_path / "part", rough_scan(9, "lower"), mechanics="asperities", onset=0, shifts=4, **PAIR_OPTIONS)
 
 
 def test_pair_rejects_scans_with_different_grids_and_identical_scans(tmp_path) -> None:

@@ -17,6 +17,7 @@ from pydantic import AfterValidator, ConfigDict, Field, PlainValidator, model_va
 
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
+from stiction._files import NotReadableError, check_is_file, describe_os_error
 from stiction._text import printable_path
 from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import THICKNESS
@@ -339,11 +340,15 @@ class MeasuredFile(Table):
 
         Raises a `ValueError` if the file cannot be read.
         """
+        path = Path(self.file)
         try:
-            with Path(self.file).open("rb") as file:
+            check_is_file(path)  # the checksum of a device or a pipe may never be complete
+            with path.open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
+        except NotReadableError as error:
+            raise ValueError(f"{printable_path(path)}: {error}") from None
         except OSError as error:
-            raise ValueError(f"{printable_path(self.file)}: cannot be read: {error.strerror}") from None
+            raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
 
     def find_stamp(self) -> tuple[int, int] | None:
         """Return the modification time (ns) and size of the file, or None if there is no file."""

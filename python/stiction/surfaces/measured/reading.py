@@ -11,7 +11,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from stiction._files import describe_os_error
+from stiction._files import NotReadableError, check_is_file, describe_os_error
 from stiction._repr import format_with_unit
 from stiction._text import printable, printable_path
 from stiction.surfaces.measured.decode import decode, is_text
@@ -394,9 +394,10 @@ def _interpret_file(
 def _read_content(path: Path, words: tuple[str, ...]) -> Content:
     """Read the content of a file with the reader for its name and its first bytes."""
     suffix = path.suffix.lower()
-    if not path.is_file():
-        path.stat()  # raises the specific error
-        raise FormatError("is a directory" if path.is_dir() else "is not a file")
+    try:
+        check_is_file(path)
+    except NotReadableError as error:
+        raise FormatError(str(error)) from None
     size = path.stat().st_size
     if size == 0:
         raise FormatError("is empty")
