@@ -247,7 +247,7 @@ def test_preview_uses_the_latest_options_if_an_older_response_arrives_last(empty
     assert texts["wrong"] == ""
 
 
-def test_late_response_about_jobs_does_not_replace_newer_progress(empty_page):
+def test_late_response_does_not_replace_newer_job_progress(empty_page):
     empty_page.execute_script(
         "const fetchNow = window.fetch; let isFirst = true; window.delayed = 0;"
         "window.fetch = async (...options) => {"

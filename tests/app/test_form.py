@@ -18,7 +18,7 @@ from stiction.app.preview import preview_scan
 from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_choices
 
 
-def test_form_fields_for_reading_files_are_options_of_the_readers():
+def test_form_fields_for_reading_files_are_reader_options():
     names = {flag.replace("-", "_") for flag in READING_FIELDS}
     assert names < set(ReadingOptions.model_fields)
 
@@ -86,7 +86,7 @@ def test_preview_names_form_fields_and_choices_by_their_labels(tmp_path):
 
 
 @pytest.mark.parametrize("choice", [value for value, _ in FIELDS["missing"].choices])
-def test_preview_reads_missing_points_with_each_choice_of_the_form(choice, tmp_path):
+def test_preview_supports_every_form_choice_for_missing_points(choice, tmp_path):
     heights = np.random.default_rng(1).standard_normal((16, 16))
     heights[5, 5:8] = np.nan
     np.save(tmp_path / "missing.npy", heights)

@@ -34,7 +34,7 @@ def app(tmp_path_factory):
         yield server
 
 
-def test_access_token_is_valid_once_and_cookie_is_http_only(app):
+def test_access_token_is_valid_only_once_and_cookie_is_http_only(app):
     assert "HttpOnly" in app.cookie_line
     assert "samesite=strict" in app.cookie_line.lower()
     assert app.request("GET", f"/?token={app.token}", cookie="")[0] == 403
@@ -101,7 +101,7 @@ def _network_address():
 @pytest.mark.parametrize(
     "name", ["../../etc/x", "..%2f..%2fx.csv", "/etc/cron.d/x", "..", "", "a\\..\\b.csv", "\0x.csv", "x" * 5000, "-r"]
 )
-def test_upload_with_any_file_name_is_stored_inside_its_folder(app, name):
+def test_upload_with_any_file_name_stays_inside_the_upload_folder(app, name):
     paths_before = {path for path in app.folder.rglob("*") if "files" not in path.parts}
     status, _, body = app.request("PUT", f"/scans?name={quote(name)}", b"x (um),z (um)\n0,0\n1,1\n" + name.encode())
     assert status == 200

@@ -35,7 +35,7 @@ def test_run_command_completes_if_its_output_pipe_is_closed(tmp_path):
     assert (completed.returncode, completed.stderr) == (0, "")
 
 
-def test_output_errors_are_reported_and_unencodable_characters_replaced(tmp_path):
+def test_full_output_device_is_reported_and_unencodable_characters_are_replaced(tmp_path):
     completed = run_shell_script('"$@" > /dev/full', "studies", cwd=tmp_path)
     assert_rejected(completed, "stiction: ", "No space left on device")
     completed = subprocess.run(

@@ -113,7 +113,7 @@ def test_at_command_without_options_uses_conditions_of_the_study(results_folder)
     assert {answer["at"]["mu0"] for answer in record["answers"]} == set(friction.mu0)
 
 
-def test_at_command_with_direction_prints_friction_in_that_direction(results_folder):
+def test_at_command_with_direction_option_prints_friction_in_that_direction(results_folder):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
     record = json.loads(stiction_output(*arguments, "--direction", "30", "--json", cwd=results_folder))
     assert "the upper body moves at 30°" in stiction_output(*arguments, "--direction", "30", cwd=results_folder)

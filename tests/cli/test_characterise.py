@@ -168,7 +168,7 @@ def test_characterise_command_overwrites_only_its_own_figures(scans_folder):
     assert (scans_folder / "scan.png").read_bytes() == photograph
 
 
-def test_report_shows_characterise_command_without_directories(scans_folder):
+def test_command_line_in_a_characterise_report_omits_directories(scans_folder):
     options = ["--level", "quadratic", "--tip", "2 um"]
     completed = call_stiction(
         "characterise", scans_folder / "scan.csv", *options, cwd=scans_folder, without_figures=True

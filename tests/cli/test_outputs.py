@@ -102,7 +102,7 @@ def test_command_overwrites_its_own_output(scans_folder, arguments, names):
     assert all((output_folder / name).stat().st_ino != inode for name, inode in inodes.items())
 
 
-def test_characterise_command_rejects_a_repeated_scan_as_output_file(scans_folder):
+def test_characterise_command_does_not_overwrite_a_repeated_scan(scans_folder):
     content = (scans_folder / "upper.csv").read_bytes()
     completed = call_stiction(*CHARACTERISE_COMMAND, "--repeated", "--output", "upper.csv", cwd=scans_folder)
     assert_rejected(completed, "upper.csv: already exists")

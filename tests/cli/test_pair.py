@@ -441,14 +441,14 @@ def test_pair_command_writes_report_of_scans_with_missing_points(scans_folder, t
         ),
     ],
 )
-def test_pair_command_rejects_missing_materials_and_file_names_as_materials(scans_folder, arguments, expected_words):
+def test_pair_command_rejects_missing_materials_and_files_given_as_materials(scans_folder, arguments, expected_words):
     assert_rejected(call_stiction("pair", *arguments, *LOAD_OPTION, "--mu0", "0.3", cwd=scans_folder), *expected_words)
 
 
 # ---- Output --------------------------------------------------------------------------------------------
 
 
-def test_preview_is_printed_to_standard_error_of_a_terminal(scans_folder, monkeypatch):
+def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeypatch):
     for module in ("application", "pair"):
         monkeypatch.setattr(f"stiction.cli.{module}.has_terminal", lambda: True)
     command = [

@@ -295,7 +295,7 @@ def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_tried(monkeypatch
         assert 0 < short.pull_off < curve.pull_off
 
 
-def test_pull_off_force_is_a_lower_bound_if_a_tensile_load_is_undecided(monkeypatch):
+def test_pull_off_force_is_a_lower_bound_if_stability_is_undecided(monkeypatch):
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert curve.contact(0).pressure.all()

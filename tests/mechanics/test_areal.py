@@ -72,7 +72,7 @@ def assert_sums_close(one, other, tolerance, names=DIRECTION_FREE_SUMS + DIRECTI
 class TestArealReference:
     @pytest.mark.parametrize("sliding", ["opposing", "all"])
     @pytest.mark.parametrize("curvature", ["signed", "convex"])
-    def test_areal_load_sums_equal_reference(self, sliding, curvature):
+    def test_areal_load_sums_equal_reference_implementation(self, sliding, curvature):
         total = 0
         for seed in (3, 4):
             upper, lower = rough_pair(seed)
@@ -92,7 +92,7 @@ class TestArealReference:
                         assert abs(getattr(curve, name)[row, k] - expected[name]) <= INDEPENDENT_TOLERANCE * size
         assert total > 20
 
-    def test_areal_contacts_equal_reference(self):
+    def test_areal_contacts_equal_reference_implementation(self):
         upper, lower = rough_pair()
         table = contacts(upper, lower, 0.15, direction=20.0)
         result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.15)
@@ -179,7 +179,7 @@ class TestArealExact:
         assert table.normal[0].tolist() == [0, 0, 1]
 
     @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
-    def test_contact_on_slope_slides_at_sum_of_slope_and_friction_angles(self, angle):
+    def test_friction_of_a_contact_on_a_slope_adds_slope_and_friction_angles(self, angle):
         slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
         def ramp(x, y):
@@ -307,7 +307,7 @@ class TestArealIdentities:
         shear = self.press_all(upper, lower, angles=None, shear="-x")
         assert (shear.tangential_elastic == many.tangential_elastic[3]).all()
 
-    def test_candidates_of_a_map_of_several_tiles_include_minima_on_seams(self):
+    def test_candidates_of_a_tiled_map_include_minima_on_tile_seams(self):
         # The map has several tiles of 256 cells per side, and a minimum on a seam between two tiles.
         size = 300
         y, x = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
@@ -451,7 +451,7 @@ class TestLoading:
 class TestProfiles:
     """Tests of the sliding rules on profiles."""
 
-    def test_sliding_rule_for_all_contacts_applies_to_profiles(self):
+    def test_friction_at_all_contacts_is_available_for_profiles(self):
         upper, lower = (
             self_affine(5, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.01, shortest_wavelength=0.2, side=side)
             for side in ("upper", "lower")

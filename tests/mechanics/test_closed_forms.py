@@ -34,7 +34,7 @@ moduli = st.floats(1e-2, 1e3)
 
 
 @given(overlap=lengths, radius=lengths, modulus=moduli)
-def test_contact_laws_of_core_equal_closed_forms(overlap, radius, modulus):
+def test_contact_laws_of_the_core_equal_closed_forms(overlap, radius, modulus):
     arguments = {"overlap": overlap, "radius": radius, "effective_modulus": modulus}
     for law, expected in (
         (HertzSphere(), hertz_sphere(**arguments)),

@@ -770,7 +770,7 @@ def test_requested_approaches_are_reached_up_to_full_contact(shape, left):
     assert abs(curve.approach[0] - full * (1 - left)) <= 1.01e-6 * body.heights.std()
 
 
-def test_half_space_approach_of_sphere_equals_hertz():
+def test_approach_of_a_sphere_on_a_half_space_equals_hertz():
     """Compare with the approach of distant points, δ = (9 F²/(16 E*² R))^(1/3)."""
     ball = bowl(96, 2.0, (5.0, 5.0))
     curve = half_space(ball, flat_like(ball), approaches=[0.05])

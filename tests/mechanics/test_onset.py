@@ -121,7 +121,7 @@ def test_onset_of_cylinder_equals_cattaneo():
         onset.iwan()
 
 
-def test_stick_area_of_an_ellipse_has_the_shape_of_the_contact():
+def test_stick_area_has_the_shape_of_the_elliptical_contact():
     radii = (0.5, 1.5)
     lower = bowl(128, 1.0, radii)
     load, _, axes = hertz_ellipse(0.04, *radii, MODULUS)

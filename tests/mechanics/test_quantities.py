@@ -190,7 +190,7 @@ def test_entries_of_the_table_of_quantities_are_consistent(name):
     assert len(set(quantity.along)) == len(quantity.along)
 
 
-def test_csv_columns_have_the_order_of_the_table_of_quantities(at_loads):
+def test_csv_columns_are_in_the_order_of_the_table_of_quantities(at_loads):
     at = at_loads["half-planes"]
     columns = list(summary_table(summarize(at, study_of(at))).columns)
     shown = [name for name in shown_in("csv") if name in at and "direction" not in at[name].dims]

@@ -38,7 +38,7 @@ def resolved_pair():
     return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL)
 
 
-def test_resolution_equals_half_space_solution_of_filtered_surfaces(resolved_pair):
+def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(resolved_pair):
     upper, lower, load, result = resolved_pair
     for length in result.cut_off.values:
         bodies = [cut_off(body, length, periodic=True) if length else body for body in (upper, lower)]
@@ -113,7 +113,7 @@ def test_bracket_of_few_contacts_allows_area_to_decrease_with_resolution():
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
-def test_resolution_without_hardness_lists_plastic_wavelength_by_hardness(resolved_pair):
+def test_plastic_wavelengths_are_tabulated_by_hardness_if_none_is_given(resolved_pair):
     upper, lower, load, plastic = resolved_pair
     result = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0

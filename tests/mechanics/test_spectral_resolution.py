@@ -19,7 +19,7 @@ def both_roughnesses(bodies):
     return [scale_dependent_roughness(body, periodic=True) for body in bodies]
 
 
-def test_spectral_resolution_limits_elastic_pressure_by_hardness():
+def test_spectral_resolution_limits_the_elastic_pressure_to_the_hardness():
     upper, lower = both_roughnesses(pair())
     result = spectral_resolution(upper, lower, **OPTIONS)
     gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))

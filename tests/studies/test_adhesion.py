@@ -153,7 +153,7 @@ def test_verbose_text_at_zero_load_omits_coefficients_along_axes():
     assert "nan" not in text
 
 
-def test_loads_between_zero_and_the_first_solved_load_are_not_reached(adhesive_result):
+def test_loads_between_zero_and_the_first_solved_load_count_as_not_reached(adhesive_result):
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     loads = two_load_result.study.contact.steps()
     table = at_load(two_load_result.source, np.sqrt(loads[1:] * loads[:-1])).isel(cut_off=0, mu0=0, tau0=0)

@@ -93,7 +93,7 @@ def compute_curves(study, upper, lower):
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_sums_of_an_areal_study_equal_sums_of_single_pairs(name):
+def test_load_sums_of_an_areal_study_equal_sums_of_single_pairs(name):
     study = STUDIES[name]
     dataset = run(study).dataset
     step = study.contact.step
@@ -114,7 +114,7 @@ def test_sums_of_an_areal_study_equal_sums_of_single_pairs(name):
     assert (dataset["normal_elastic"].values.max(axis=-1) > 0).all()
 
 
-def test_surfaces_returned_by_pair_of_equal_generated_surfaces():
+def test_surfaces_of_a_study_member_equal_directly_generated_surfaces():
     for body, side in zip(pair_of(SURFACES, 7, fractal_dimension=1.3, amplitude=0.1), ("upper", "lower"), strict=True):
         generated_surface = weierstrass_mandelbrot_surface(
             random_phases(2016, repetition=7, side=side), 1.3, shape=(24, 32), extent=(1.5, 2.0), band_limit="nyquist"

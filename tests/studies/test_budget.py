@@ -78,7 +78,7 @@ def test_interval_of_friction_has_the_width_of_the_range_of_mu0() -> None:
     assert uniform.value == pytest.approx(0.2, rel=1e-3)
 
 
-def test_adhesive_friction_is_proportional_to_tau0_at_both_ends_of_its_range() -> None:
+def test_adhesive_friction_at_the_ends_of_a_range_of_tau0_is_proportional_to_tau0() -> None:
     result = pair(
         *rough_surfaces(rms=0.001), load="2 MPa", mu0=0.2, tau0="20..80 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS
     )  # fmt: skip

@@ -89,7 +89,7 @@ def test_common_error_of_all_tests_widens_the_identified_interval() -> None:
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
 
 
-def test_friction_tests_on_one_rough_pair_identify_only_the_sum_of_both_terms() -> None:
+def test_friction_tests_on_a_single_pair_determine_only_a_sum_of_mu0_and_tau0() -> None:
     curve = compute_rough_curve(0.02, 1)
     tests = [
         FrictionTest(curve, load, coefficient=float(y), uncertainty=0.03 * float(y))

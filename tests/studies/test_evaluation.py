@@ -138,7 +138,7 @@ def test_unreached_loads_have_status_not_reached(areal_contact, profile_contact)
         assert int(table["ok"].max()) == 0
 
 
-def test_member_without_solution_is_omitted_at_a_load(areal_contact):
+def test_member_without_solution_at_a_load_is_omitted_from_the_mean(areal_contact):
     _, result = areal_contact
     incomplete = result.copy(deep=True)
     incomplete["normal_elastic"].values[0, 1] = np.nan
@@ -168,7 +168,7 @@ def test_unsolved_load_is_reported_instead_of_interpolated(areal_contact, readin
     np.testing.assert_array_equal(area_of_incomplete, area_of_complete)
 
 
-def test_load_between_distant_steps_is_not_reached():
+def test_load_between_distant_load_steps_counts_as_not_reached():
     curve, values = np.array([1e-3, 1.0, 10.0]), np.array([2e-3, 1.5, 12.0])
     crossing = intervals.Crossing.of(curve, np.array([1e-3, 0.1, 1.0, 3.0]), ratio=True)
     assert crossing.reached.tolist() == [True, False, True, True]

@@ -122,7 +122,7 @@ def test_sample_mean_of_values_of_both_signs_has_symmetric_interval():
 
 
 @pytest.mark.parametrize("count", [4, 8, 16])
-def test_sample_mean_interval_of_exponential_values_is_positive_and_covers(count):
+def test_interval_of_exponential_sample_mean_is_positive_and_covers_the_mean(count):
     mean, lower, upper = sample_mean(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
     symmetric_upper = mean + (mean - lower)  # the interval is skewed towards large values

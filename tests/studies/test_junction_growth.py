@@ -40,7 +40,7 @@ def result_without_growth():
     return pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth=0)
 
 
-def test_fully_plastic_contacts_have_the_coefficient_of_tabor():
+def test_fully_plastic_contacts_have_the_friction_coefficient_of_tabor():
     result = pair(
         *rough_surfaces(0.01), **PLASTIC_OPTIONS | SHEAR_STRENGTH | {"effective_modulus": 1e4}, junction_growth=27
     )
@@ -50,7 +50,7 @@ def test_fully_plastic_contacts_have_the_coefficient_of_tabor():
 
 @pytest.mark.parametrize("rule", ["all", "opposing"])
 @pytest.mark.parametrize("hardness", [0.5, 3.0])
-def test_coefficient_with_growth_equals_solution_at_hardness_under_shear(rule, hardness):
+def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(rule, hardness):
     tau0 = 0.1 * hardness
     inputs = PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0, "hardness": hardness}
     pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
@@ -84,7 +84,7 @@ def test_interval_without_adhesive_strength_is_unaffected_by_seizure(growth_resu
     assert interval == pytest.approx(expected, rel=1e-12)
 
 
-def test_junction_growth_at_other_mu0_and_tau0_equals_direct_solution(growth_result):
+def test_friction_with_growth_at_other_mu0_and_tau0_equals_direct_solution(growth_result):
     direct_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.1, "tau0": 0.03}, junction_growth=27)
     assert coefficient(growth_result, mu0=[0.1], tau0=[0.03]) == pytest.approx(coefficient(direct_result), rel=5e-3)
 

@@ -77,7 +77,7 @@ class TestListedPositions:
     def create_maps(self):
         return rough_maps(hurst_exponent=0.8, rms=0.03, shape=(64, 80), spacing=(0.05, 0.04), shortest_wavelength=0.4)
 
-    def test_members_of_map_positions_equal_press_of_the_overlaps(self):
+    def test_friction_at_map_positions_equals_press_of_the_overlaps(self):
         upper, lower = self.create_maps()
         positions = [(0.8, -0.5), (-0.4, 1.0)]
         result = run_pair(upper, lower, [0.02, 0.1], positions=positions, **ASPERITY_OPTIONS)
@@ -219,7 +219,7 @@ def test_contact_statistics_equal_direct_computation(mechanics):
     assert 0.5 * mean < middle < 1.5 * mean
 
 
-def test_load_fraction_on_steepest_slopes_equals_definition():
+def test_load_fraction_on_steepest_slopes_equals_its_definition():
     upper, lower = surface_pair()
     result = read_members(run_pair(upper, lower, direction=[0], shifts=2))
     bodies = cut_pieces(upper, lower).pair(0)

@@ -14,7 +14,7 @@ ROUND_OFF = 1e-9
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_areal_member_equals_direct_computation(tmp_path, mechanics):
+def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics):
     study = study_of_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
     loads, angles = study.contact.steps(), study.contact.degrees()
     values = member_sums(study, 2)
@@ -46,7 +46,7 @@ def test_unloading_stiffness_is_computed_for_first_members_if_hardness_is_given(
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_profile_member_equals_direct_computation(tmp_path, mechanics):
+def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics):
     study = study_of_files(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
     loads = study.contact.steps()
     values, member = member_sums(study, 3), load_bodies(study).member(3, 0.0)

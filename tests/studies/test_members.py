@@ -23,7 +23,7 @@ STUDY = Study().with_changes(
 
 
 @pytest.mark.parametrize("batch_size", [1, 2, 5])
-def test_pairs_generated_for_several_dimensions_equal_single_pairs(monkeypatch, batch_size):
+def test_pairs_generated_together_equal_pairs_generated_one_at_a_time(monkeypatch, batch_size):
     monkeypatch.setattr(members_module, "MAX_BATCH_BYTES", batch_size * 8 * STUDY.surfaces.points)
     dimensions = np.array([1.0, 1.2, 1.45])
     pairs = list(members_module.generate_pairs(STUDY, 1, dimensions, 0.1))
@@ -34,7 +34,7 @@ def test_pairs_generated_for_several_dimensions_equal_single_pairs(monkeypatch, 
             assert body.spacing == expected.spacing
 
 
-def test_profiles_returned_by_pair_of_equal_generated_profiles():
+def test_profiles_of_a_study_member_equal_directly_generated_profiles():
     upper, lower = pair_of(STUDY, 7, fractal_dimension=1.25, amplitude=0.1)
     for body, side in ((upper, "upper"), (lower, "lower")):
         phases = random_phases(2016, repetition=7, side=side, directions=30, frequencies=20)

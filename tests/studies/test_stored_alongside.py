@@ -43,7 +43,7 @@ def complete_result(result_and_datasets):
 
 
 @pytest.mark.parametrize("name", LOADERS)
-def test_data_stored_alongside_a_result_are_loaded_or_none(result_and_datasets, complete_result, name):
+def test_data_stored_alongside_a_result_are_none_if_their_file_is_absent(result_and_datasets, complete_result, name):
     xarray.testing.assert_identical(LOADERS[name](complete_result), result_and_datasets[1][name])
     (complete_result.path / name).unlink()
     assert LOADERS[name](complete_result) is None
@@ -68,7 +68,7 @@ def test_flipped_bit_in_stored_data_is_detected_before_the_file_is_opened(comple
 
 
 @pytest.mark.parametrize(("name", "variable"), [("picture.nc", "lower_height"), ("onset.nc", "displacement")])
-def test_file_without_a_variable_is_rejected_in_one_sentence(complete_result, name, variable):
+def test_stored_file_that_lacks_a_variable_is_rejected_in_one_sentence(complete_result, name, variable):
     with h5py.File(complete_result.path / name, "r+") as file:
         del file[variable]
     with pytest.raises(StoreError, match=rf"{name}: .*remove it and run the study again") as caught:

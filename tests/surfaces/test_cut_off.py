@@ -32,7 +32,7 @@ def weighted_line_by_definition(heights, spacing, wavelength):
 
 
 @pytest.mark.parametrize("points", [8, 15, 66.6])
-def test_cut_off_filter_equals_locally_weighted_line_fit(points):
+def test_low_pass_filter_equals_locally_weighted_line_fit(points):
     profile = rough_profile(points=200)
     wavelength = points * profile.spacing
     smooth = cut_off(profile, wavelength).heights
@@ -41,7 +41,7 @@ def test_cut_off_filter_equals_locally_weighted_line_fit(points):
     assert np.abs(smooth - expected).max() < tolerance
 
 
-def test_cut_off_filter_of_a_surface_acts_along_both_axes():
+def test_low_pass_filter_of_a_surface_acts_along_both_axes():
     surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
     along_x = np.array([weighted_line_by_definition(row, 0.25, 4.0) for row in surface.heights])
     both = np.array([weighted_line_by_definition(column, 0.5, 4.0) for column in along_x.T]).T
@@ -51,7 +51,7 @@ def test_cut_off_filter_of_a_surface_acts_along_both_axes():
 
 @pytest.mark.parametrize("wavelength", [0.2, 0.25, 0.4, 1.0, 5.0])
 @pytest.mark.parametrize("periodic", [True, False])
-def test_cut_off_filter_transmits_half_at_cutoff_and_gaussian_fraction_elsewhere(wavelength, periodic):
+def test_low_pass_filter_has_gaussian_transmission_and_half_at_the_cutoff(wavelength, periodic):
     x = 0.1 * np.arange(2000)
     for length in (0.25, 0.4, 0.5, 1.0, 5.0, 20.0):
         waves = np.stack([np.cos(2 * np.pi * x / length), np.sin(2 * np.pi * x / length)], axis=1)
@@ -63,7 +63,7 @@ def test_cut_off_filter_transmits_half_at_cutoff_and_gaussian_fraction_elsewhere
         assert transmission(2 * np.pi / length, wavelength) == pytest.approx(expected, rel=ROUND_OFF)
 
 
-def test_cut_off_filter_of_a_periodic_surface_is_isotropic():
+def test_low_pass_filter_of_a_periodic_surface_is_isotropic():
     surface = self_affine_map(2, 0.6, (64, 96))
     smooth = surface_spectrum(cut_off(surface, 4.0, periodic=True), periodic=True)
     own = surface_spectrum(surface, periodic=True)
@@ -72,7 +72,7 @@ def test_cut_off_filter_of_a_periodic_surface_is_isotropic():
 
 
 @pytest.mark.parametrize("wavelength", [0.2, 0.3, 1.0, 13.0])
-def test_cut_off_filter_preserves_lines_and_planes_up_to_the_ends(wavelength):
+def test_low_pass_filter_preserves_lines_and_planes_up_to_the_ends(wavelength):
     x = 0.1 * np.arange(400)
     line = Profile(100 + 3 * x, spacing=0.1)
     plane = Surface(5 - 3 * x[:, np.newaxis] + 2 * x, spacing=0.1)
@@ -80,7 +80,7 @@ def test_cut_off_filter_preserves_lines_and_planes_up_to_the_ends(wavelength):
         assert np.abs(cut_off(body, wavelength).heights - body.heights).max() < ROUND_OFF * 200
 
 
-def test_cut_off_filter_is_linear_symmetric_and_invariant_under_scaling():
+def test_low_pass_filter_is_linear_symmetric_and_invariant_under_scaling():
     one, other = rough_profile(1, points=300), rough_profile(2, points=300)
     sum_of_both = cut_off(Profile(one.heights + 2 * other.heights, spacing=0.01), 0.2).heights
     assert sum_of_both == pytest.approx(cut_off(one, 0.2).heights + 2 * cut_off(other, 0.2).heights, abs=ROUND_OFF)
@@ -93,7 +93,7 @@ def test_cut_off_filter_is_linear_symmetric_and_invariant_under_scaling():
     assert turned == pytest.approx(cut_off(surface, 3.0).heights, abs=ROUND_OFF)
 
 
-def test_cut_off_filter_adds_history_and_preserves_the_grid():
+def test_low_pass_filter_adds_history_and_preserves_the_grid():
     profile = Profile(np.arange(60.0), spacing=0.1, history=("ground",))
     smooth = cut_off(profile, 0.5)
     assert smooth.history == ("ground", "waves shorter than 0.5 µm cut off (Gaussian filter, 50 % at 0.5 µm)")
@@ -119,10 +119,10 @@ def test_cut_off_filter_adds_history_and_preserves_the_grid():
         ([1.0, 2.0], 1.0, "body must be a Profile or a Surface, got list"),
     ],
 )
-def test_cut_off_filter_rejects_bad_arguments(body, wavelength, message):
+def test_low_pass_filter_rejects_bad_arguments(body, wavelength, message):
     with pytest.raises(ValueError, match=message):
         cut_off(body, wavelength)
 
 
-def test_cut_off_filter_accepts_smallest_and_largest_cutoff():
+def test_low_pass_filter_accepts_smallest_and_largest_cutoff():
     assert len(cut_off(rough_profile(), 0.02)) == len(cut_off(rough_profile(), 10 / 3)) == 1000

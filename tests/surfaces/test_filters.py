@@ -51,7 +51,7 @@ class TestGaussian:
         for body in (Profile(3 + 2 * x, spacing=0.1), Surface(3 + 2 * x + x[:, np.newaxis], spacing=0.1)):
             assert np.abs(filtered(body, cutoff=5.0, kind="L").heights).max() < ROUND_OFF * 100
 
-    def test_cut_off_filter_equals_the_s_filter(self):
+    def test_low_pass_filter_equals_the_s_filter(self):
         for body in (rough_profile(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
             cutoff = 9 * min(body.spacings)
             assert np.array_equal(cut_off(body, cutoff).heights, filtered(body, cutoff=cutoff).heights)

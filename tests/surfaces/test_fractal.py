@@ -92,7 +92,7 @@ class TestProfile:
             paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL_GRID)
             assert np.allclose(classical.heights, paper.heights, rtol=0, atol=1e-12)
 
-    def test_family_of_profiles_equals_single_profiles_bit_for_bit(self):
+    def test_batch_of_profiles_equals_single_profiles_bit_for_bit(self):
         phases = random_phases(6)
         dimensions = [1.0, 1.2, 1.65]
         family = weierstrass_mandelbrot_family(phases, dimensions, **SMALL_GRID)

@@ -60,7 +60,7 @@ class TestFloorFit:
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
-def test_surface_without_noise_has_no_hidden_noise(hurst):
+def test_hidden_noise_is_not_reported_for_surfaces_without_noise(hurst):
     surfaces = [Surface(rough_heights(seed, hurst)[0], spacing=SPACING) for seed in range(NUM_SURFACES)]
     assert [find_hidden_noise(surface) for surface in surfaces] == [None] * NUM_SURFACES
     profiles = [Profile(rough_heights(seed, hurst, (2048,))[0], spacing=SPACING) for seed in range(4 * NUM_SURFACES)]
@@ -117,6 +117,6 @@ def test_hidden_noise_is_not_estimated_for_small_surfaces(shape):
     assert find_hidden_noise(Surface(np.random.default_rng(1).normal(size=shape), spacing=SPACING)) is None
 
 
-def test_straight_grooves_without_noise_have_no_hidden_noise():
+def test_hidden_noise_is_not_reported_for_clean_straight_grooves():
     line = filtered_noise(np.random.default_rng(3), (256,), 0.8, longest=60)
     assert find_hidden_noise(Surface(np.tile(line, (64, 1)), spacing=SPACING)) is None

@@ -106,7 +106,7 @@ class TestProfileExponent:
         result = estimate_hurst_exponent(rough_profile(), band=(0.05, 2.0))
         assert 0.05 <= result.shortest_wavelength < result.longest_wavelength <= 2.0 * (1 + 1e-9)
 
-    def test_hurst_estimate_in_a_given_band_covers_the_dimension_of_equation_1(self):
+    def test_hurst_interval_in_a_given_band_covers_the_exponent_of_equation_1(self):
         for dimension in (1.2, 1.6):
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
             result = estimate_hurst_exponent(profile, band=(0.005, 0.9))

@@ -579,7 +579,7 @@ def test_decimal_numbers_are_converted_with_correct_rounding(tmp_path):
         assert body.heights.tolist() == [float(text) for text in texts]
 
 
-def test_rounded_positions_are_uniform_within_their_printed_digits(tmp_path):
+def test_rounded_positions_count_as_uniform_within_their_printed_digits(tmp_path):
     path = tmp_path / "a.csv"
     for step, form in ((0.5, ".1f"), (0.156245, ".1f"), (0.156245, ".6f")):
         lines = [f"{step * at:{form}},{z}" for at, z in enumerate(np.tile(LINE_HEIGHTS, 20))]
@@ -700,7 +700,7 @@ def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
         read_measurement(path, unit="um")
 
 
-def test_short_row_above_a_matrix_is_rejected_unless_it_states_the_size(tmp_path):
+def test_short_row_above_a_matrix_is_rejected_unless_it_states_the_matrix_size(tmp_path):
     path = tmp_path / "a.txt"
     for count in (1, 2):
         lines = format_rows(HEIGHTS)

@@ -355,7 +355,7 @@ def test_columns_can_be_selected_by_name_or_number(file):
     )
 
 
-def test_positions_in_any_column_are_uniform_within_their_printed_digits(file):
+def test_positions_in_any_column_count_as_uniform_within_their_printed_digits(file):
     # Positions with one decimal follow a column with many decimals. They are uniform within their digits in any column.
     true = 0.156245 * np.arange(900)
     lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true))

@@ -48,7 +48,7 @@ def test_levelling_is_accurate_for_a_large_tilt():
     assert np.abs(levelled(tilted, "line").heights - 1e-3 * profile.heights).max() < 1e-10
 
 
-def test_levelling_rejects_a_trend_of_another_kind_of_body():
+def test_levelling_rejects_a_trend_meant_for_another_kind_of_body():
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'line', .*, got 'plane'"):
         levelled(rough_profile(9), "plane")
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'plane', .*, got 'line'"):

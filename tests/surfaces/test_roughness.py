@@ -88,12 +88,12 @@ class TestAgainstSurfaceTopography:
             return levelled(read_profile(request.getfixturevalue("measured")("dektak-1.csv")), "line")
         return levelled(rough_profile(), "mean")
 
-    def test_levelling_agrees_with_surface_topography(self, line_scan, measured):
+    def test_levelling_agrees_with_the_surface_topography_package(self, line_scan, measured):
         profile = read_profile(measured("dektak-1.csv"))
         theirs = line_scan(profile.heights.copy(), profile.extent, unit="um").detrend("height")
         assert np.abs(theirs.heights() - levelled(profile, "line").heights).max() < self.TRANSFORM_TOLERANCE
 
-    def test_height_and_slope_agree_with_surface_topography(self, line_scan, profile):
+    def test_height_and_slope_agree_with_the_surface_topography_package(self, line_scan, profile):
         theirs = line_scan(profile.heights, profile.extent, unit="um")
         ours = roughness_parameters(profile, derivative="neighbours")
         assert ours.Pq == pytest.approx(theirs.rms_height_from_profile(), rel=self.TRANSFORM_TOLERANCE)
@@ -106,7 +106,7 @@ class TestAgainstSurfaceTopography:
         assert periodic.rms_slope_from_profile() == pytest.approx(expected, rel=self.TRANSFORM_TOLERANCE)
 
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_spectrum_agrees_with_surface_topography(self, line_scan, profile, periodic):
+    def test_spectrum_agrees_with_the_surface_topography_package(self, line_scan, profile, periodic):
         theirs = line_scan(profile.heights, profile.extent, unit="um", periodic=periodic)
         q, density = theirs.power_spectrum_from_profile(resampling_method=None)
         ours = power_spectrum(profile, periodic=periodic)
@@ -281,7 +281,7 @@ def test_surface_parameters_scale_with_size_and_are_invariant_under_rotation():
     assert (over.Spk, over.Ssk, over.Smr1) == pytest.approx((one.Svk, -one.Ssk, 1 - one.Smr2), rel=1e-6)
 
 
-def test_surface_parameters_agree_with_surface_topography():
+def test_surface_parameters_agree_with_the_surface_topography_package():
     topography = pytest.importorskip("SurfaceTopography")
     surface = gaussian_surface()
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape

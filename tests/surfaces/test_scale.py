@@ -27,7 +27,7 @@ ROUND_OFF = 1e-9
 BIN_TOLERANCE = 0.03  # relative error of a slope that is interpolated between two of 48 bins per decade of wavelength
 
 
-def test_scale_dependent_roughness_tends_to_moments_of_spectrum():
+def test_scale_dependent_roughness_tends_to_the_spectral_moments():
     profile = rough_profile()
     moments = spectral_moments(profile, periodic=True)
     result = scale_dependent_roughness(profile, periodic=True)
@@ -158,7 +158,7 @@ class TestInstrument:
         power = 0.1**2 * harmonic**-2.8 / (np.arange(1, 2**13) ** -2.8).sum()
         assert 1.2 < power / (noise**2 / 2**13) < 4  # the power includes the noise, and is four times the lowest power
 
-    def test_white_noise_alone_is_a_noise_floor_at_long_wavelengths(self):
+    def test_noise_limit_of_pure_white_noise_is_a_long_wavelength(self):
         result = instrument_limit(Profile(np.random.default_rng(2).normal(size=4096), spacing=0.1))
         assert result.reason == "noise floor"
         assert result.noise > 10

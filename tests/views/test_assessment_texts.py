@@ -57,7 +57,7 @@ def test_summary_of_measured_surfaces_quotes_friction_at_all_contacts_first():
     assert only_point(dataset, measured_study()).value == 0.21
 
 
-def test_summary_of_generated_surfaces_quotes_opposing_contacts_only():
+def test_summary_of_generated_surfaces_quotes_friction_at_opposing_contacts():
     points = summarize(generated_result(), generated_study()).points
     assert [point.at["fractal_dimension"] for point in points] == [1.1] * 4 + [1.4] * 4
     assert [rule.rule for rule in points[0].rules] == ["opposing"]

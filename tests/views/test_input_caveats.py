@@ -186,7 +186,7 @@ class TestNoiseUnderRoughSurface:
         rng = np.random.default_rng(1)
         return [Surface(each.heights + noise * 0.02 * rng.normal(size=(96, 96)), spacing=0.1) for each in maps]
 
-    def test_possible_noise_adds_a_filtered_result_to_the_unfiltered_result(self):
+    def test_suspected_noise_adds_a_filtered_result_to_the_unfiltered_result(self):
         noisy_maps = self.maps(0.1)
         assert [instrument_limit(noisy_map).reason for noisy_map in noisy_maps] == ["pixels", "pixels"]
         study = pair_study(*noisy_maps, **self.options)
