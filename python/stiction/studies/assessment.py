@@ -50,13 +50,13 @@ MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
 
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # largest fraction of the load on one contact at which a value may be quoted
-CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # largest fraction of the load at the edge that causes no caveat
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # largest fraction of the load on one contact that causes no caveat
+CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # largest fraction of the load at the edge without a caveat
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # largest fraction of the load on one contact without a caveat
 
 MERGED_AREA_FRACTION = 0.3  # ratio of true to nominal area above which contacts are assumed to have merged
-MAX_AFFECTED_FRACTION = 0.5  # largest fraction of the load, members or scan length that causes no caveat
-MAX_INTERPOLATED_FRACTION = 0.02  # largest fraction of interpolated scan points that causes no caveat
-MAX_SPACING_RATIO = 3.0  # largest ratio of the grid spacings of two scans that causes no caveat
+MAX_AFFECTED_FRACTION = 0.5  # largest fraction of the load, members or scan length without a caveat
+MAX_INTERPOLATED_FRACTION = 0.02  # largest fraction of interpolated scan points without a caveat
+MAX_SPACING_RATIO = 3.0  # largest ratio of the grid spacings of two scans without a caveat
 
 NEARLY_BULK_STRENGTH = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
 MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above which the interval has no upper end
@@ -64,7 +64,7 @@ MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above whi
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
 
-MAX_NEGLECTED_ADHESION = 0.05  # largest load added by adhesion, relative to the applied load, that causes no caveat
+MAX_NEGLECTED_ADHESION = 0.05  # largest load added by adhesion, relative to the applied load, without a caveat
 TYPICAL_WORK_OF_ADHESION = 5e-5  # mN/µm (50 mJ/m²), a typical value for solids in air
 RIM_ATTRACTION_FACTOR = 4.3
 """Factor of the attraction in the rim around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
@@ -74,7 +74,7 @@ docs/explanation/adhesion.md describes the fit.
 
 MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
 ROUND_UP_FACTOR = 1 + 1e-12  # rounds ties such as 2.25 up, as the report does
-MAX_RELATIVE_HALF_WIDTH = 0.5  # largest relative half width of an interval that causes no caveat
+MAX_RELATIVE_HALF_WIDTH = 0.5  # largest relative half width of an interval without a caveat
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Caveat:
     """Name of the number that was compared with a limit, in `QUANTITIES` or `_compute_checked_numbers`; may be empty.
     """
     value: float = field(default=math.nan, compare=False)
-    """Value of that number, in core units."""
+    """Value of the named number, in core units."""
     limit: float = field(default=math.nan, compare=False)
     """Limit that the number exceeds."""
 
@@ -253,7 +253,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Caveat]:
-    """Yield the caveats of one point; a status other than "ok" is itself a caveat."""
+    """Yield the caveats of a point, including a caveat for any status other than "ok"."""
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
         yield from _find_adhesion_caveats(point, study)
@@ -290,7 +290,10 @@ def find_smallest_limit(name: str) -> float | None:
 
 
 def apply_checks(checks: Checks, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
-    """Yield the first failed check of each group as a caveat; a check passes if its number is missing."""
+    """Yield the first failed check of each group as a caveat.
+
+    A check passes if its number is missing.
+    """
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
         yield from (check.to_caveat(numbers) for check in itertools.islice(failed, 1))
@@ -350,7 +353,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
 
 
 def list_pressure_checks(study: Study, modulus: float) -> Checks:
-    """Return checks for yielding of elastic bodies, based on their hardness or, if it is unknown, on typical values.
+    """Return checks for yielding of elastic bodies, based on their hardness or on typical values.
 
     Returns no checks if the contact model limits the pressure, or if the effective modulus (GPa) is so small that the
     bodies are probably rubber or gels.

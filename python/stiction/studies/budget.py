@@ -42,12 +42,12 @@ SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
 """Sources of uncertainty of the mean over scans and positions, which are not inputs of the study."""
 
 INTERFACE_INPUT = "interface"  # name of the joint input of mu0 and tau0
-# quantiles of an exact input, over which the remaining width is averaged
+# quantiles at which an input is fixed for the uncertainty budget
 EXACT_QUANTILES = (0.1, 0.5, 0.9)
 MAX_BUDGETS = 100  # largest number of coefficients with an uncertainty budget
-# largest relative difference between mu0 or tau0 and its value in the study at which its range in the study applies
+# largest relative difference at which mu0 or tau0 counts as the value in the study
 SAME_INPUT_TOLERANCE = 1e-3
-MAX_EXPONENT = 50.0  # largest exponent in the factor between two tests; prevents an overflow
+MAX_EXPONENT = 50.0  # largest exponent in the factor between two tests, to prevent an overflow
 DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
@@ -76,7 +76,7 @@ def add_uncertainty(
     study = result.study
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
-    # Additional loads must not change the intervals at the loads of the study, so both are evaluated separately.
+    # Loads of the study are evaluated separately, because other loads must not change their intervals.
     is_own = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_own.any() and not is_own.all():
         parts = [
@@ -186,12 +186,12 @@ Columns = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
 def _columns(table: xarray.Dataset) -> Columns:
-    """Return the dimensions and values of all variables, which are faster to index than the dataset."""
+    """Return the dimensions and values of all variables as a dict, which is faster to index than the dataset."""
     return {str(name): (tuple(map(str, variable.dims)), variable.values) for name, variable in table.variables.items()}
 
 
 def _numbers_at(columns: Columns, indices: Mapping[str, int]) -> dict[str, Any]:
-    """Return the values of all variables at the indices `where` along the dimensions."""
+    """Return the values of all variables at the given indices of dimensions."""
     return {
         name: values[tuple(indices.get(dim, slice(None)) for dim in dims)] for name, (dims, values) in columns.items()
     }
@@ -268,16 +268,16 @@ class _CoefficientSamples:
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # possible coefficients with finer scans, extended by the sampling interval
+        # range of coefficients for finer scans, extended by the sampling interval
         self.bracket: tuple[float, float] | None = None
         # The first entry has joint samples of mu0 and tau0, the others have mu0 or tau0 at its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
         self.growth = find_junction_growth(study)  # α of junction growth
-        # ratio of true areas with and without junction growth for the inputs in the study
+        # ratio of true areas with and without junction growth
         self.own_growth = float(point.get("area_growth", 1.0))
         hardness = study.contact.hardness
-        self.finest: tuple[float, float] | None = None  # possible coefficients with finer scans
+        self.finest: tuple[float, float] | None = None  # range of coefficients for finer scans
         free = study.uses_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
             contacts = float(point["contact_count"][0]) * float(point["members"])
@@ -287,7 +287,7 @@ class _CoefficientSamples:
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         error, members = width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
-        # relative standard deviation of a single member in a single direction around the mean
+        # relative standard deviation of a member in one direction from the mean
         self.scatter = spread / (DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
         places = {POSITIONS_INPUT: error}  # relative standard error of the mean from each source
@@ -304,7 +304,7 @@ class _CoefficientSamples:
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
         """Return the 95 % interval with some inputs fixed at the given quantiles.
 
-        The interval contains the value. It also contains the sampling interval and the possible coefficients with finer
+        The interval contains the value. It also contains the sampling interval and the range of coefficients for finer
         scans, unless these sources are fixed.
         """
         fixed = fixed or {}
@@ -411,7 +411,7 @@ class _CoefficientSamples:
         columns, scores, samples, hardness, area, modulus = self.areas.cache[key]
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
-        # Sorting by the coefficient makes quantiles of the interface samples quantiles of the coefficient.
+        # Sorted by the coefficient, a quantile of the interface is also a quantile of the coefficient.
         if strength is not None:
             hardness_samples, growth = strength[2:]
             with_own = 1.0 if hardness_samples is None else self.areas.area_ratio(self.load, hardness_samples, 1.0)
@@ -453,7 +453,7 @@ class _CoefficientSamples:
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats, Floats | float]:
-        """Return samples of the inputs: uniform, normal scores, values, hardness, area ratio and modulus ratio."""
+        """Draw samples of the inputs, and return all quantities that are derived from the samples."""
         from scipy.special import ndtri
 
         cube = stratified_points(len(self.names) + 1)
@@ -475,7 +475,7 @@ def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, f
 
 
 def _angle(ends: tuple[float, float]) -> float:
-    """Return the difference between the friction angles at the limits of an interval."""
+    """Return the width of an interval in terms of the friction angle (rad)."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 

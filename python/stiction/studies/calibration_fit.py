@@ -33,9 +33,9 @@ from stiction.studies.interfaces import (
 )
 
 MIN_VARIATION = 0.1  # smallest relative standard deviation of A/F at which the tests separate mu0 and tau0
-# numbers of nuisance points: in each round of adaptation, and largest number for the result
+# number of nuisance points in a round of adaptation, and largest number for the result
 ROUND_POINTS, MAX_POINTS = 256, 8192
-# initial number of nuisance points for the result: doubled for each parameter (first), at most (second)
+# initial number of nuisance points for the result (doubled for each parameter), and its maximum
 FINAL_POINTS = 256, 1024
 MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores are clipped
 MAX_ROUNDS = 8  # largest number of rounds of adaptation
@@ -61,9 +61,9 @@ class _Best:
     tau0: float  # GPa
     scores: Floats  # (nuisances,)
     residuals: Floats  # (tests with sliding,), in units of the errors
-    slope: Floats  # derivatives of weighted residuals and scores by free strengths and scores
+    slope: Floats  # Jacobian of weighted residuals and scores (free strengths and scores)
     robust: Floats  # (tests,) square roots of weights, smaller for outliers
-    scale: float  # factor by which the errors are multiplied, if no errors are given
+    scale: float  # factor of the assumed errors if no errors are given
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class CalibrationProblem:
         self.has_errors = tests[0].uncertainty is not None
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
-        else:  # without given errors, errors are proportional to the coefficients
+        else:  # if no errors are given, errors are proportional to the coefficients
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         scatters: dict[Hashable, float] = {}
         for equation in self._friction:
@@ -205,7 +205,7 @@ class CalibrationProblem:
         rub, stick, right = (column[0] for column in middle)
         mu0, tau0 = _nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
         shifts = self._members * (rub * mu0 + stick * tau0) / self.error
-        # Unlike the directions, the offset per unit of spread includes the tests without sliding.
+        # The offsets per unit of spread include the tests without sliding.
         self._run_errors = (shifts * self.error).sum(axis=0)
         shifts = np.where(self.slid, shifts, 0.0)
         sizes = np.linalg.norm(shifts, axis=1)
@@ -334,7 +334,7 @@ class CalibrationProblem:
             start = _nonnegative(equations(x[np.newaxis, len(free) :])[0], np.ones(len(at_middle)), self.known)
             x[: len(free)] = np.array(start)[free] * size[free] + 1e-9
             while self.grows and free and not np.isfinite(residuals(x)).all() and x[: len(free)].max() > 1e-9:
-                x[: len(free)] /= 2  # halve the strengths until the interface does not seize
+                x[: len(free)] /= 2  # halve the strengths while the interface seizes
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
             misfit = residuals(x)[: len(at_middle)] / robust[self.slid]
@@ -517,7 +517,7 @@ class CalibrationProblem:
             return best_coefficients(residuals, start, tau0)
 
         if self.known[1] is None:
-            # Each test limits tau0: tau0 is largest for mu0 = 0 and the area at the measured coefficient.
+            # Each test gives an upper bound of tau0, for mu0 = 0 and the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = 2 * (math.sqrt(cells.depth) + math.sqrt(robust.size)) * error[:, self.slid] / robust
             with np.errstate(divide="ignore"):
@@ -528,7 +528,7 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, the slope is smaller, but at least the slope without junction growth.
+        # Below the best mu0, the slope is smaller, but not below the slope without junction growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 
@@ -565,7 +565,7 @@ class CalibrationProblem:
         for seed in range(1, MAX_ROUNDS if active else 0):
             if _effective(log_weight) > MIN_SAMPLE_FRACTION * ROUND_POINTS:
                 break
-            power = 1.0  # smaller powers flatten weights that a few points dominate
+            power = 1.0  # a power below 1 reduces the dominance of a few points
             while power > 1e-3 and _effective(power * log_weight) < 0.15 * ROUND_POINTS:
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
@@ -640,7 +640,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def advice(self) -> tuple[tuple[str, float, float], ...]:
-        """Return plans for further tests that separate mu0 and tau0, each with the expected standard errors.
+        """Return plans for further tests that separate mu0 and tau0, with expected standard errors.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
@@ -650,7 +650,7 @@ class CalibrationProblem:
         predicted = rub * mu0 + stick * tau0
         relative = float(np.median(self.error / np.maximum(predicted, 1e-12))) if self.has_errors else 0.05
         ratio, count = self.pivot, len(self.error)
-        # By Hertz, A/F is proportional to F^(-1/3); the loads cover a factor of 100.
+        # For Hertzian contact, A/F is proportional to F^(-1/3); the loads cover a factor of 100.
         ball_ratio = 10 ** (1 / 3)
         plans = (
             ("a smooth ball below yield, two decades of load", ratio * np.geomspace(1 / ball_ratio, ball_ratio, count)),

@@ -1,4 +1,4 @@
-"""Best mu0 and range of tau0 with junction growth, for which friction tests are not linear in mu0 and tau0."""
+"""Best mu0 and range of tau0 with junction growth, which makes friction tests nonlinear in mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# numbers of tau0 values in a search of the range, and of successively finer searches
+# number of tau0 values in a search, and number of successively finer searches
 NUM_SCAN_POINTS, NUM_SCANS = 13, 3
 NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps for the best mu0 at a given tau0
 DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0

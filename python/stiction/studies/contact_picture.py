@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-PICTURE_FILE = "picture.nc"  # name of the file in the folder of a result
+PICTURE_FILE = "picture.nc"  # file name in a result folder
 MAX_PICTURE_SIZE = 512  # largest number of rows or columns of a stored map
 LOADS_PER_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads of the adhesion figure relative to the pull-off force
-# ratio of map size to size of the magnified window around the contact with the largest load
+# ratio of the map size to the size of the magnified window around the largest contact
 ZOOM_DIVISOR = 8
 MIN_ZOOM_SIZE = 16
 
@@ -55,7 +55,7 @@ _CONTACT_VARIABLES = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# units that are appended to the column names of member dimensions
+# unit suffixes of column names, by dimension
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
@@ -281,7 +281,7 @@ def _check_members(members: int | Sequence[int], available: list[int]) -> list[i
 
 
 def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] | None) -> Iterator[tuple[float, int]]:
-    """Yield pairs of load and member: the given members, or the one whose contact area is nearest to the mean."""
+    """Yield each load with the given members, or with the member whose area is nearest to the mean."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

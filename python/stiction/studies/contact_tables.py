@@ -1,4 +1,4 @@
-"""Table `[contact]` of a study: one class for each contact model and kind of surfaces."""
+"""Table `[contact]` of a study, with a class for each contact model and kind of surfaces."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ from stiction.studies.values import (
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # directions of motion of measured areas, in degrees
 MAX_DIRECTIONS = 360  # largest number of directions of motion of measured areas
-# factor of the extension of the load curve below and above the given loads (asperities on lines)
+# factor by which the load curve of lines extends below and above the given loads (asperities)
 LINE_LOAD_MARGIN = 30.0
 NUM_LINE_LOADS = 25
-# smaller factor for half-planes, which need a separate solution for each load
+# the same factor for half-planes, which need a separate solution for each load
 HALF_PLANE_LOAD_MARGIN = 10.0
 NUM_HALF_PLANE_LOADS = 7
 MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio of successive loads of areal contacts
@@ -176,7 +176,7 @@ class ContactTable(Case):
         return np.array([degrees_of(direction) for direction in self.directions_of_motion()])
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that form dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
         return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
 
 
@@ -214,7 +214,7 @@ class GeneratedContact(ContactTable):
         return chosen if isinstance(chosen, tuple) else (chosen,)
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that form dimensions because they are given as lists."""
+        """Return the sliding rules and directions (degrees) that are lists and therefore dimensions of a result."""
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
         return {name: values for name, values in super().motions().items() if is_list[name]}
 
@@ -230,7 +230,7 @@ class GeneratedLoads(GeneratedContact):
     )
 
     def steps(self) -> Floats:
-        """Return all loads, mN."""
+        """Return all loads (mN)."""
         return array_of(self.load)
 
 
@@ -249,7 +249,7 @@ class MeasuredContact(ContactTable):
     )
 
     def steps(self) -> Floats:
-        """Return all loads, mN."""
+        """Return all loads (mN)."""
         return array_of(self.load)
 
     def rules(self) -> tuple[Sliding, ...]:
@@ -383,7 +383,7 @@ class AsperityContactTable(ContactTable):
     curvature: CurvatureKey = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of a contact model for the direction of motion, or no arguments for given loads."""
+        """Return the arguments of a contact model for the direction of motion, if the model has any."""
         return {}
 
     def model(self, sliding: Sliding | None = None) -> ContactModel:
@@ -426,7 +426,7 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
         return "approach"
 
     def steps(self) -> Floats:
-        """Return all approaches, µm."""
+        """Return all approaches (µm)."""
         return array_of(self.approach)
 
     def direction_arguments(self) -> dict[str, Any]:
@@ -562,7 +562,7 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
 
 
 def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
-    """Return the given loads (mN) combined with a geometric series that extends below and above the given loads."""
+    """Extend the given loads (mN) by a geometric series of smaller and larger loads."""
     curve = np.geomspace(requested.min() / ratio, requested.max() * ratio, steps)
     # Loads of the series that nearly equal a given load are dropped.
     is_new = np.abs(curve[:, np.newaxis] / requested - 1).min(axis=1) > 1e-6
@@ -583,7 +583,7 @@ def _fill_loads(requested: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which a measured pair is computed: given loads, and loads around and between them.
+    """Return the given loads (mN) and additional loads at which a measured pair is computed.
 
     All loads are below `max_load` (mN). For areas, `num_smaller` loads are below the given loads, and the ratio of
     successive loads is at most `MAX_AREAL_LOAD_RATIO`.
@@ -598,7 +598,7 @@ def choose_load_steps(
     else:
         below = requested.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
         steps = np.unique(np.concatenate([_fill_loads(requested), below, [requested.max() * MAX_AREAL_LOAD_RATIO]]))
-    # Only additional loads are rounded, to six digits.
+    # The given loads remain exact, and the additional loads are rounded to six digits.
     exact = set(requested.tolist())
     rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in steps.tolist()])
     lowest, highest = VALID_RANGES["force"]

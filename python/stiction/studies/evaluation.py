@@ -61,7 +61,7 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 MIN_STIFFNESS_STEPS = 3  # smallest number of approaches or loads needed to compute a stiffness
 
 COMPLETE_STATUS, ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
-"""Statuses of contacts whose true area equals or exceeds the nominal area.
+"""Statuses of contacts with a true area equal to the nominal area (first) or above it (second).
 
 The sum of areas exceeds the nominal area if asperities overlap.
 """
@@ -135,7 +135,7 @@ def at_load(
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
     if measured and _is_requested("reading_difference", names):
-        # largest relative difference between the coefficients at the elastic and the normal load of the members
+        # largest relative difference between coefficients at equal elastic load and at equal normal load
         other: Reading = "normal" if reading == "elastic" else "elastic"
         members = _members_before_growth(result, values, *material, other, of, names)
         if areas is not None:
@@ -171,7 +171,7 @@ def _pull_offs(result: Result) -> list[float]:
 
 
 def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes with two opposite directions (degrees, 0 to 180), and the indices of these directions (a, 2)."""
+    """Return the axes (degrees, 0 to 180) along which there are two opposite directions, and their indices (a, 2)."""
     angles = np.mod(directions, 360.0)
     axes, places = [], []
     for index, angle in enumerate(angles):
@@ -184,7 +184,7 @@ def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
 
 
 def _is_requested(name: str, names: Collection[str] | None) -> bool:
-    """Return whether a quantity is requested; all quantities are requested if no names are given."""
+    """Return whether a quantity is requested, which is always true if no names are given."""
     return names is None or name in names
 
 
@@ -231,7 +231,7 @@ def _evaluate_ensemble(
         try:
             found = read(what, every)
         except ValueError:
-            if what != "normal_stiffness":  # of a half-plane
+            if what != "normal_stiffness":  # a half-plane has no stiffness
                 raise
             continue
         variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)
@@ -297,7 +297,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     variables: dict[str, Any] = {}
     for name in members.data_vars:
         if name in ("normal_load", "tangential_load") and not _is_requested(name, names):
-            continue  # only reported for single members
+            continue  # reported only for single members
         values = tables[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
@@ -348,7 +348,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
 
 
 def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the statuses of true area fractions (..., 3), and the fractions limited to 1.
+    """Return the status of each true area fraction (..., 3), and the fractions limited to 1.
 
     In the asperity model, fractions above 1 become NaN instead.
     """
@@ -403,7 +403,7 @@ class OverMembers:
 
 
 def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
-    """Return the mean and the limits of its interval, which are above 0 if no value is negative."""
+    """Return the mean of values and the limits of its interval, above 0 if no value is negative."""
     if found is None:
         finite = values[np.isfinite(values)]
         return float(finite.mean()) if finite.size else np.nan, np.nan, np.nan
@@ -522,7 +522,7 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
 
 
 def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
-    """Return member values with adhesive forces on the true area at the onset of sliding."""
+    """Return member values with adhesive forces for the true area at the onset of sliding."""
     import xarray
 
     study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
@@ -607,7 +607,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
 
 @dataclass(frozen=True, kw_only=True)
 class PerLoad:
-    """Forces per elastic load: tangential = elastic + mu0 rub + tau0 stick, and normal = 1 + ... likewise."""
+    """Coefficients of the forces per elastic load, which are linear in mu0 and tau0."""
 
     elastic: float = 0.0
     rub: float = 1.0
@@ -656,7 +656,7 @@ def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading,
     names: Collection[str] | None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate members in memory like `member_values`.
+    """Evaluate the members of a piece in memory like `member_values`.
 
     If the steps are loads, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate
     besides `_FRICTION`; None stands for all.
@@ -676,7 +676,7 @@ def _evaluate_piece(
             crossing.below[..., None, None, :, None, None],
         )
     else:
-        # (..., load, mu0, tau0) at the step where the normal load equals the given load
+        # values at the step where the normal load equals the given load (..., load, mu0, tau0)
         normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
@@ -743,7 +743,7 @@ def _curves(
     """Return the contact sums of the members, and the crossings of their elastic loads with the given loads."""
     step = find_step_dimension(piece)
     lead = (*cells_of(piece), "repetition")
-    # Arrays with coordinates would take longer to handle than to evaluate.
+    # Variables without coordinates are much faster than arrays with coordinates.
     tables = piece.variables
     elastic = _over(tables["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
@@ -752,7 +752,7 @@ def _curves(
 
 
 def _motions_of(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for a single sliding rule or direction, which is not a dimension of the result."""
+    """Return coordinates for a sliding rule or direction that is not a dimension of the result."""
     values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.degrees())}
     return {name: ((name,), values[name][:1], attributes_of(name)) for name in MOTIONS if name not in piece.dims}
 

@@ -31,7 +31,7 @@ AVERAGED_DIRECTIONS = (
     270.0,
 )  # degrees; coefficients are averaged over these directions, because the surfaces are isotropic
 MAX_FITTED_AREA = 0.1  # largest true area fraction at which the laws are fitted
-MAX_LAW_DEVIATION = 0.1  # largest relative deviation of a fitted law that causes no caveat
+MAX_LAW_DEVIATION = 0.1  # largest relative deviation of a fitted law without a caveat
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -206,7 +206,7 @@ def friction_table(
     if steps.size >= MIN_STIFFNESS_PRESSURES:
         # The approach is nearly linear in ln(load), so the derivative with respect to ln(load) is accurate.
         stiffness = steps / np.gradient(approach, np.log(steps), axis=-1, edge_order=2)
-    # Other loads than the requested loads are only steps of the load curve.
+    # Only results at the requested loads are reported.
     requested = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested))
     dataset, pressure = dataset.isel(load=indices), steps[indices]
@@ -248,7 +248,7 @@ def friction_table(
 
 
 def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
-    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return the parameters (fractal dimension, amplitude, 3).
+    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return their parameters (fractal dimension, amplitude, 3).
 
     The parameters are NaN if a pair of surfaces has no area or no stiffness.
     """

@@ -47,14 +47,14 @@ AreaAmplitude = Annotated[
 ]
 
 
-# largest product of the numbers of directions and frequencies, which determines the run time
+# largest number of directions times frequencies, to which the run time is proportional
 MAX_HARMONICS = 1_000_000
 
 
 class GeneratedSurfaceKeys(Case):
     """Keys of `[surfaces]` for all generated ensembles: fractal dimension and amplitude."""
 
-    bodies: ClassVar[str] = "generated areas"  # name of these bodies in messages about `ContactTable.place`
+    bodies: ClassVar[str] = "generated areas"  # name of the bodies in error messages
     is_areal: ClassVar[bool] = True
     """True if members are pairs of height maps rather than profiles."""
 
@@ -124,7 +124,7 @@ class GeneratedProfiles(GeneratedSurfaceKeys):
 
     @property
     def spacing(self) -> float:
-        """Distance between neighbouring points, µm."""
+        """Distance between neighbouring points (µm)."""
         return float(self.extent) / self.points
 
 

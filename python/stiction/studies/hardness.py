@@ -50,13 +50,13 @@ some contacts yield.
 MIN_ERROR_MEMBERS = 2  # smallest number of members for an error estimate of the interpolated area
 
 NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
-"""Positions of the nodes in the range of ln H (0 to 1), for one or three moduli.
+"""Positions of the nodes in the range of ln H, from 0 to 1, for one or three moduli.
 
 The hardness of the study and infinite hardness (elastic bodies) are additional nodes.
 """
 
 MAX_NARROW_HALF_RANGE = 0.2
-"""Largest half width of the range of ln E* at which the contacts are not computed at other moduli.
+"""Half width of the range of ln E* up to which the contacts are not computed at other moduli.
 
 The area at another modulus is then derived from the dependence of the area on the load.
 """
@@ -70,7 +70,7 @@ Below these nodes, all contacts are assumed to be plastic, with an area proporti
 """
 
 NUM_TABLE_STEPS = 2**14  # number of steps in a table of areas over ln H
-TABLE_MARGIN = 4.0  # factor of the extension of a table beyond the smallest and largest nodes
+TABLE_MARGIN = 4.0  # factor by which a table extends beyond the smallest and the largest node
 
 NODE_QUANTILES = (0.005, 0.995)
 """Quantiles of an input that define the outermost nodes."""
@@ -196,14 +196,14 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     half_width = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
     positions = np.exp(half_width * (2 * np.array(NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
     nodes = np.sqrt(ends.prod()) * positions
-    # A limit of the range may equal the hardness of the study except for round-off.
+    # Except for round-off, a limit of the range may equal the hardness of the study.
     nodes = nodes[~np.isclose(nodes, float(hardness), rtol=NODE_ROUND_OFF, atol=0.0)]
     nodes = np.unique([*nodes, float(hardness), np.inf])
     return np.unique([*_choose_shear_nodes(study, float(nodes[0])), *nodes]), moduli
 
 
 def _choose_shear_nodes(study: Study, softest: float) -> Floats:
-    """Return additional nodes below the smallest hardness (GPa), which junction growth requires."""
+    """Return the additional nodes (GPa) below the smallest hardness that junction growth requires."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
     return np.asarray(softest * np.exp(-SHEAR_NODE_STEP * np.arange(1, NUM_SHEAR_NODES + 1)))
@@ -306,7 +306,10 @@ def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
 
 
 def _load_mean_areas(result: StoredResult) -> xarray.Dataset | None:
-    """Load the mean e A/F (1/GPa) of the first members at the nodes (loads, m, n), with relative modulus e."""
+    """Load e A/F (1/GPa) at the nodes, averaged over the first members (loads, m, n).
+
+    e is the relative modulus of a node.
+    """
     if (solved := load_areas_over_hardness(result)) is None:
         return None
     means = solved.mean("repetition")
@@ -358,7 +361,7 @@ class AreaInterpolator:
     elastic_areas: Floats  # (loads, m) e A/F of elastic bodies, 1/GPa
     moduli: Floats  # (m,) relative moduli e at the nodes
     growth: Floats  # (loads,) logarithmic derivative d ln(A/F) / d ln F
-    errors: Floats  # (loads, n) relative standard error of A at the nodes divided by A at the hardness of the study
+    errors: Floats  # (loads, n) relative standard error of A at the nodes relative to A in the study
     pressures: Floats  # (loads,) nominal pressures, GPa
     opposing_areas: Floats | None = None  # (loads, n) A/F of contacts that oppose the motion
     cache: dict[Any, Any] = field(default_factory=dict)  # samples that several points share
@@ -384,7 +387,7 @@ class AreaInterpolator:
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
         solved, means = result.alongside(load_areas_over_hardness), result.alongside(_load_mean_areas)
-        # With junction growth, friction depends on the areas at the nodes, so all loads use them.
+        # With junction growth, friction at all loads depends on the areas at the nodes.
         grows = bool(study.contact.junction_growth)
         if (
             solved is not None
@@ -440,7 +443,7 @@ class AreaInterpolator:
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
-        """Return the relative standard error of `area_ratio` at hardnesses divided by the relative modulus (GPa)."""
+        """Return the relative standard error of the area ratio at hardnesses divided by the relative modulus (GPa)."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.node_hardnesses), self.errors[load]))
 
     def growth_ratio(
@@ -475,7 +478,7 @@ class AreaInterpolator:
         key = "areas", load, rule
         if key not in self.cache:
             areas, elastic_areas, middle = self.node_areas[load], self.elastic_areas[load], self.moduli.size // 2
-            if rule == "opposing" and self.opposing_areas is not None:  # computed only at the E* of the study
+            if rule == "opposing" and self.opposing_areas is not None:  # available only at the E* of the study
                 elastic_areas = elastic_areas[[middle]] * self.opposing_areas[load, -1] / areas[middle, -1]
                 areas = self.opposing_areas[[load]]
             self.cache[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
@@ -513,7 +516,7 @@ def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:
-    """Estimate the relative standard error of areas at the nodes divided by the study's area (loads, n)."""
+    """Estimate the relative standard error of the area ratio of the nodes to the study (loads, n)."""
     area = solved["contact_area"].sel(relative_modulus=1.0, method="nearest")
     area = area.transpose("load", "hardness", "repetition")
     count = area.sizes["repetition"]

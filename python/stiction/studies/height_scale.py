@@ -46,10 +46,10 @@ if TYPE_CHECKING:
     import xarray
 
 HEIGHT_SCALE_FOLDER = "height_scale"
-"""Name of the folder, within the folder of a result, that contains one study for each factor."""
+"""Name of the subfolder of a result folder that contains a study for each factor."""
 
 FACTOR_STEP = 0.5
-"""Largest difference of log2(factor) between computed factors at which results between them are interpolated."""
+"""Largest difference of log2(factor) between neighboring factors for an interpolation."""
 
 FACTOR_DIGITS = 6  # number of significant digits of a factor in its folder name
 
@@ -247,7 +247,7 @@ def compute_factors(
             folder = find_factor_folder(result.path, factor, scaled)
             existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing and find_member_differences(existing.study, study):
-                remove_result(existing)  # the stored study belongs to another pair
+                remove_result(existing)  # the stored study has another pair
             compute_missing(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
             if _lacks_hardness(stored) and (areas := compute_areas_over_hardness(stored.study, workers)) is not None:
@@ -349,7 +349,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 
 
 def _interpolate_factors(values: Floats, solved: Floats, factor: float, neighbors: tuple[int, int]) -> Floats:
-    """Interpolate values between solved factors (first axis); NaN if a neighboring value is NaN."""
+    """Interpolate values between computed factors (first axis), with NaN next to missing values."""
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors

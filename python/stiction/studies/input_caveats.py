@@ -35,13 +35,13 @@ LIMIT_REASONS = {
     "hump": "the spectrum has a hump",
     "tip": "features are sharper than the tip resolves",
 }
-"""Reasons why wavelengths are not attributed to the surface, as texts."""
+"""Texts about the reasons why wavelengths are not attributed to the surface."""
 
 MAX_HEIGHT_OVER_EXTENT = 10.0  # ratio of height to length above which the height unit must be wrong
-MAX_PLAUSIBLE_MU0 = 2.0  # above all published values, including clean metals in vacuum
+MAX_PLAUSIBLE_MU0 = 2.0  # larger than all published values, including values of clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
-"""Largest contribution of a fitted parabola to the mean square height that causes no caveat about form.
+"""Largest contribution of a fitted parabola to the mean square height without a caveat about form.
 
 The contribution is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
@@ -52,14 +52,14 @@ MAX_SPIKE_RATIO = 12.0
 The robust standard deviation is the median of the absolute second differences, divided by 0.67.
 """
 
-MAX_NOISE_SLOPE_FRACTION = 0.01  # largest fraction of the mean square slope from the instrument that causes no caveat
-MAX_PEAK_FRACTION = 0.1  # largest fraction of the fourth spectral moment in a peak that causes no caveat
+MAX_NOISE_SLOPE_FRACTION = 0.01  # largest fraction of the mean square slope from the instrument without a caveat
+MAX_PEAK_FRACTION = 0.1  # largest fraction of the fourth spectral moment in a peak without a caveat
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # largest ratio of two spectra of a surface that causes no caveat
+MAX_SPECTRA_RATIO = 2.0  # largest ratio of two spectra of a surface without a caveat
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Ratio of nominal pressure to E* above which the load is probably the load on the whole component."""
 
@@ -70,7 +70,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     vouched = bool(study.surfaces.vouched)
 
     def of_part(file: MeasuredFile, body: Body) -> list[Caveat]:
-        """Return caveats about the scans of a body, keeping the one with the longest wavelength of each kind."""
+        """Return caveats about the scans of a body, keeping only the longest wavelength for each kind of caveat."""
         kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             found = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]

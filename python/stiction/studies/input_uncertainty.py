@@ -50,7 +50,10 @@ _VICKERS_BY_ROCKWELL = {
 # relative half width of a hardness range converted from HRC (10 to 20 HV)
 ROCKWELL_CONVERSION_ERROR = 0.05
 _VICKERS_PRESSURE = 9.80665e-3 / 0.9272
-"""Mean pressure (GPa) of 1 HV: 1 kgf per mm² of indentation surface, whose projection is 0.9272 of this surface."""
+"""Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
+
+The projected area is 0.9272 of this surface.
+"""
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
@@ -60,9 +63,9 @@ _PERCENT_PATTERN = re.compile(
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
 _TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # as in "HV10", "HV 0.5"
 InputKind = Literal["", "pressure", "modulus", "hardness"]
-MAX_POISSON_RATIO = 0.5  # of an incompressible body
+MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
 MAX_JUNCTION_GROWTH = 100.0  # largest α; α is 27 for a von Mises body with a hardness of three yield strengths
-MAX_CREEP_EXPONENT = 0.5  # reduces the hardness to a third within a decade of time
+MAX_CREEP_EXPONENT = 0.5  # largest exponent; the hardness falls to a third within a decade of time
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ class UncertainInput:
     """Input as a probability distribution, in core units."""
 
     value: float  # number, or middle of the range (geometric mean for a log-normal distribution)
-    low: float  # lower end of the 95 % interval, or of a uniform distribution
+    low: float  # lower limit of the 95 % interval, or of a uniform distribution
     high: float
     distribution: Distribution
     text: str  # text as written by the user
@@ -230,7 +233,7 @@ def _parse_value(name: str, given: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Return two texts with units, where a unit in only one of the texts applies to both."""
+    """Return two texts with units, completing a missing unit from the other text."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text

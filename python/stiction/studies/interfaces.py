@@ -52,7 +52,7 @@ _NUMBER_ENTRIES = ("area_per_load", "variation")
 EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
 """Probability of the residuals below which a sliding rule is excluded (first), or the errors are scaled (second)."""
 
-# relative distance of a lower limit to the bound (in interval widths) below which the limit is set to the bound
+# largest distance of a lower limit from the bound (in interval widths) that is treated as zero
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the value
 SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
@@ -142,7 +142,7 @@ class _TestFriction(PerLoad):
 
 @dataclass(frozen=True)
 class ShearStrength:
-    """Interface strength for junction growth: samples of mu0 and tau0 (GPa), or of a friction coefficient."""
+    """Samples of the interface strength: mu0 and tau0 (GPa), or a friction coefficient."""
 
     sliding: Sliding
     mu0: Floats
@@ -173,7 +173,7 @@ class _AreaFactor:
         return [self.key(name) for name in self.known]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return values of the inputs by name for probabilities of the nuisance parameters by name."""
+        """Return the values of the inputs for probabilities of the nuisance parameters."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
@@ -263,7 +263,7 @@ class _ResultAreaFactor(_AreaFactor):
         factor = self.areas.area_ratio(0, None if self.areas.hardness is None else hardness, modulus)
         if self.growth is not None and strength is not None:
             pressure = strength.under_shear(hardness, samples.get("junction_growth", self.growth.value))
-            if strength.tau0 is None:  # keep the pressure above the nominal pressure and the area finite
+            if strength.tau0 is None:  # keeps the pressure above the nominal pressure, so that the area is finite
                 pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
             factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
             hardness = np.where(np.isfinite(factor), pressure, hardness)
@@ -534,7 +534,7 @@ class Interface:
         fit, random = self.fits[0], np.random.default_rng(1)
         friction = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
-        def scores(name: Hashable) -> Floats:  # inputs of the tests keep their samples in the prediction
+        def scores(name: Hashable) -> Floats:  # the prediction uses the samples of the inputs of the tests
             return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
 
         area = np.exp(friction.scatter * scores(friction.surfaces))
@@ -632,7 +632,7 @@ def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
 
 
 def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
-    """Evaluate the forces and the true area at a load of a curve, for its sliding rule and first direction."""
+    """Evaluate the forces and the true area at a load of a load curve."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         limits = f"{loads.min():g} to {loads.max():g} mN"

@@ -18,13 +18,13 @@ from stiction._checks import Floats
 CONFIDENCE = 0.95
 SLOPE_STEPS = 4  # number of steps on each side of a crossing for the fit of a slope
 MAX_LOAD_RATIO = 10.01
-"""Largest ratio of successive computed loads at which values between them are interpolated."""
+"""Largest ratio of successive computed loads for an interpolation between these loads."""
 CHUNK_SIZE = 2**15  # number of values in a batch that fits into the processor cache
 MIN_SAMPLE_SIZE = 3  # smallest number of values for which an interval is computed
 MIN_NEIGHBORS = 8  # smallest number of neighboring values for an interval
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # skewness at which the scale is linear except for round-off
+_MIN_SKEWNESS = 1e-9  # skewness below which the scale is linear except for round-off
 MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is practically normal
 
 
@@ -46,7 +46,7 @@ class Crossing:
     fraction: Floats  # (..., l)
     reached: NDArray[np.bool_]  # (..., l)
     below: NDArray[np.bool_]  # (..., l) True for loads below the first step
-    scale: tuple[Floats, Floats] | None = None  # curves and loads, for an interpolation of ratios
+    scale: tuple[Floats, Floats] | None = None  # curves and loads for an interpolation of ratios, or None
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
@@ -77,7 +77,7 @@ class Crossing:
         return replace(self, reached=self.reached & (np.isfinite(before) | (there == loads)))
 
     def _around(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the values of curves (..., k) at the steps before and after each crossing (..., l)."""
+        """Return the values of curves (..., k) before and after each crossing (..., l)."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
@@ -100,7 +100,7 @@ class Crossing:
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
         # For a crossing exactly at a step, the value at the previous step may be NaN.
-        with np.errstate(invalid="ignore"):  # the stiffness of complete contact is infinite
+        with np.errstate(invalid="ignore"):  # infinite values, such as the stiffness of complete contact
             there = np.where(fraction == 1, after, before + fraction * (after - before))
         if sums and self.scale is not None:
             there = there * self.scale[1]
@@ -190,7 +190,7 @@ class MeansAtLoads:
 
 
 class _Extent:
-    """Running sum, minimum and maximum of values (p, r) over r."""
+    """Running sum, minimum and maximum of values (p, r) along the second axis."""
 
     def __init__(self, size: int) -> None:
         self._sum = np.zeros(size)

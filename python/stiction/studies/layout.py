@@ -39,7 +39,7 @@ Arrays = dict[str, NDArray[Any]]
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """Dimensions, shape, data type and attributes of one array of a result."""
+    """Dimensions, shape, data type and attributes of an array of a result."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -48,7 +48,7 @@ class ArraySpec:
 
     @property
     def size(self) -> int:
-        """Size in bytes."""
+        """Size of the array in bytes."""
         return self.dtype.itemsize * math.prod(self.shape)
 
 
@@ -103,7 +103,7 @@ def member_bytes(study: Study) -> int:
 
 
 def piece_length(size: int) -> int:
-    """Return the number of members of `size` bytes in a piece, which is a power of two."""
+    """Return the number of members of `size` bytes that form a piece, a power of two."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -173,13 +173,13 @@ _DIVISORS = {
     "um^2": (0, 2, "L²"),
     "um": (0, 1, "L"),
 }
-"""Powers of E* and L by which a quantity is divided, and the divisor as text, by unit."""
+"""Divisors by unit: powers of E* and L, and a text."""
 
 
 def nondimensional(
     result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
 ) -> xarray.Dataset:
-    """Make loads, areas, pressures and lengths of a dataset dimensionless by dividing by powers of E* and L.
+    """Divide the quantities of a dataset by powers of E* and L to make them dimensionless.
 
     Parameters
     ----------

@@ -185,7 +185,7 @@ def stiffness_map(
 
 
 def cells_of(dataset: xarray.Dataset) -> list[str]:
-    """Return the dimensions of a dataset that form its cells."""
+    """Return the cell dimensions of a dataset, such as amplitude."""
     return [name for name in CELLS if name in dataset.dims]
 
 
@@ -268,7 +268,7 @@ class _EnsembleQuantity:
         """Return the names of the variables to be read from the result."""
         variables = _list_needed_variables(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
-            variables = (*variables, "approach")  # the approach of each pair
+            variables = (*variables, "approach")  # needed for the derivative
         return (*variables, *(name for name in SUMS if self.judged and name not in variables))
 
     def curves(
@@ -326,12 +326,12 @@ class _EnsembleQuantity:
 
 
 def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape values of one curve per mu0 and tau0 (c, l) to (load, mu0, tau0)."""
+    """Reshape values at loads on curves for all mu0 and tau0 (c, l) to (load, mu0, tau0)."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums, Sums]:
-    """Return contact sums, and the sums on which a quantity depends linearly (motion, cell, step, repetition)."""
+    """Return contact sums, and sums on which a quantity depends linearly (motion, cell, step, repetition)."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 

@@ -223,7 +223,7 @@ class MeasuredFile(Table):
 
     @property
     def name(self) -> str:
-        """File name without the folder, and number of further scans."""
+        """File name without folder, with the number of further scans."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _map_scans(self, change: Callable[[MeasuredFile], MeasuredFile]) -> MeasuredFile:
@@ -303,7 +303,7 @@ class MeasuredFile(Table):
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def cut_off_at(self, wavelength: float) -> float:
-        """Return the cutoff wavelength (µm) of this scan for a cutoff of the pair."""
+        """Return the cutoff wavelength (µm) of this scan if the pair has the given cutoff."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated(self) -> Floats:
@@ -367,7 +367,7 @@ class MeasuredFile(Table):
         )
 
     def with_checksums(self) -> MeasuredFile:
-        """Return the entry with checksums of all files, adding missing checksums."""
+        """Return the entry with the missing checksums added."""
         return self._map_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
@@ -418,7 +418,7 @@ def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
 
 @dataclass(frozen=True)
 class Member:
-    """Member of a study of measured bodies: a pair with its origin and the shift of the upper body (µm)."""
+    """Member of a study of measured bodies: a pair, its origin, and the shift of the upper body (µm)."""
 
     pair: Pair
     x: float
@@ -440,7 +440,7 @@ class SharedProperties:
     shape: Sequence[int]
     spacing: Sequence[float]
     used: Sequence[float]
-    scans: Sequence[Any]  # scans with the recorded spacing and extent
+    scans: Sequence[Any]  # scans before they are cut into members
 
 
 @dataclass(frozen=True)
@@ -455,7 +455,7 @@ class Members(Protocol):
     """Members of a study of two bodies, each of which is determined by its index."""
 
     def member(self, index: int) -> Member:
-        """Return the member with an index.
+        """Return the member with the given index.
 
         Raises a `ValueError` if there are fewer members.
         """
@@ -467,11 +467,11 @@ class Members(Protocol):
 class MeasuredSurfaceKeys(Case):
     """Keys of `[surfaces]` for all studies of measured surfaces."""
 
-    bodies: ClassVar[str] = "measured areas"  # name of these bodies in messages about `ContactTable.place`
+    bodies: ClassVar[str] = "measured areas"  # name of the bodies in error messages
     is_areal: ClassVar[bool] = True
     """True if members are independent pairs of height maps rather than profiles."""
     pressed: ClassVar[str]
-    """Name of the pressed members in reports."""
+    """Name of the members in reports."""
 
     kind: Literal["measured"] = Field(default="measured", description="Kind of surfaces: two measured files.")
     upper: MeasuredFile = Field(
@@ -503,7 +503,7 @@ class MeasuredSurfaceKeys(Case):
         return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
-        """Return the table with the files replaced by `change(file, side)`."""
+        """Return the table after replacing each file with `change(file, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
@@ -513,7 +513,7 @@ class MeasuredSurfaceKeys(Case):
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Numbers of scans of the upper and of the lower part."""
+        """Numbers of scans of the upper and the lower part."""
         return len(self.upper.scans), len(self.lower.scans)
 
     def scans_of(self, members: Any) -> tuple[Any, Any]:
@@ -777,7 +777,7 @@ class AreaMembers:
 
     pairs: MapPairs | IsotropicPairs | SpectrumPairs
     scans: tuple[Body, Body]
-    # number of leading members that are pairs of surrogates; None for all members
+    # number of pairs of surrogates, which are the first members; None for all members
     surrogates: int | None = None
 
     def member(self, index: int) -> Member:

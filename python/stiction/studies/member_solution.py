@@ -60,16 +60,19 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 STIFFNESS_STEP = 0.02
-"""Relative half width of the finite difference in the approach for the stiffness of asperities."""
+"""Half width of the finite difference for the stiffness of asperities, relative to the approach."""
 
 MPA_OVER_MM = 1e6  # MPa/mm per GPa/µm, for lines with a width of 1 µm
 
 JUMP_DISTANCE = 1e-11
-"""Relative distance between a jump of the load and the approach before it, above the tolerance of `find_crossings`."""
+"""Relative distance of an approach just before a jump of the load from the jump.
+
+The distance exceeds the tolerance of `find_crossings`.
+"""
 
 
 UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
-"""Numbers of members, and of cutoffs per member, with a computed unloading stiffness of plastic bodies."""
+"""Numbers of members and of cutoffs per member with an unloading stiffness, for plastic bodies."""
 
 
 def solve_at_loads(
@@ -185,7 +188,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     ok = np.flatnonzero(status == STATUS_OK)
     if not ok.size:
         return
-    # The load at minima of the gap starts at zero, so it has no jumps.
+    # Contacts at minima of the gap start with zero load, so the load has no jumps.
     fractions = [1 - STIFFNESS_STEP, 1 - JUMP_DISTANCE * (first_model.detection == "cell"), 1, 1 + STIFFNESS_STEP]
     steps, place = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
     low, before, at, high = place.reshape(len(fractions), ok.size)
@@ -390,7 +393,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
 
 
 def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
-    """Yield the values of a repetition for each cell, with index, fractal dimension and amplitude of the cell."""
+    """Yield the values of a repetition for each cell with its index, fractal dimension and amplitude."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return
@@ -409,7 +412,7 @@ def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Array
 
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
-    """Compute the contact sums of a pair with the asperity model (steps,) or (rules, steps)."""
+    """Compute the contact sums of a pair at given approaches with the asperity model."""
     steps, models = _steps(study.contact), _models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -425,7 +428,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
-    """Compute the onset of sliding along the first direction at each approach, with values of 0 without contact."""
+    """Compute the onset of sliding along the first direction at each approach."""
     contact = study.contact
     assert isinstance(contact, AsperityContactTable)
     assert contact.onset is not None

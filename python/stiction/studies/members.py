@@ -63,7 +63,7 @@ def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition:
 
 
 def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
-    """Return a generated profile with a fractal dimension before scaling to an amplitude."""
+    """Return a generated profile of given fractal dimension, before it is scaled to an amplitude."""
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
     fill_profiles(study, heights, np.array([dimension]), repetition, side)
@@ -93,7 +93,7 @@ def generate_pairs(
 
 
 def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
-    """Return a generated surface with a fractal dimension before scaling to an amplitude."""
+    """Return a generated surface of given fractal dimension, before it is scaled to an amplitude."""
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSurfaces):
         longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
@@ -118,7 +118,7 @@ def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Generate the pair of surfaces with a given number, as `run` does.
+    """Generate a pair of surfaces of a study, identical to the pair in a result of `run`.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def pair_of(
 
 
 def _describe_grid(body: Any) -> tuple[Any, ...]:
-    """Return type, shape and spacing of a scan for comparison with other scans.
+    """Return the type, shape and spacing of a scan for comparison with other scans.
 
     The spacing is rounded, because positions in a file are subject to round-off.
     """
@@ -196,7 +196,7 @@ class LoadedBodies:
         self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_members)
 
     def _prepare_members(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
-        """Return the members of two scans at a cutoff (µm, 0 for none).
+        """Return the members of two scans after filtering at a cutoff (µm, 0 for none).
 
         Raises a `ValueError` if the scans have no members.
         """
@@ -207,7 +207,7 @@ class LoadedBodies:
         return surfaces.members(scans, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> Member:
-        """Return a member at a cutoff (µm, 0 for unfiltered scans)."""
+        """Return the member with a given index at a cutoff (µm, 0 for unfiltered scans)."""
         surfaces = self._surfaces
         # Members are numbered from 0 for each pair of scans.
         # Surrogates use the index in the study as their random seed.
@@ -241,7 +241,7 @@ class LoadedBodies:
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         fractions = []
-        with contextlib.suppress(ValueError, IndexError):  # for a study with fewer members
+        with contextlib.suppress(ValueError, IndexError):  # the study has fewer members
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing(*self.member(index, self._surfaces.quoted_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
@@ -249,7 +249,7 @@ class LoadedBodies:
 
 
 def count_points(study: Study) -> int:
-    """Return the number of grid points of a member, or the size of a typical scan if files are missing."""
+    """Return the number of grid points of a member, or a typical number if files are missing."""
     surfaces: Any = study.surfaces
     if not study.is_measured:
         return math.prod(surfaces.shape) if study.is_areal else int(surfaces.points)

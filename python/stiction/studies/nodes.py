@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
     from stiction.studies.study import Study
 
-VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value, which is printed with up to four digits
+VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value; the report prints up to four digits
 ENDS_TOLERANCE = 1e-2  # largest error of an interpolated interval limit, relative to the interval width
 PRINTED_TOLERANCE = 0.025
 """Ratio of error to interval width above which a number is hidden, equal to the rounding of printed limits."""
@@ -40,9 +40,9 @@ Reports of generated surfaces have more loads and therefore fewer nodes.
 """
 
 LOAD_STEPS = 40  # number of loads in a report of generated surfaces
-# number of loads for the choice of nodes and the interpolation error (generated surfaces)
+# number of loads at which nodes are chosen and errors are measured (generated surfaces)
 SAMPLED_LOADS = 4
-CHOICE_LOADS = 2  # number of loads for the choice of nodes (measured surfaces)
+CHOICE_LOADS = 2  # number of loads at which nodes are chosen (measured surfaces)
 # quantities at nodes besides friction (measured surfaces)
 MEASURED_NAMES = ("contact_count", "gentle_friction")
 # largest number of mu0 or tau0 values in a study that become nodes; longer lists are thinned
@@ -52,12 +52,12 @@ MIN_NODE_DISTANCE = 0.35
 """Smallest distance between an initial node and a value in the study, relative to the node spacing."""
 
 MAX_CUBIC_DIFFERENCE = 0.05
-"""Relative difference between cubic and bilinear interpolation in the middle of a panel above which it is blank."""
+"""Relative difference between cubic and bilinear interpolation above which a panel stays blank."""
 
 # largest relative difference between the corners of an interpolated panel next to missing nodes
 MAX_CORNER_DIFFERENCE = 0.25
 CHECKED_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
-"""Positions of the error measurement, as fractions of the ranges of mu0 (first) and tau0 (second)."""
+"""Positions at which errors are measured, as fractions of the ranges of mu0 (first) and tau0 (second)."""
 
 # largest distance (relative to the axis length) at which a value is identified with a node
 NODE_TOLERANCE = 1e-9
@@ -84,7 +84,7 @@ class Axis:
 
     @property
     def bounds(self) -> list[tuple[float, float]]:
-        """Interval around each ranged node in which values are identified with the node."""
+        """Interval around each ranged node in which all values count as the node."""
         return [
             (float(own / (1 + SAME_INPUT_TOLERANCE)), float(own / (1 - SAME_INPUT_TOLERANCE))) for own in self.ranged
         ]
@@ -179,7 +179,7 @@ class Nodes:
 
     @property
     def is_resolved(self) -> NDArray[np.bool_]:
-        """Mask of panels with an error within `PRINTED_TOLERANCE` in the middle (cells, motions, mu0, tau0)."""
+        """Mask of the panels with an error below `PRINTED_TOLERANCE` (cells, motions, mu0, tau0)."""
         return self._choice[1]
 
     @cached_property
@@ -274,13 +274,13 @@ def _axis(own: Floats, most: float, *, is_ranged: bool) -> Axis:
 
 
 Middles = tuple[Floats, Floats]
-"""interpolated and evaluated values in the middles of panels along two lines of an axis, (panels, ..., 2, 3) each"""
+"""Interpolated and evaluated values in the middles of panels along two lines of an axis (panels, ..., 2, 3)."""
 
 
 def refined(
     axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
 ) -> tuple[tuple[Axis, Axis], tuple[Middles, Middles]]:
-    """Add nodes to the axes until errors of values and intervals along two lines are within the tolerances.
+    """Add nodes to the axes until the errors along two lines are within the tolerances.
 
     An axis has at most `max_nodes` rising nodes after refinement. The second result contains the values in the middles
     of panels.
@@ -317,9 +317,10 @@ def refined(
 
 
 def resolved_panels(axes: tuple[Axis, Axis], compared: tuple[Middles, Middles]) -> NDArray[np.bool_]:
-    """Return a mask of the panels with errors within `PRINTED_TOLERANCE` in the middle at all loads (..., m, t).
+    """Return a mask of the panels with errors below `PRINTED_TOLERANCE` at all loads (..., m, t).
 
-    The arguments are the results of `refined`. Each panel is judged by the nearer of the two lines.
+    The arguments are the results of `refined`. Errors are measured in the middles of panels along two lines, and each
+    panel has the error on the nearer line.
     """
     sizes = [axis.values.size for axis in axes]
     parts = []
@@ -340,7 +341,7 @@ def resolved_panels(axes: tuple[Axis, Axis], compared: tuple[Middles, Middles]) 
 
 
 def excess(given: Floats, wanted: Floats) -> Floats:
-    """Return the errors of values and interval limits (..., 3) relative to the tolerances, or 0 if not finite."""
+    """Return errors of values and interval limits (..., 3) relative to the tolerances, or 0 without finite values."""
     value, width = np.abs(wanted[..., 0]), wanted[..., 2] - wanted[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(given - wanted)
@@ -382,7 +383,10 @@ def largest_errors(
 
 
 def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float) -> Floats:
-    """Interpolate a table (..., m, t) at mu0 and tau0 (GPa), bilinearly if one of the 16 cubic nodes has no value."""
+    """Interpolate a table (..., m, t) at mu0 and tau0 (GPa).
+
+    The interpolation is cubic, or bilinear if one of the 16 nodes has no value.
+    """
     with np.errstate(invalid="ignore"):
         cubic, linear = (
             _weighted(table, axes[0].weights(mu0, cubic=each), axes[1].weights(tau0, cubic=each))

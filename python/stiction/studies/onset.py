@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.studies.store import StoredResult
 
-ONSET_FILE = "onset.nc"  # name of the file in the folder of a result
+ONSET_FILE = "onset.nc"  # file name in a result folder
 ONSET_TABLE_FILE = "onset.csv"  # table of the mean curve, such as the backbone of a Masing model
 ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes that identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
@@ -226,7 +226,7 @@ _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
-    """Return the fraction of the sliding load at which each point, or each asperity contact, slips.
+    """Compute the fraction of the sliding load at which each point or asperity contact slips.
 
     The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
     by the point that slips first. The dataset is empty for profiles.

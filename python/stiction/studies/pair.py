@@ -59,10 +59,10 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
 
-# default number of positions of a pair of profiles, which takes some seconds
+# default number of positions of a pair of profiles (some seconds of computing time)
 DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4  # number of loads below the requested loads for adhesive contacts (two decades)
-PRELOAD_FRACTION = 1e-3  # load instead of a load of zero, relative to the attraction of a grid cell
+PRELOAD_FRACTION = 1e-3  # load that replaces zero, relative to the attraction of a grid cell
 DEFAULT_LAW = "hertz-sphere"  # contact law of the asperity model
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
@@ -111,7 +111,7 @@ class Pair:
         return kind
 
     def _parse_quantity(self, name: str, value: object) -> Quantity:
-        """Parse the value of an option as its kind of quantity."""
+        """Parse the value of an option as a quantity of its kind."""
         return parse_quantity(name, value, self._find_kind(name))
 
     def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
@@ -372,7 +372,7 @@ class Pair:
 
     @property
     def _width(self) -> float:
-        """Width (µm) of the profiles under a given force."""
+        """Width (µm) of the profiles on which a force acts."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -384,7 +384,7 @@ class Pair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Given loads (mN or GPa), each with True if the load is a pressure."""
+        """Given loads in mN, or in GPa with True for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -643,7 +643,7 @@ class Pair:
         return hardness
 
     def _build_law(self) -> Any:
-        """Return the contact law of the asperity model with its parameters, as in a study."""
+        """Return the contact law of the asperity model with its parameters, in the format of a study."""
         if self.contact_law != JacksonGreen.name:
             return self.contact_law
         strength, ratio = self.options.yield_strength, self.elasticity.poisson_ratio
@@ -717,7 +717,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the name of the option that sets a study key such as "friction.mu0[0]", or None."""
+    """Return the option that sets a study key such as "friction.mu0[0]", or None without such an option."""
     key = key.partition("[")[0]
     last = key.rpartition(".")[2]
     return next(
@@ -760,7 +760,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
-    """Find wavelengths of a scan that may not belong to the surface, or possible hidden noise.
+    """Find wavelengths in a scan that may not belong to the surface, or noise that may be hidden.
 
     Returns None if they affect the slope only slightly.
     """

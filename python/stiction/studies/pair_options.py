@@ -1,4 +1,4 @@
-"""Options of a measured pair, with type, unit, default, help text and conditions."""
+"""Options of a measured pair with their types, units, defaults, help texts and conditions."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ Value: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
 Values: TypeAlias = Annotated[
     str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_read_values)
 ]  # fmt: skip
-"""One or several values, which are separated by commas in a text."""
+"""Single value or several values; a text separates the values by commas."""
 Positions: TypeAlias = Annotated[
     str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_read_positions)
 ]  # fmt: skip
@@ -160,11 +160,11 @@ class PairFacts(Protocol):
 
     @property
     def has_surrogates(self) -> bool:
-        """True if surrogates are pressed."""
+        """True if the study has surrogates."""
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of the upper and of the lower body."""
+        """Numbers of scans of the upper and the lower body."""
 
     @property
     def press(self) -> str:
@@ -172,7 +172,7 @@ class PairFacts(Protocol):
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute; the result is that of the first model."""
+        """Contact models to compute, starting with the model of the result."""
 
     @property
     def contact_law(self) -> str:
@@ -787,7 +787,7 @@ def list_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Option names by the argument names of surface functions."""
+"""Names of options by the names of equivalent arguments of surface functions."""
 
 
 def format_command_line_name(name: str) -> str:

@@ -141,7 +141,7 @@ def compute_companions(
             folder = stored.path / CUTOFF_STUDY_FOLDER
             existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing and find_member_differences(existing.study, cutoff_study):
-                remove_result(existing)  # remove a study of another pair or other loads
+                remove_result(existing)  # the stored study has another pair or other loads
             seconds = cutoff_study.ensemble.repetitions * estimate_member_time(cutoff_study)
             (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                 f"cutoff study: about {format_duration(seconds)} of one core"

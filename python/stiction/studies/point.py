@@ -54,7 +54,7 @@ MEAN_AND_ENDS = ("mean", "lower", "upper")  # mean and limits of its 95 % interv
 
 
 def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
-    """Return symbol and value of the roughness exponent: H for self-affine surfaces, D for other surfaces."""
+    """Return the symbol and the value of the roughness exponent: H for self-affine surfaces, otherwise D."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
@@ -99,7 +99,10 @@ def rules_of(study: Study) -> list[str]:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the nominal area is meaningful, unlike the area of a strip of arbitrary thickness with spheres."""
+    """Return whether the nominal area is meaningful.
+
+    For spheres on a strip of arbitrary thickness, it is not.
+    """
     if "nominal_area" not in point.coords:
         return False
     return study.is_areal or study.uses_half_space or "cylinder" in law_of(study)

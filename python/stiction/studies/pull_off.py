@@ -13,7 +13,10 @@ if TYPE_CHECKING:
     import xarray
 
 STICKING_PRESSURE = 1e-7
-"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, the weight per area of a steel plate of 1.3 mm."""
+"""Pull-off pressure (GPa) above which bodies stick.
+
+The value is 100 Pa, the weight per area of a steel plate that is 1.3 mm thick.
+"""
 
 ValueWithInterval = tuple[float, float, float]
 
@@ -29,7 +32,7 @@ class Sticking:
 
     @property
     def sticks(self) -> Literal["yes", "no", "uncertain"]:
-        """Answer to the question whether bodies stick: "yes", "no" or "uncertain".
+        """Assessment of sticking: "yes", "no" or "uncertain".
 
         The value is "yes" if the interval of the pull-off pressure is above `STICKING_PRESSURE`, "no" if it is below,
         and "uncertain" if it contains this pressure.

@@ -131,7 +131,7 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(wavelength))
 
     def find_plastic_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Return the shortest wavelength (µm) of roughness at which the elastic pressure is multiplied by `ratio`.
+        """Return the shortest wavelength (µm) with which the roughness multiplies the elastic pressure by `ratio`.
 
         The ratio is relative to the mean contact pressure at the resolution of the scans.
         """
@@ -169,7 +169,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
     wavelength = surfaces.quoted_cut_off()
-    # first member from pieces of the scans or, without such a member, a surrogate
+    # first member that consists of pieces of the scans, otherwise a surrogate
     first = surfaces.first_scanned
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair
@@ -242,7 +242,7 @@ class Resolution:
 
 
 def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> Resolution | None:
-    """Return the effect of the scan resolution on a dataset of `Result.at`, or None without data about it.
+    """Return the effect of the scan resolution on a dataset of `Result.at`, or None without such data.
 
     `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
     """

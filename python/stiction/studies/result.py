@@ -77,7 +77,7 @@ class Result:
 
     @cached_property
     def study(self) -> Study:
-        """Study that the result belongs to."""
+        """Study of the result."""
         return self.source.study if isinstance(self.source, StoredResult) else study_of(self.source)
 
     @property
@@ -141,7 +141,9 @@ class Result:
             count += piece.sizes["repetition"]
             for name in names:
                 dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
-                values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)  # for fast sums
+                values = np.ascontiguousarray(
+                    piece[name].transpose(*dims, "repetition").values
+                )  # contiguous, for fast sums
                 added = xarray.Variable(dims, values.sum(axis=-1))
                 total[name] = added if name not in total else total[name] + added
         head = self.head

@@ -108,7 +108,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[Block, int, int]]:
-        """Blocks, each with the range of members that is read from the block.
+        """Blocks and the ranges of members to read from each block.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -444,7 +444,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
 
 
 def _has_study(path: Path, study: Study) -> bool:
-    """Return True if the folder contains exactly this study."""
+    """Return whether the folder contains exactly this study."""
     try:
         return _study(path) == study
     except (OSError, ValueError):
@@ -474,7 +474,7 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
         try:
             _files.write_atomically(path / BLOCKS_FOLDER / block.name, written)
             return
-        except FileNotFoundError:  # another process removed the partial file as stale
+        except FileNotFoundError:  # another process removed the partial file
             if attempt == MAX_RELOADS or not (path / BLOCKS_FOLDER).is_dir():
                 raise StoreError(
                     f"{printable_path(path)}: was removed or replaced while it was being written"
@@ -495,9 +495,9 @@ RESULT_ATTRIBUTES = (
 )  # the other attributes of a result describe the bodies
 
 CHECKSUM_SEAL = b"stiction crc32 "
-"""Bytes near the end of an exported file that precede the checksum of the file. The checksum is verified first, because
-HDF5 may never return from reading a damaged file. HDF5 ignores bytes after its own data, and programs that modify the
-file remove the seal.
+"""Bytes before the checksum at the end of an exported file. The checksum is verified first, because HDF5 may never
+return from reading a damaged file. HDF5 ignores bytes after its own data, and programs that modify the file remove the
+seal.
 """
 
 _template_lock = threading.Lock()  # lets concurrent threads create only one template

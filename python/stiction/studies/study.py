@@ -56,7 +56,7 @@ MAX_STUDY_BYTES = 1_000_000  # largest study file (bytes) that is read
 MAX_COMBINATIONS = 1000  # largest number of combinations of load, mu0 and tau0 of measured surfaces
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
-"""Table and key of each value that selects a table class."""
+"""Keys that select a table class, with their tables."""
 
 _LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
@@ -82,9 +82,7 @@ _SURFACE_CASES = {
     "surface": _list_cases("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
     "measured": _list_cases("press", *get_args(MeasuredSurfaces)),
 }
-"""Key that selects the class of a surfaces table and the possible classes, by the value of `kind`. The first class is
-the default.
-"""
+"""Selecting key and classes of a surfaces table, by the value of `kind`. The first class is the default."""
 
 
 def select_surface_case(given: Mapping[str, Any]) -> type[Surfaces]:
@@ -187,7 +185,7 @@ class Figures(Table):
 def _add_bracketing_loads(
     surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Add a load below and a load above the requested loads to the tables contact and friction.
+    """Add loads below and above the requested loads to the tables `[contact]` and `[friction]`.
 
     This applies to the half-space of generated surfaces. Returns an empty dictionary if no loads are requested, if the
     study has its own load curve, or if a table is invalid.
@@ -279,7 +277,7 @@ class Study(Table):
     @field_validator("surfaces", mode="before")
     @classmethod
     def _read_surfaces(cls, value: object) -> Surfaces:
-        """Validate the surfaces table as the class that its keys select."""
+        """Validate the surfaces table with the class that its keys select."""
         if isinstance(value, SURFACE_CASES):
             return value
         if not isinstance(value, Mapping):
@@ -291,7 +289,7 @@ class Study(Table):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _read_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a table as the class for the surfaces, or return an empty table if the surfaces are invalid."""
+        """Validate a table with the class for the surfaces, or return an empty table if the surfaces are invalid."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfiles(), {}
@@ -313,8 +311,8 @@ class Study(Table):
         draw, friction, steps = self.figures.draw, self.friction, self.contact.steps()
         if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
-                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the ends of contact.load; omit "
-                "contact.load to have its loads chosen around friction.load"
+                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the limits of contact.load; omit "
+                "contact.load to choose its loads around friction.load"
             )
         if not self.is_measured:
             if self.is_areal and (profile_figures := [name for name in draw if name in ("profiles", "length-scales")]):
@@ -368,7 +366,7 @@ class Study(Table):
         return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that form dimensions because they are given as lists."""
+        """Return the sliding rules and directions (degrees) that are lists and therefore dimensions of a result."""
         return self.contact.motions()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
@@ -391,7 +389,7 @@ class Study(Table):
 
     @classmethod
     def named(cls, name: str) -> Study:
-        """Return the built-in study with a name that `study_names` lists.
+        """Return a built-in study by its name, as listed by `study_names`.
 
         Raises
         ------
@@ -429,7 +427,7 @@ class Study(Table):
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
-        """Return the study with some values replaced, by dotted keys.
+        """Return the study with the values of some dotted keys replaced.
 
         Parameters
         ----------
@@ -533,7 +531,7 @@ def study_names() -> list[str]:
 
 
 def study_summary(name: str) -> str:
-    """Return the description of a built-in study in a sentence, from the first line of its file."""
+    """Return a one-sentence description of a built-in study."""
     return (_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 

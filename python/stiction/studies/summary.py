@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 WAVELENGTHS_INPUT = "waves of unknown origin"  # name of this contribution to the uncertainty
-MIN_NAMED_FRACTION = 0.1  # smallest fraction of the interval due to an input that is named
+MIN_NAMED_FRACTION = 0.1  # smallest fraction of the interval for which an input is named
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class PointSummary:
 
     @property
     def hardness(self) -> float | None:
-        """Hardness of the softer body, GPa."""
+        """Hardness of the softer body (GPa)."""
         return None if self.study.contact.hardness is None else float(self.study.contact.hardness)
 
     @property
@@ -223,7 +223,7 @@ class Summary:
 
     @property
     def headlines(self) -> list[PointSummary]:
-        """Points to print, without points at a second cutoff that the interval of another point covers."""
+        """Points to print, except points at a second cutoff that another interval covers."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -264,7 +264,7 @@ def _place(one: PointSummary) -> tuple[tuple[str, float], ...]:
 
 
 def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
-    """Return the quoted point with intervals that cover the point at the other cutoff, and with its caveats.
+    """Return the quoted point with intervals and caveats that cover the point at the other cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
@@ -351,7 +351,7 @@ def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
 
 
 def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
-    """Return the intervals that would remain if each input were exact, in ascending order of width."""
+    """Return the interval that would remain if an input were exact, for each input in ascending order of width."""
     if "friction_if_known" not in point:
         return ()
     own, found = by_rule(point, rule), []

@@ -169,7 +169,7 @@ class Case(Table):
 
 
 def fault_at(key: str, message: str) -> PydanticCustomError:
-    """Create an error about a key of a table."""
+    """Create a validation error about a key of a table."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
@@ -201,7 +201,7 @@ class _Range(Table):
         return self
 
     def values(self) -> Floats:
-        """Return the values (count,) in core units."""
+        """Return the values in core units (count,)."""
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
@@ -224,7 +224,7 @@ class _Steps(_Range):
         return self
 
     def values(self) -> Floats:
-        """Return the values (count,) in µm or mN."""
+        """Return the values in µm or mN (count,)."""
         if self.spacing == "linear":
             return super().values()
         return np.geomspace(float(self.start), float(self.stop), self.count)
