@@ -229,6 +229,12 @@ def test_bands_are_wider_than_percentiles_for_a_minimum_of_noisy_data():
     assert percentiles.upper - percentiles.value < 0.5 * (bands.upper - bands.value)
 
 
+def test_generated_table_of_claims_has_all_columns():
+    table = SCRIPT.parents[1] / "generated/columns.md"
+    headings = [cell.strip() for cell in table.read_text("utf-8").splitlines()[0].split("|")[1:-1]]
+    assert headings[-len(claims.COLUMNS) :] == list(claims.column_titles(2000).values())
+
+
 def test_columns_of_the_table_of_claims_use_their_sliding_rule_and_mechanics():
     assert {column.to_study(2000).contact.mechanics for column in claims.COLUMNS.values()} == {
         "asperities",

@@ -144,6 +144,11 @@ COLUMNS: Mapping[str, Column] = {
 """Columns by title."""
 
 
+def column_titles(repetitions: int) -> dict[str, str]:
+    """Return the heading of each column, which is its title with its number of repetitions, by title."""
+    return {name: f"{name}, {column.to_study(repetitions).ensemble.repetitions}" for name, column in COLUMNS.items()}
+
+
 def check(study: Study) -> None:
     """Raise a `ValueError`, before anything is computed, if claims cannot be judged on a study's result."""
     if "direction" in study.motions():
@@ -820,12 +825,10 @@ def write_tables(
         result = result_of(claims_study().with_changes({"ensemble.repetitions": max_repetitions}), "columns/lines")
         outcomes_by_column[f"profiles, {max_repetitions} repetitions"] = judge(result)
     outcomes_by_column[f"profiles, {max_repetitions} repetitions, by bands"] = judge(result, ruling="bands")
-    for name, column in COLUMNS.items():
-        study = column.to_study(max_repetitions)
-        dataset = result_of(study, f"columns/{column.directory}")
-        outcomes_by_column[f"{name}, {study.ensemble.repetitions}"] = judge(
-            dataset, sliding=column.sliding, ruling="bands"
-        )
+    for name, title in column_titles(max_repetitions).items():
+        column = COLUMNS[name]
+        dataset = result_of(column.to_study(max_repetitions), f"columns/{column.directory}")
+        outcomes_by_column[title] = judge(dataset, sliding=column.sliding, ruling="bands")
     (tables / "columns.md").write_text(columns_markdown(outcomes_by_column), encoding="utf-8")
 
 

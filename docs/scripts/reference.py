@@ -18,6 +18,12 @@ from stiction.views.study_keys import markdown_row
 
 ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
 """Pattern of a name in a reference page."""
+VERDICT_TITLES = ("", "verdict", "claim, and its test numbers")
+COLUMN_TITLES = (
+    "", "profiles, 100 repetitions", "profiles, 2000 repetitions", "height maps, asperities, 25", "half-planes, 20",
+    "half-spaces, 30",
+)  # fmt: skip
+"""Titles of the columns of `generated/columns.md` that the page about friction shows."""
 
 
 def generate_pages(docs: Path) -> dict[str, str]:
@@ -27,8 +33,8 @@ def generate_pages(docs: Path) -> dict[str, str]:
         "commands.md": command_sections(),
         "built_in.md": built_in_table(),
         "parameters.md": parameter_tables(),
-        "claims.md": verdict_table(docs / "generated/claims.md", [0, 1, 2]),
-        "columns.md": verdict_table(docs / "generated/columns.md", [0, 1, 2, 5, 7, 9]),
+        "claims.md": verdict_table(docs / "generated/claims.md", VERDICT_TITLES),
+        "columns.md": verdict_table(docs / "generated/columns.md", COLUMN_TITLES),
     }
 
 
@@ -36,11 +42,12 @@ def _row(*cells: str) -> str:
     return markdown_row(cells)
 
 
-def verdict_table(table: Path, columns: Sequence[int]) -> str:
-    """Return the given columns of a table of claims, with one row for each claim."""
+def verdict_table(table: Path, titles: Sequence[str]) -> str:
+    """Return the columns of a table of claims that have the given titles, with one row for each claim."""
     head, rule, *rows = (
         [cell.strip() for cell in row.split("|")[1:-1]] for row in table.read_text("utf-8").splitlines()
     )
+    columns = [head.index(title) for title in titles]
     head = [cell.split(", and its")[0] or "claim" for cell in head]
     claims = [row for row in rows if row[0].startswith("**")]
     return "\n".join(_row(*(_verdict_badge(row[column]) for column in columns)) for row in (head, rule, *claims)) + "\n"
