@@ -54,7 +54,7 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
   CHECK(round.radii.minor == 2.0);
 }
 
-TEST_CASE("areal press: a paraboloid on a flat is one elliptic contact for all directions and sliding rules") {
+TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all directions and sliding rules") {
   // The spline has zero curvature at the edges, which are 15 points away.
   // The edges change the result by a fraction of 0.268^15.
   constexpr double tolerance = 1e-7;
@@ -83,7 +83,7 @@ TEST_CASE("areal press: a paraboloid on a flat is one elliptic contact for all d
   CHECK(stiction::contacts(all_candidates, 0.01, law, directions[1]).size() == 1);
 }
 
-TEST_CASE("tangent: consistent with the contact sums, also at walls along the motion") {
+TEST_CASE("tangent: is consistent with the contact sums, also at walls along the motion") {
   // Nearly vertical walls that lean by 1e-12, rotated by `turn` relative to the motion.
   // The tangent t is almost perpendicular to the motion, so (s·n) n - s cancels.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {

@@ -79,7 +79,7 @@ TEST_CASE("classify: a cell is closed on its left and open on its right (rules 1
   CHECK(at(0.0, std::nan(""), up) == ContactClass::no_contact);
 }
 
-TEST_CASE("Radii::mean: exact for a sphere, geometric mean for an ellipse") {
+TEST_CASE("Radii::mean: is exact for a sphere, and the geometric mean for an ellipse") {
   for (const double radius : {0.1, 1.0 / 3.0, 1e-200, 1e200}) {
     CHECK(stiction::Radii{radius, radius}.mean() == radius);
   }

@@ -38,7 +38,7 @@ TEST_CASE("gap_minimum: finds the minimum of a parabola and no other stationary 
   CHECK_FALSE(stiction::gap_minimum(0.0, 2.0, 2.0, 2.0, 1.0, true).has_value());
 }
 
-TEST_CASE("ranges_within: contain every point within the given gap") {
+TEST_CASE("ranges_within: the ranges contain every point within the given gap") {
   const std::vector<double> lower = sinusoid(1000);
   const std::vector<double> upper(lower.size(), 0.1);
   const stiction::Prefilter prefilter = stiction::run_prefilter(upper, lower);
@@ -122,7 +122,7 @@ TEST_CASE("press: a cancellation check ends the calculation, and its exception i
   CHECK_THROWS_AS(stiction::press({upper, lower, 0.01}, approaches, model, end), Cancelled);
 }
 
-TEST_CASE("find_crossings: returns the argument just behind a jump over the level") {
+TEST_CASE("find_crossings: returns the argument just after a jump across the level") {
   const stiction::BatchFunction step = [](stiction::Values x) {
     std::vector<double> values;
     for (const double from_pair : x) {

@@ -158,7 +158,8 @@ TEST_CASE("ElasticKernel: the stiffness is E*|k|/2 for each wave vector on perio
   }
 }
 
-TEST_CASE("ElasticKernel: results are bit-identical for any number of threads, and a check cancels all threads") {
+TEST_CASE(
+    "ElasticKernel: results are bit-identical for any number of threads, and a cancellation check stops all threads") {
   const Grid grid{300, 280, 0.1, 0.1, false, false};
   const ElasticKernel kernel(grid, modulus);
   const std::vector<double> pressure = pseudo_random(grid.size());

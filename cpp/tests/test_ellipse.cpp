@@ -30,7 +30,7 @@ TEST_CASE("hertz_ellipse: matches Johnson's equations with GSL's elliptic integr
   }
 }
 
-TEST_CASE("hertz_ellipse: equal and nearly equal radii approach the sphere") {
+TEST_CASE("hertz_ellipse: tends to the sphere for equal and nearly equal radii") {
   const Ellipse sphere = hertz_ellipse(2.5, 2.5);
   CHECK(sphere.major == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.minor == doctest::Approx(2.5).epsilon(1e-15));

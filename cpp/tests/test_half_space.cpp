@@ -109,7 +109,7 @@ TEST_CASE("HalfSpaceSolver: solutions are bit-identical for any number of thread
   }
 }
 
-TEST_CASE("HalfSpaceSolver: at_approach reaches the approach") {
+TEST_CASE("HalfSpaceSolver: at_approach reaches the requested approach") {
   const Grid grid{24, 20, 0.05, 0.05, false, true};
   const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
   const std::vector<double> gap = sinusoids(grid);

@@ -89,7 +89,7 @@ TEST_CASE("law: requires exactly the parameters of the named law") {
                     "effective_modulus must be above 0 and finite, got 0 GPa");
 }
 
-TEST_CASE("semi_axes: consistent with the contact area of an ellipse or a strip") {
+TEST_CASE("semi_axes: are consistent with the contact area of an ellipse or a strip") {
   const stiction::Radii radii{2.0, 2.0};
   for (const stiction::Law& law : {stiction::Law(HertzSphere{10.0}), stiction::Law(JacksonGreen{10.0, 0.1, 0.3})}) {
     const auto [area, axes] = std::visit(

@@ -124,7 +124,7 @@ TEST_CASE("minima: finds one minimum per period for any grid offset, and none on
   }
 }
 
-TEST_CASE("minima: finds exactly the minima of rough maps that multistart Newton finds") {
+TEST_CASE("minima: finds the same minima of rough maps as multistart Newton") {
   for (const unsigned seed : {1U, 2U, 3U}) {
     constexpr Index size = 40;
     const Matrix coefficients = noise(size, size, seed);

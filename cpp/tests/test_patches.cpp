@@ -32,7 +32,8 @@ TEST_CASE("patches_of: connects points across corners and across periodic edges"
   CHECK(around.points == std::vector<std::int64_t>{0, 4, 6, 17, 19});
 }
 
-TEST_CASE("patches_of: open sides reduce the contact fraction, grid edges do not, and the hardness limits it") {
+TEST_CASE(
+    "patches_of: open sides reduce the contact fraction, grid edges do not, and the hardness limits the fraction") {
   const Grid line{1, 4, 1.0, 1.0, true, false};
   const auto patches = stiction::patches_of(std::vector<double>{1, 1, 0, 1}, line, infinite);
   CHECK(patches.contact_fraction[0] == 1.0);

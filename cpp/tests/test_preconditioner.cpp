@@ -89,7 +89,7 @@ TEST_CASE("Preconditioner: recovers pressures of long wavelength from their disp
   }
 }
 
-TEST_CASE("Preconditioner: symmetric and positive, to the tolerance of the block solution") {
+TEST_CASE("Preconditioner: is symmetric and positive, to the tolerance of the block solution") {
   const std::vector<std::int32_t> points = lattice_of_discs(0.2);
   Fixture fixture;
   const std::vector<float> left = restricted_to(points, random(1));

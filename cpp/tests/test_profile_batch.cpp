@@ -73,7 +73,7 @@ TEST_CASE("harmonic_profiles: height statistics are bit-identical to those of th
   }
 }
 
-TEST_CASE("press_profile_batches: bit-identical to scaling and pressing each pair separately") {
+TEST_CASE("press_profile_batches: results are bit-identical to scaling and pressing each pair separately") {
   const std::vector<double> amplitudes{0.05, 0.1};
   for (const auto measure : {stiction::AmplitudeMeasure::height, stiction::AmplitudeMeasure::rq}) {
     Batch upper = make_batch(1);

@@ -101,7 +101,7 @@ TEST_CASE("ProjectedCgSolver: moves a load that is entirely at the bounds to the
   CHECK(solver.approach() == 1.0);
 }
 
-TEST_CASE("ProjectedCgSolver: steps that all hit the bounds keep the load") {
+TEST_CASE("ProjectedCgSolver: steps in which all points reach their bounds preserve the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
   // The gap drives the pressure from one point to the other with little compliance.
   // Therefore the optimal step length grows with each step.
@@ -120,7 +120,7 @@ TEST_CASE("ProjectedCgSolver: steps that all hit the bounds keep the load") {
         doctest::Approx(1.5).epsilon(1e-12));
 }
 
-TEST_CASE("ProjectedCgSolver: projects the start onto the bounds and the sum") {
+TEST_CASE("ProjectedCgSolver: projects the initial pressure onto the bounds and the required sum") {
   const ProjectedCgSolver solver(std::vector<double>{0.0, 5.0, 1.0}, 4.0, std::vector<double>{2.5}, false);
   const auto pressure = solver.pressure();
   CHECK(std::accumulate(pressure.begin(), pressure.end(), 0.0) == doctest::Approx(4.0).epsilon(1e-14));
