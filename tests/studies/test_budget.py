@@ -272,7 +272,7 @@ def test_hardness_option_accepts_vickers_and_rockwell_numbers() -> None:
         ({"hardness": "1 GPa", "wait": "1 h", "creep": 5}, "creep must be at most 0.5"),
     ],
 )
-def test_pair_rejects_bad_ranges(options, pattern) -> None:
+def test_pair_rejects_bad_ranges_of_inputs(options, pattern) -> None:
     with pytest.raises(ValueError, match=pattern):
         pair(
             *rough_surfaces(), **{"load": "2 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", **PAIR_OPTIONS, **options}

@@ -119,7 +119,7 @@ def test_named_interface_has_kind_and_source_and_is_accepted_by_pair(name) -> No
         ({"interface": 3}, "interface must be a name, or a file"),
     ],
 )
-def test_pair_rejects_interface_with_mu0(options, pattern) -> None:
+def test_pair_rejects_an_interface_combined_with_mu0(options, pattern) -> None:
     with pytest.raises(ValueError, match=pattern):
         pair(*rough_surfaces(), **PAIR_OPTIONS, **options)
 

@@ -135,7 +135,7 @@ REJECTED_CHANGES = [
 
 
 @pytest.mark.parametrize(("changes", "pattern"), REJECTED_CHANGES)
-def test_study_rejects_bad_onset(changes, pattern):
+def test_study_rejects_bad_onset_settings(changes, pattern):
     with pytest.raises(StudyError, match=pattern) as caught:
         Study().with_changes(changes)
     assert not re.search(r"Traceback|\n.*\n.*\n", str(caught.value))

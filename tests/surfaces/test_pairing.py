@@ -65,7 +65,7 @@ class TestMaps:
                     assert all(o >= 0 and o + 24 <= n for o, n in zip(origin, body.heights.shape, strict=True))
         assert pairs.used == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
 
-    def test_map_pieces_have_the_finer_of_both_spacings(self):
+    def test_map_pieces_have_the_finer_of_the_two_spacings(self):
         fine = surface((64, 64), 0.05)
         coarse = Surface(surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
         pairs = MapPairs(fine, coarse)

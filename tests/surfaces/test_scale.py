@@ -312,7 +312,7 @@ class TestNoiseOfAnisotropicMap:
         return filtered_noise(rng, (192, 192), 0.8, longest=60, shortest=5, stretch=6.0), rng
 
     @pytest.mark.parametrize("level", [0.002, 0.05])
-    def test_white_noise_on_grooves_is_filtered_at_the_shorter_limit_of_both_axes(self, grooves, level):
+    def test_white_noise_on_grooves_is_filtered_at_the_shorter_of_two_axis_limits(self, grooves, level):
         heights, rng = grooves
         noise = level * rng.normal(size=heights.shape)
         scan = Surface(heights + noise, spacing=0.1)
