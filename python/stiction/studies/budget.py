@@ -115,7 +115,9 @@ def add_uncertainty(
     six = _columns(member_sums(result, at["load"].values).mean(("repetition", "direction")))
     read = _columns(at[[name for name in _NEEDED_VARIABLES if name in at]]) | _sheared_contacts(at, study, areas)
     pressures = at["load"].values / float(at["nominal_area"])
-    for place in np.ndindex(*shape):
+    # Consecutive coefficients have the same mu0 and tau0, so that they share samples.
+    interface = [dims.index(name) for name in ("mu0", "tau0")]
+    for place in sorted(np.ndindex(*shape), key=lambda place: [place[index] for index in interface]):
         where = dict(zip(dims, place, strict=True))
         sums, numbers = _numbers_at(six, where), _numbers_at(read, where)
         one = _CoefficientSamples(
@@ -364,9 +366,9 @@ class _CoefficientSamples:
         """
         if self.growth is None or (np.ndim(tau0) == 0 and tau0 == 0):
             return 1.0
-        return self.areas.growth_ratio(
-            self.load, self.rule, hardness, np.broadcast_to(pressure, hardness.shape), modulus
-        )
+        if np.shape(pressure) != hardness.shape:
+            pressure = np.broadcast_to(pressure, hardness.shape)
+        return self.areas.growth_ratio(self.load, self.rule, hardness, pressure, modulus)
 
     def next_test(self) -> tuple[float, float]:
         """Return the 95 % prediction interval for a single new member in a single direction.
@@ -405,10 +407,8 @@ class _CoefficientSamples:
     def _friction_samples(
         self, fixed: Mapping[str, float], wait: float = 1.0, strength: Strength | None = None
     ) -> Floats:
-        key = self.names, tuple(fixed.items()), self.load, wait
-        if key not in self.areas.cache:  # shared by all mu0 and tau0 at a load
-            self.areas.cache[key] = self._input_samples(fixed, wait)
-        columns, scores, samples, hardness, area, modulus = self.areas.cache[key]
+        columns, scores, samples, hardness, modulus = self._input_samples(fixed, wait)
+        area = self._area_samples(fixed, wait)
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
         # Sorted by the coefficient, a quantile of the interface is also a quantile of the coefficient.
@@ -431,8 +431,11 @@ class _CoefficientSamples:
                 hardness = hardness_samples[indices] * hardness / float(self.areas.hardness or 1.0)
                 area = self.areas.area_ratio(self.load, hardness, modulus)
         if self.growth is not None:
-            alpha = samples.get("junction_growth", self.growth.value) if growth is None else growth
-            pressure = self._under_shear(hardness, mu0, tau0, alpha)
+            if strength is None:
+                pressure = self._pressure_samples(fixed, wait)
+            else:
+                alpha = samples.get("junction_growth", self.growth.value) if growth is None else growth
+                pressure = self._under_shear(hardness, mu0, tau0, alpha)
             area = area * self._grown(hardness, tau0, pressure, modulus)
             hardness = pressure
         middle = self.friction.coefficient(self.mu0, self.tau0, self.own_growth)
@@ -441,32 +444,58 @@ class _CoefficientSamples:
                 self.value * self.friction.coefficient(mu0, tau0, area) / middle, (NUM_SAMPLES,)
             )
         seizes = np.broadcast_to(np.isinf(area), (NUM_SAMPLES,))
-        coefficients = np.where(seizes, 1.0, coefficients)
+        if is_seizing := bool(seizes.any()):
+            coefficients, hardness = np.where(seizes, 1.0, coefficients), np.where(seizes, np.inf, hardness)
         if UNRESOLVED_INPUT in columns and self.finest is not None:
-            lowest = np.minimum(mu0 + tau0 / np.where(seizes, np.inf, hardness), coefficients)
+            lowest = np.minimum(mu0 + tau0 / hardness, coefficients)
             highest = np.maximum(coefficients * (self.finest[1] / self.value), lowest)
             coefficients = lowest + columns[UNRESOLVED_INPUT] * (highest - lowest)
         if self.places:
             coefficients = coefficients * np.exp(sum(error * scores[name] for name, error in self.places.items()))
-        return np.where(seizes, np.inf, np.maximum(coefficients, 0.0))
+        coefficients = np.maximum(coefficients, 0.0)
+        return np.where(seizes, np.inf, coefficients) if is_seizing else coefficients
 
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
-    ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats, Floats | float]:
-        """Draw samples of the inputs, and return all quantities that are derived from the samples."""
+    ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
+        """Return uniform samples and normal scores by name, inputs, hardness and modulus ratio.
+
+        The samples are cached, because they depend neither on the load nor on exact values of mu0 and tau0.
+        """
         from scipy.special import ndtri
 
-        cube = stratified_points(len(self.names) + 1)
-        columns = dict(zip(self.names, cube.T, strict=False))
-        columns |= {name: np.full(NUM_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns}
-        samples = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
-        hardness = samples.get("hardness", np.full(NUM_SAMPLES, self.areas.hardness or np.nan))
-        if (creep := find_creep(self.study)) is not None:
-            hardness = hardness * wait ** -creep.quantile(cube[:, -1])
-        softest = None if self.areas.hardness is None else hardness
-        modulus = compute_relative_modulus(self.study, samples)
-        scores = {name: ndtri(columns[name]) for name in self.places}
-        return columns, scores, samples, hardness, self.areas.area_ratio(self.load, softest, modulus), modulus
+        key = "inputs", self.names, tuple(fixed.items()), wait
+        if key not in self.areas.cache:
+            cube = stratified_points(len(self.names) + 1)
+            columns = dict(zip(self.names, cube.T, strict=False))
+            columns |= {name: np.full(NUM_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns}
+            samples = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
+            hardness = samples.get("hardness", np.full(NUM_SAMPLES, self.areas.hardness or np.nan))
+            if (creep := find_creep(self.study)) is not None:
+                hardness = hardness * wait ** -creep.quantile(cube[:, -1])
+            scores = {name: ndtri(columns[name]) for name in self.places}
+            self.areas.cache[key] = columns, scores, samples, hardness, compute_relative_modulus(self.study, samples)
+        return self.areas.cache[key]  # type: ignore[no-any-return]
+
+    def _area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
+        """Return the ratio of the true area before shear to the study's true area, cached for each load."""
+        key = "area ratio", self.names, tuple(fixed.items()), wait, self.load
+        if key not in self.areas.cache:
+            *_, hardness, modulus = self._input_samples(fixed, wait)
+            softest = None if self.areas.hardness is None else hardness
+            self.areas.cache[key] = self.areas.area_ratio(self.load, softest, modulus)
+        return np.asarray(self.areas.cache[key])
+
+    def _pressure_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
+        """Return the contact pressure H' (GPa) under shear; only the last samples are cached, for the next load."""
+        assert self.growth is not None, "contacts grow under shear"
+        key = self.names, tuple(fixed.items()), wait, self.mu0, self.tau0
+        if self.areas.cache.get("pressure", (None,))[0] != key:
+            _, _, samples, hardness, _ = self._input_samples(fixed, wait)
+            given = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
+            pressure = self._under_shear(hardness, *(samples.get(name, value) for name, value in given.items()))
+            self.areas.cache["pressure"] = key, pressure
+        return np.asarray(self.areas.cache["pressure"][1])
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:

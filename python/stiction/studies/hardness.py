@@ -482,9 +482,16 @@ class AreaInterpolator:
                 elastic_areas = elastic_areas[[middle]] * self.opposing_areas[load, -1] / areas[middle, -1]
                 areas = self.opposing_areas[[load]]
             self.cache[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
-        log_hardness = np.log(hardness / modulus)
+        log_hardness = self._log_hardness(hardness, modulus)
         sampled = self.cache[key](log_hardness.ravel()).reshape(-1, *log_hardness.shape)
         return _interpolate_moduli(sampled, self.moduli, modulus)
+
+    def _log_hardness(self, hardness: Floats, modulus: Floats | float) -> Floats:
+        """Return ln(hardness/modulus), cached because consecutive loads and sliding rules share the arrays."""
+        cache = self.cache.get("log hardness")
+        if cache is None or cache[0] is not hardness or cache[1] is not modulus:
+            cache = self.cache["log hardness"] = hardness, modulus, np.log(hardness / modulus)
+        return np.asarray(cache[2])
 
     def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the sheared contacts before shear, in the units of `_sheared_area`.
