@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from stiction.studies.nodes import (
     ENDS_TOLERANCE,
+    PRINTED_TOLERANCE,
     VALUE_TOLERANCE,
     Axis,
     axes_of,
@@ -12,7 +13,6 @@ from stiction.studies.nodes import (
     is_interpolated,
     largest_errors,
     refined,
-    resolved_panels,
 )
 from stiction.studies.study import parse_study
 from support.generated_studies import SMALL_STUDY
@@ -78,7 +78,7 @@ def test_report_axes_have_separate_nodes_for_uncertain_inputs(tmp_path):
 
 def test_refined_report_axes_reach_the_tolerances():
     coarse_axes = tuple(Axis(axis.rising[[0, 2, 4]]) for axis in AXES)
-    axes, _ = refined(coarse_axes, smooth_friction)
+    axes = refined(coarse_axes, smooth_friction)
     assert sum(axis.rising.size for axis in axes) > 6
     table = smooth_friction(axes[0].values, axes[1].values)
     random = np.random.default_rng(1).uniform([0, 0], [1, 0.2], (50, 2))
@@ -94,32 +94,82 @@ def test_refined_report_axes_reach_the_tolerances():
     assert 0 < ends_error < 10 * ENDS_TOLERANCE
 
 
-def test_panels_with_errors_above_the_printed_tolerance_count_as_unresolved():
-    def cusp(mu0, tau0):
-        """Return points at one load whose upper end has a cusp along mu0, at large tau0."""
-        table = smooth_friction(mu0, tau0)
-        rise = np.maximum(0.0, 0.1 - np.abs(np.asarray(mu0)[:, np.newaxis] - 0.4)) * (np.asarray(tau0) > 0.08)
-        table[..., 2] += 5 * rise
-        return table[np.newaxis]
+def test_refined_axes_have_the_first_nodes_where_errors_are_largest():
+    def steep(mu0, tau0):
+        """Return points whose upper end rises steeply at large tau0."""
+        points = smooth_friction(mu0, tau0)
+        points[..., 2] += 1e-3 / (0.22 - np.asarray(tau0))
+        return points
 
-    axes, compared = refined(AXES, lambda mu0, tau0: smooth_friction(mu0, tau0)[np.newaxis], max_nodes=5)
-    assert resolved_panels(axes, compared)[:-1, :-1].all()
-    axes, compared = refined(AXES, cusp, max_nodes=5)
-    is_resolved = resolved_panels(axes, compared)
-    assert not is_resolved[2, 3]  # The cusp lies in the panel of mu0 from 0.25 to 0.6 and large tau0.
-    assert is_resolved[2, 0]  # In this panel, values are compared along the line of small tau0, where there is no cusp.
-    finer, compared = refined(AXES, cusp, max_nodes=40)
-    length = np.diff(finer[0].rising)[~resolved_panels(finer, compared)[:-1, 3]].sum()
-    assert length < 0.5 * (0.6 - 0.25)
+    axes = refined((AXES[0], Axis(AXES[1].rising[[0, 1, 2, 4]])), steep, max_nodes=6)
+    added = np.setdiff1d(axes[1].rising, AXES[1].rising)
+    assert axes[1].rising.size == 6
+    assert added.min() > 0.1
+
+
+def test_panels_with_errors_above_the_printed_tolerance_are_not_interpolated():
+    def cusp(mu0, tau0):
+        """Return points whose upper end has a cusp along mu0, at large tau0."""
+        points = smooth_friction(mu0, tau0)
+        rise = np.maximum(0.0, 0.1 - np.abs(np.asarray(mu0)[:, np.newaxis] - 0.4)) * (np.asarray(tau0) > 0.08)
+        points[..., 2] += 5 * rise
+        return points
+
+    axes = tuple(Axis(np.linspace(0, axis.rising[-1], 21)) for axis in AXES)
+    mu0, tau0 = (axis.rising for axis in axes)
+    assert is_interpolated(axes, smooth_friction(mu0, tau0)).all()
+    is_hidden = ~is_interpolated(axes, cusp(mu0, tau0))
+    assert not is_hidden[:, 0].any()  # The cusp is at large tau0 only.
+    hidden_mu0 = mu0[is_hidden[:, -2]]
+    assert {0.3, 0.4} <= set(hidden_mu0.round(3))
+    assert hidden_mu0.min() >= 0.3 - 3 / 20  # A cubic polynomial extends over three panels.
+    assert hidden_mu0.max() <= 0.5 + 2 / 20
+
+
+def test_panels_are_interpolated_if_the_error_in_the_middle_is_small():
+    """Compare the mask with true errors for an upper end that diverges at large tau0."""
+
+    def steep(mu0, tau0):
+        points = smooth_friction(mu0, tau0)
+        points[..., 2] += 0.01 / (0.21 - np.asarray(tau0))
+        return points
+
+    shown = is_interpolated(AXES, steep(*(axis.values for axis in AXES)))[:-1, :-1]
+    middles = [axis.middles() for axis in AXES]
+    table = np.moveaxis(steep(*(axis.values for axis in AXES)), -1, 0)
+    error = np.full(shown.shape, np.nan)
+    for place in np.ndindex(*shown.shape):
+        mu0, tau0 = (middle[index] for middle, index in zip(middles, place, strict=True))
+        value, lower, upper = steep([mu0], [tau0])[0, 0]
+        error[place] = np.abs(interpolated(AXES, table, mu0, tau0) - (value, lower, upper)).max() / (upper - lower)
+    assert shown.any()
+    assert not shown.all()
+    assert (error[shown] < PRINTED_TOLERANCE).all()
 
 
 def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
     mu0, tau0 = create_grid()
     smooth = 0.1 + mu0 + tau0
-    assert is_interpolated(AXES, smooth).all()
-    jump = np.where(mu0 > 0.5, 3 * smooth, smooth)
+    points = np.stack([smooth, 0.9 * smooth, 1.1 * smooth], axis=-1)
+    assert is_interpolated(AXES, points).all()
+    jump = np.where(mu0[..., np.newaxis] > 0.5, 3 * points, points)
     assert not is_interpolated(AXES, jump)[2, :4].any()
-    undefined = smooth.copy()
+    undefined = points.copy()
     undefined[4, 4] = np.nan
     assert not is_interpolated(AXES, undefined)[3, 3]
-    assert is_interpolated(AXES, undefined)[0, 0]
+    assert is_interpolated(AXES, undefined)[:3, :3].all()
+    unbounded = points.copy()
+    unbounded[:, 4, 2] = np.inf
+    assert not is_interpolated(AXES, unbounded)[:4, 3].any()
+    assert is_interpolated(AXES, unbounded)[:4, :3].all()
+    unbounded[..., 2] = np.inf
+    assert is_interpolated(AXES, unbounded).all()
+
+
+def test_corrections_vanish_for_polynomials_of_the_same_degree():
+    axis = AXES[0]
+    before, after = axis.corrections(0.7)
+    assert np.isnan(after).all()  # There is no node above 1.
+    assert before @ axis.values**3 == pytest.approx(0, abs=1e-12)
+    assert (axis.weights(0.7) + before) @ axis.values**4 == pytest.approx(0.7**4)
+    assert [change.any() for change in axis.corrections(0.6)] == [False, False]  # 0.6 is a node.

@@ -51,11 +51,6 @@ MAX_ROUNDS = 4  # largest number of refinements of an axis
 MIN_NODE_DISTANCE = 0.35
 """Smallest distance between an initial node and a value in the study, relative to the node spacing."""
 
-MAX_CUBIC_DIFFERENCE = 0.05
-"""Relative difference between cubic and bilinear interpolation above which a panel stays blank."""
-
-# largest relative difference between the corners of an interpolated panel next to missing nodes
-MAX_CORNER_DIFFERENCE = 0.25
 CHECKED_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
 """Positions at which errors are measured, as fractions of the ranges of mu0 (first) and tau0 (second)."""
 
@@ -98,6 +93,17 @@ class Axis:
         found = (self.rising[1:] + self.rising[:-1]) / 2
         return np.where(self._is_ranged(found), 0.5 * (found + self.rising[1:]), found)
 
+    @property
+    def panel_middles(self) -> Floats:
+        """Middle of the panel (n,) that starts at each node; the node itself if no panel starts there."""
+        return np.concatenate([self.middles(), self.rising[-1:], self.ranged])
+
+    @property
+    def panel_ends(self) -> NDArray[np.intp]:
+        """Index (n,) of the last node of the panel that starts at each node; the node itself without such a panel."""
+        indices = np.arange(self.values.size)
+        return np.where(indices < self.rising.size - 1, indices + 1, indices)
+
     def _is_ranged(self, values: Floats) -> Any:
         return np.logical_or.reduce(
             [np.zeros(values.shape, bool), *((low <= values) & (values <= high) for low, high in self.bounds)]
@@ -117,10 +123,31 @@ class Axis:
         last = self.rising.size - 1
         before = int(np.clip(np.searchsorted(self.rising, value, side="right") - 1, 0, last - 1))
         first, number = (min(max(before - 1, 0), last - 3), 4) if cubic and last >= 3 else (before, 2)
-        nodes = self.rising[first : first + number]
-        for index, node in enumerate(nodes):
-            others = np.delete(nodes, index)
-            found[first + index] = np.prod((value - others) / (node - others))
+        return self._lagrange_weights(value, np.arange(first, first + number))
+
+    def corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
+        """Return changes of the weights (n,) by one more node: by the node before, and by the node after.
+
+        A change is 0 at a node, and NaN if there is no such node.
+        """
+        weights = self.weights(value, cubic=cubic)
+        (used,) = np.nonzero(weights)
+        if used.size == 1:
+            return [np.zeros(weights.size)] * 2
+        return [
+            self._lagrange_weights(value, np.append(used, node)) - weights
+            if 0 <= node < self.rising.size
+            else np.full(weights.size, np.nan)
+            for node in (used[0] - 1, used[-1] + 1)
+        ]
+
+    def _lagrange_weights(self, value: float, indices: NDArray[np.intp]) -> Floats:
+        """Return the weights (n,) of the polynomial through the rising nodes with the given indices."""
+        found = np.zeros(self.values.size)
+        nodes = self.rising[indices]
+        for index, node in zip(indices, nodes, strict=True):
+            others = nodes[nodes != node]
+            found[index] = np.prod((value - others) / (node - others))
         return found
 
 
@@ -172,26 +199,15 @@ class Nodes:
         surrogate = self.result.dataset["surrogate"].values.astype(bool)
         return ["shifts", "surrogates"] if surrogate.any() and not surrogate.all() else [None]
 
-    @property
-    def axes(self) -> tuple[Axis, Axis]:
-        """Nodes of mu0 and tau0."""
-        return self._choice[0]
-
-    @property
-    def is_resolved(self) -> NDArray[np.bool_]:
-        """Mask of the panels with an error below `PRINTED_TOLERANCE` (cells, motions, mu0, tau0)."""
-        return self._choice[1]
-
     @cached_property
-    def _choice(self) -> tuple[tuple[Axis, Axis], NDArray[np.bool_]]:
-        """Nodes for the tolerances at a few loads, and mask of resolved panels."""
+    def axes(self) -> tuple[Axis, Axis]:
+        """Nodes of mu0 and tau0, chosen at a few loads."""
         if self.study.is_measured:
             loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:CHOICE_LOADS]
         else:
             loads = self._sample
         max_nodes = MAX_MEASURED_NODES if self.study.is_measured else MAX_NODES
-        axes, middles = refined(axes_of(self.study), partial(self._friction, loads), max_nodes)
-        return axes, resolved_panels(axes, middles)
+        return refined(axes_of(self.study), partial(self._friction, loads), max_nodes)
 
     @cached_property
     def values(self) -> tuple[xarray.Dataset, ...]:
@@ -209,12 +225,11 @@ class Nodes:
         """Largest errors of values and interval limits at a few points between nodes."""
         loads = self.loads if self.study.is_measured else self._sample
         table = self._table(self.values[0].sel(load=loads))
-        shown = self.is_resolved[..., np.newaxis, :, :]
-        return largest_errors(self.axes, table, partial(self._friction, loads), shown)
+        return largest_errors(self.axes, table, partial(self._friction, loads))
 
-    def is_interpolated(self, values: Floats) -> Any:
-        """Return a mask of the panels in which values at the nodes may be interpolated (..., m, t)."""
-        return is_interpolated(self.axes, values)
+    def is_interpolated(self, points: Floats) -> NDArray[np.bool_]:
+        """Return True for panels in which points (..., m, t, 3) at the nodes may be interpolated."""
+        return is_interpolated(self.axes, points)
 
     @property
     def _sample(self) -> Floats:
@@ -273,17 +288,13 @@ def _axis(own: Floats, most: float, *, is_ranged: bool) -> Axis:
     return Axis(np.unique([*first[kept], *own]))
 
 
-Middles = tuple[Floats, Floats]
-"""Interpolated and evaluated values in the middles of panels along two lines of an axis (panels, ..., 2, 3)."""
-
-
 def refined(
     axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
-) -> tuple[tuple[Axis, Axis], tuple[Middles, Middles]]:
-    """Add nodes to the axes until the errors along two lines are within the tolerances.
+) -> tuple[Axis, Axis]:
+    """Add nodes to the axes until errors of values and intervals along two lines are within the tolerances.
 
-    An axis has at most `max_nodes` rising nodes after refinement. The second result contains the values in the middles
-    of panels.
+    An axis has at most `max_nodes` rising nodes after refinement. Nodes are added first where the measured error, or
+    the estimated error of `is_interpolated`, is largest relative to its tolerance.
 
     Parameters
     ----------
@@ -291,7 +302,7 @@ def refined(
     evaluate : function of mu0 (m,) and tau0 (t,)
         Values, lower and upper ends (..., m, t, 3).
     """
-    found, compared = list(axes), []
+    found = list(axes)
     for place in range(2):
         other = found[1 - place].rising
         across = other[[min(1, other.size - 1), max(other.size - 2, 0)]]
@@ -306,38 +317,18 @@ def refined(
             nodes, wanted = (np.stack([rows[value] for value in part.tolist()]) for part in (axis.values, middles))
             with np.errstate(invalid="ignore"):
                 given = np.stack([np.tensordot(axis.weights(middle), nodes, axes=1) for middle in middles])
-            errors = excess(given, wanted).reshape(middles.size, -1).max(axis=1)
-            more = middles[errors > 1.0][np.argsort(-errors[errors > 1.0])]
-            more = more[: max(max_nodes - axis.rising.size, 0)]
+                changes = [
+                    np.tensordot(np.stack([axis.corrections(middle)[side] for middle in middles]), nodes, axes=1)
+                    for side in range(2)
+                ]
+            estimate = excess(wanted + _estimated_error(*changes), wanted) * ENDS_TOLERANCE / PRINTED_TOLERANCE
+            errors = np.maximum(excess(given, wanted), estimate).reshape(middles.size, -1).max(axis=1)
+            order = np.argsort(-errors)[: max(max_nodes - axis.rising.size, 0)]
+            more = middles[order[errors[order] > max(1.0, errors.max() / 4)]]
             if not more.size:
                 break
             found[place] = axis.with_nodes(more.tolist())
-        compared.append((given, wanted))
-    return (found[0], found[1]), (compared[0], compared[1])
-
-
-def resolved_panels(axes: tuple[Axis, Axis], compared: tuple[Middles, Middles]) -> NDArray[np.bool_]:
-    """Return a mask of the panels with errors below `PRINTED_TOLERANCE` at all loads (..., m, t).
-
-    The arguments are the results of `refined`. Errors are measured in the middles of panels along two lines, and each
-    panel has the error on the nearer line.
-    """
-    sizes = [axis.values.size for axis in axes]
-    parts = []
-    for place, (given, wanted) in enumerate(compared):
-        value, width = np.abs(wanted[..., 0]), wanted[..., 2] - wanted[..., 1]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            error = (
-                np.abs(given - wanted) / np.fmax(PRINTED_TOLERANCE * width, VALUE_TOLERANCE * value)[..., np.newaxis]
-            )
-            error = np.where(np.isfinite(error), error, 0.0).max(axis=-1)  # (panels, ..., load, line)
-        exceeds = np.moveaxis((error > 1).any(axis=-2), 0, -1)  # (..., line, panels)
-        other = sizes[1 - place]
-        lines = np.where(np.arange(other) < axes[1 - place].rising.size // 2, 0, 1)
-        bad = np.zeros((*exceeds.shape[:-2], other, sizes[place]), bool)
-        bad[..., : exceeds.shape[-1]] = exceeds[..., lines, :]
-        parts.append(np.swapaxes(bad, -1, -2) if place == 0 else bad)
-    return ~(parts[0] | parts[1])
+    return found[0], found[1]
 
 
 def excess(given: Floats, wanted: Floats) -> Floats:
@@ -351,7 +342,7 @@ def excess(given: Floats, wanted: Floats) -> Floats:
 
 
 def largest_errors(
-    axes: tuple[Axis, Axis], table: Floats, evaluate: Callable[[Floats, Floats], Floats], shown: Any = True
+    axes: tuple[Axis, Axis], table: Floats, evaluate: Callable[[Floats, Floats], Floats]
 ) -> tuple[float, float]:
     """Return the largest errors of values and interval limits at a few points between nodes.
 
@@ -362,7 +353,7 @@ def largest_errors(
     mu0, tau0 = (
         axis.rising[0] + np.ptp(axis.rising) * part for axis, part in zip(axes, CHECKED_FRACTIONS, strict=True)
     )
-    fine = is_interpolated(axes, table[..., 0]) & shown
+    fine = is_interpolated(axes, table)
     wanted = evaluate(mu0, tau0)
     values, ends = [0.0], [0.0]
     for row, column in np.ndindex(mu0.size, tau0.size):
@@ -402,28 +393,59 @@ def _weighted(table: Floats, over_mu0: Floats, over_tau0: Floats) -> Floats:
     return np.asarray(np.einsum("...mt,m,t->...", part, over_mu0[rows], over_tau0[columns]))
 
 
-def is_interpolated(axes: tuple[Axis, Axis], values: Floats) -> Any:
-    """Return a mask of the panels in which values at the nodes may be interpolated (..., m, t).
+def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_]:
+    """Return True for panels (..., m, t) in which points (..., m, t, 3) at the nodes may be interpolated.
 
-    A panel has the indices of its first corner. The last rows and columns belong to ranged nodes, where only the other
-    axis is interpolated.
+    A panel has the indices of its first corner. Along a ranged node, only the other axis is interpolated. The error in
+    the middle of a panel is estimated as the change by one more node along mu0, plus the change by one more node along
+    tau0. Each change is the geometric mean of the changes by the node before and by the node after. The error of a
+    value and of the ends of its interval must be within `PRINTED_TOLERANCE` of the width, or `VALUE_TOLERANCE` of the
+    value, at every corner. A number that is defined at only some corners is not interpolated.
     """
-    fine = np.ones(values.shape, bool)
-    places = [[*axis.middles(), *axis.ranged] for axis in axes]
-    index = [[*range(axis.rising.size - 1), *range(axis.rising.size, axis.values.size)] for axis in axes]
-    for row, mu0 in zip(index[0], places[0], strict=True):
-        for column, tau0 in zip(index[1], places[1], strict=True):
-            weights = [
-                [axis.weights(at, cubic=cubic) for axis, at in zip(axes, (mu0, tau0), strict=True)]
-                for cubic in (True, False)
-            ]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                cubic, linear = (_weighted(values, *each) for each in weights)
-                corners = values[..., np.flatnonzero(weights[1][0]), :][..., np.flatnonzero(weights[1][1])]
-                apart = np.ptp(corners, axis=(-2, -1)) / np.abs(linear)
-                bent = np.abs(cubic - linear) / np.abs(linear)
-            known = np.isfinite(linear)
-            fine[..., row, column] = known & np.where(
-                np.isfinite(cubic), ~(bent > MAX_CUBIC_DIFFERENCE), ~(apart > MAX_CORNER_DIFFERENCE)
-            )
-    return fine
+    table = np.moveaxis(points, -1, 0)
+    (cubic, cubic_error), (linear, linear_error) = (_at_middles(axes, table, cubic=each) for each in (True, False))
+    cubic_error = np.where(np.isnan(cubic_error), np.abs(cubic - linear), cubic_error)
+    error = np.where(np.isnan(cubic), linear_error, cubic_error)
+    value, lower, upper = corners = np.stack(
+        [
+            table[..., rows[:, np.newaxis], columns]
+            for rows in (np.arange(axes[0].values.size), axes[0].panel_ends)
+            for columns in (np.arange(axes[1].values.size), axes[1].panel_ends)
+        ],
+        axis=1,
+    )  # (3, 4, ..., m, t)
+    width = np.where(np.isinf(upper), 2 * (value - lower), upper - lower)
+    tolerance = np.fmax(PRINTED_TOLERANCE * width, VALUE_TOLERANCE * np.abs(value)).min(axis=0)
+    return np.asarray((~np.isfinite(corners).any(axis=1) | (error <= tolerance)).all(axis=0))
+
+
+def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
+    """Return interpolated values (..., m, t) in the middles of panels, and their estimated errors; NaN if undefined."""
+    over_mu0, over_tau0 = (_weights_at_middles(axis, cubic=cubic) for axis in axes)
+    by_mu0, by_tau0 = (
+        np.stack([axis.corrections(value, cubic=cubic) for value in axis.panel_middles], axis=1) for axis in axes
+    )
+    along_mu0 = _estimated_error(*(_weighted_sums(table, change, over_tau0) for change in by_mu0))
+    along_tau0 = _estimated_error(*(_weighted_sums(table, over_mu0, change) for change in by_tau0))
+    return _weighted_sums(table, over_mu0, over_tau0), along_mu0 + along_tau0
+
+
+def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
+    """Return the geometric mean of two changes of an interpolated number, or the change that is defined."""
+    before, after = np.abs(by_node_before), np.abs(by_node_after)
+    return np.where(np.isnan(before), after, np.where(np.isnan(after), before, np.sqrt(before * after)))
+
+
+def _weights_at_middles(axis: Axis, *, cubic: bool) -> Floats:
+    return np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles])
+
+
+def _weighted_sums(table: NDArray[Any], over_mu0: Floats, over_tau0: Floats) -> Floats:
+    """Return weighted sums (..., k, l) of nodes (..., m, t) with weights (k, m) and (l, t).
+
+    A sum is NaN if a node with a weight is not finite.
+    """
+    is_finite = np.isfinite(table)
+    sums = over_mu0 @ np.where(is_finite, table, 0.0) @ over_tau0.T
+    num_missing = (over_mu0 != 0).astype(float) @ ~is_finite @ (over_tau0 != 0).astype(float).T
+    return np.where(num_missing > 0, np.nan, sums)

@@ -152,11 +152,8 @@ def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, ta
     status = np.broadcast_to(to_leading_order(node_values["status"]), shape)
     statuses, codes = _statuses(status, validity, figures)
     tables.add("status", codes.astype(np.int8))
-    is_resolved = nodes.is_resolved.reshape(*shape[:4], 1, *shape[-2:])
-    tables.add(
-        "fine",
-        (is_resolved & nodes.is_interpolated(points[..., 0]) & nodes.is_interpolated(areas[..., 0])).astype(np.int8),
-    )
+    is_interpolated = np.logical_and.reduce([nodes.is_interpolated(values) for values in quantities.values()])
+    tables.add("fine", is_interpolated.astype(np.int8))
     rule = rules.index(rules_of(study)[0])
     numbers = validity | _checked_numbers(node_values, points, areas[..., 0], contacts, study, members)
     numbers = {name: values[:, :, rule] for name, values in numbers.items()}

@@ -180,6 +180,7 @@ def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, 
         for name, values in zip(arrays, zip(*motion_arrays, strict=True), strict=True):
             arrays[name].append(np.stack(values, axis=2))
     stacked = {name: np.stack(values) for name, values in arrays.items()}
+    is_interpolated = nodes.is_interpolated(stacked["shown"])
     displayed, is_combined = stacked["shown"], np.zeros((len(kinds), len(motions)), bool)
     for index, motion in enumerate(motions):
         motion["isWhole"] = len(motion["directions"]) == len(angles)
@@ -194,8 +195,7 @@ def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, 
     tables.add_points("friction", displayed, decimals=np.broadcast_to(mean_decimals, displayed.shape[:-1]))
     tables.add_points("sampling", stacked["sampling"])
     tables.add("status", stacked["status"].astype(np.int8))
-    fine = nodes.is_interpolated(stacked["shown"][..., 0]) & nodes.is_resolved[:, :, np.newaxis, np.newaxis]
-    tables.add("fine", fine.astype(np.int8))
+    tables.add("fine", is_interpolated.astype(np.int8))
     tables.add("answered", stacked["answered"].astype(float))
     slopes = stacked["slopes"]
     tables.add_points("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
