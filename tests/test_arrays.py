@@ -60,7 +60,7 @@ def test_half_space_and_pair_accept_arrays():
 
 
 @pytest.mark.parametrize(("function", "words"), [
-    (lambda: pair(*MAPS, load="1 MPa", mu0=0.2, effective_modulus="10 GPa"), "spacing is required for an array"),
+    (lambda: pair(*MAPS, load="1 MPa", mu0=0.2, effective_modulus="10 GPa"), "spacing must be given for an array"),
     (lambda: half_space(*MAPS, [1e-3]), r"upper must be .*Surface\(z, spacing=...\)"),
     (lambda: surface_parameters(UPPER, spacing=0.1), "spacing must be omitted"),
     (lambda: surface_parameters(LINE, spacing=0.1), "shape"),

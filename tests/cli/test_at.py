@@ -95,7 +95,7 @@ def test_at_command_uses_defaults_of_the_result_and_reports_status(results_folde
         "at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", "--tau0", "0 MPa", cwd=results_folder
     )
     assert text.startswith("μ_s = not-reached")
-    assert "! no solved load" in text
+    assert "! no computed load" in text
 
 
 def test_at_command_without_options_uses_conditions_of_the_study(results_folder):

@@ -254,7 +254,7 @@ class TestSurrogates:
         )
         assert [int(mean["members"]) for mean in means] == [3, 4]
         assert at_load(result, LOADS).equals(means[0])
-        with pytest.raises(ValueError, match="the result has no such members"):
+        with pytest.raises(ValueError, match=r"of must be '(shifts|surrogates)' for this result"):
             at_load(result_of_shifts, LOADS, of="surrogates")
 
     def test_surrogates_of_profiles_are_pressed_as_isotropic_surfaces(self):

@@ -248,7 +248,7 @@ def test_result_of_another_version_can_be_read_but_not_continued(folder_copy, un
 def test_result_with_different_load_steps_is_not_continued(folder_copy, monkeypatch):
     steps = type(TINY_STUDY.contact).steps
     monkeypatch.setattr(type(TINY_STUDY.contact), "steps", lambda self: steps(self) * (1 + 2e-16))
-    with pytest.raises(StoreError, match="whose steps differ"):
+    with pytest.raises(StoreError, match="with slightly different steps"):
         run(with_repetitions(23), store=folder_copy)
 
 
@@ -286,7 +286,7 @@ def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
 def test_swapped_or_foreign_blocks_are_detected(folder_copy, tmp_path):
     content = find_block(folder_copy, 8).read_bytes()
     replace_block(find_block(folder_copy, 4), content)
-    with pytest.raises(StoreError, match="contains other repetitions than its name states"):
+    with pytest.raises(StoreError, match="does not contain the repetitions in its file name"):
         store.read(folder_copy)
     other = tmp_path / "other"
     compute_missing(TINY_STUDY.with_changes({"ensemble.seed": 1}), other)

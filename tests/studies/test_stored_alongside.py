@@ -71,7 +71,7 @@ def test_flipped_bit_in_stored_data_is_detected_before_the_file_is_opened(comple
 def test_stored_file_that_lacks_a_variable_is_rejected_in_one_sentence(complete_result, name, variable):
     with h5py.File(complete_result.path / name, "r+") as file:
         del file[variable]
-    with pytest.raises(StoreError, match=rf"{name}: .*remove it and run the study again") as caught:
+    with pytest.raises(StoreError, match=rf"{name}: .*remove the file, and run the study again") as caught:
         LOADERS[name](complete_result)
     assert len(str(caught.value).splitlines()) == 1
 

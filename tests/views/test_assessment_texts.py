@@ -203,7 +203,7 @@ def test_high_pressure_of_generated_surfaces_is_at_most_a_caution():
 def test_missing_coefficient_is_explained_by_the_status_of_the_point():
     point = only_point(measured_result(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
     assert (point.status, point.verdict) == ("not-reached", "Do not quote")
-    assert "no solved load is as large" in sentence_text(point)
+    assert "no computed load is as large" in sentence_text(point)
     text = coefficients_text([only_point(measured_result(all_rub=np.nan, opposing=np.nan), measured_study())])
     assert text.startswith("μ_s = none")
     assert "ok" not in text.splitlines()[0]

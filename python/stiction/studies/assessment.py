@@ -138,12 +138,12 @@ VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it
 
 STATUS_EXPLANATIONS = {
     "not-reached": (
-        "no solved load is as large, or the solved loads around it are more than a factor of 10 apart",
-        "use a smaller load or larger steps of contact, or solve this load too",
+        "no computed load is as large, or the computed loads around it are more than a factor of 10 apart",
+        "use a smaller load, or add larger loads (or approaches) to the study",
     ),
     "below-range": ("the first step of the result carries more than this load", "use a larger load, or smaller steps"),
-    "not-solved": ("the half-space did not reach its tolerance", "try another load, or the asperity model"),
-    "self-locked": ("slopes this steep resist any tangential load", "check μ0 and τ0"),
+    "not-solved": ("the half-space solver did not reach its tolerance", "try another load, or the asperity model"),
+    "self-locked": ("the slopes are so steep that they resist any tangential load", "check μ0 and τ0"),
     "seizure": (
         "the interface is stronger than the bulk (τ0 is at least H/√α), or its junctions grow over the whole area; "
         "the model has no coefficient",
@@ -169,7 +169,7 @@ VALUE_CHECKS = (
 
 SINGLE_GAP_CHECK = Check(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
-    "press gaps of other places", "caution",
+    "use gaps at other places as well", "caution",
 )  # fmt: skip
 
 STEEP_SURFACE_CHECK = Check(
@@ -230,7 +230,7 @@ CONTACT_COUNT_CHECKS = (
 CONTACT_CHECKS: Checks = (
     [_fraction_check(
         "share_of_pull_off_bounds", "the pull-off force is a lower bound: {} of the members have only a bound",
-        "half_space gives the reason as a warning", "caution", 0.0,
+        "call half_space to see the reason as a warning", "caution", 0.0,
     )],
     [_EDGE_CHECK, _EDGE_CHECK._replace(limit=CAUTION_LOAD_FRACTION_AT_EDGE, severity="caution")],
     [
@@ -379,7 +379,7 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
         harder = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
         remedy = "give the hardness of the softer body"
         return ((check(highest, yielded, remedy, "fault"), check(high, harder, "give its hardness", "caution")),)
-    text = "the mean pressure in contact is {}, at which hardly any material is still elastic"
+    text = "the mean pressure in contact is {}, at which almost no material is still elastic"
     return ((check(highest, text, "use lower heights, a lower D, or a hardness", "caution"),),)
 
 
@@ -432,9 +432,9 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
                 estimate.short_text if estimate is not None else "0" for estimate in (growth, interface.growth)
             )
             text = (
-                f"the interface was calibrated with α = {test_alpha} of junction growth, and the pair has α = {alpha}"
+                f"the interface was calibrated with α = {test_alpha} of junction growth, but the pair has α = {alpha}"
             )
-            yield Caveat(text, "give both the same --junction-growth", "caution")
+            yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")
         if growth is not None:
             yield from _find_seizure_caveats(point, float(hardness), tau0, growth)
         elif study.contact.junction_growth is None and not grown <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient:
@@ -471,7 +471,9 @@ def _find_seizure_caveats(
         text = (
             f"the interface is nearly as strong as the bulk: τ0 is {tau0 / strength:.2f} of H/√α at α = {growth.high:g}"
         )
-        yield Caveat(text, "friction rises without limit at 1: measure the hardness and τ0", "caution")
+        yield Caveat(
+            text, "friction rises without limit as this ratio approaches 1; measure the hardness and τ0", "caution"
+        )
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
@@ -492,9 +494,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             f"{format_with_unit(resolved, 'um')}, the smallest on this grid, not {format_with_unit(study_range, 'um')}"
         )
         text = f"the range of adhesion is {ends}"
-        yield Caveat(
-            text, "the pull-off force is close to that of a short range; scan more finely for the rest", "caution"
-        )
+        yield Caveat(text, "the pull-off force is affected little; use a finer scan for other results", "caution")
     uncertain_inputs = {name.split("_")[0] for name in find_inputs(study)} & {
         "hardness",
         "effective",
@@ -510,7 +510,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             else "E* and the hardness"
         )
         text = f"the interval does not include the effect of {names} on the attraction"
-        yield Caveat(text, "compute both ends of the ranges", "caution")
+        yield Caveat(text, "compute both limits of the ranges", "caution")
 
 
 def estimate_adhesion_load(point: xarray.Dataset, study: Study) -> float:
@@ -542,7 +542,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     if max(spacings) > MAX_SPACING_RATIO * min(spacings):
         ratio = format_significant(max(spacings) / min(spacings), 2)
         text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so it lacks short wavelengths"
-        yield Caveat(text, "scan both alike", "caution")
+        yield Caveat(text, "scan both bodies with similar spacings", "caution")
     mean_contact_area = value_of(point, "contact_area") / value_of(point, "contact_count")
     for side in sides:
         fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
@@ -572,7 +572,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         remedy = (
             "adhesion closes the gap: use stiffer or rougher bodies" if study.contact.adheres else "use a smaller load"
         )
-        yield Caveat("contact is complete: the true area is the nominal one", remedy, "fault")
+        yield Caveat("contact is complete: the true area equals the nominal area", remedy, "fault")
     elif status == ABOVE_NOMINAL_STATUS:
         text = "the areas of the asperities add up to more than the nominal area"
         yield Caveat(text, "use a smaller load, or the half-space", "fault")

@@ -521,7 +521,7 @@ def _ends(values: NDArray[Any]) -> tuple[float, float]:
     if np.isnan(values).any():
         count = int(np.count_nonzero(np.isnan(values)))
         raise ValueError(
-            f"the inputs are too uncertain: {count} of their {values.size} samples have no coefficient; "
+            f"the inputs are too uncertain, because {count} of {values.size} samples have no coefficient; "
             "specify narrower ranges"
         )
     ordered = np.sort(values)  # four times faster than `numpy.quantile`

@@ -115,7 +115,7 @@ def calibrate(
     rules = available if sliding == "both" else [sliding]
     if not rules or not set(rules) <= set(available):
         raise ValueError(
-            f"sliding must be a rule of all results ({', '.join(available) or 'there is none'}), got {sliding!r}"
+            f"sliding must be a rule that all results have ({', '.join(available) or 'there is none'}), got {sliding!r}"
         )
     problems = [CalibrationProblem(tests, rule, common, known, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]

@@ -644,7 +644,8 @@ def _evaluate_pieces(
     is_surrogate = whole["surrogate"].values.astype(bool)
     wanted = bool(is_surrogate.all()) if of is None else of == "surrogates"
     if not (is_surrogate == wanted).any():
-        raise ValueError(f"of must not be {of!r}: the result has no such members")
+        other: Kind = "shifts" if wanted else "surrogates"
+        raise ValueError(f"of must be {other!r} for this result, got {of!r}")
     return whole.isel(repetition=np.flatnonzero(is_surrogate == wanted))
 
 

@@ -178,7 +178,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
         if kind in ("hardness", "modulus") and value < Z_95 * deviation:
             raise ValueError(
                 f"{name} must be at least twice its standard uncertainty, got "
-                f"{short_repr(text)}, because it is positive; specify a range, low..high"
+                f"{short_repr(text)}; specify a very uncertain value as a range, low..high"
             )
         return UncertainInput(value, value - Z_95 * deviation, value + Z_95 * deviation, "normal", text)
     value = _parse_value(name, text, kind)

@@ -222,7 +222,7 @@ class _ResultAreaFactor(_AreaFactor):
         known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
         creep = find_creep(study)
         if wait != 1 and creep is None:
-            raise ValueError("wait requires a result of a pair that was pressed with wait and creep")
+            raise ValueError("wait requires a result that was computed with wait and creep")
         if not known and creep is None and find_junction_growth(study) is None:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
@@ -759,7 +759,7 @@ def read_interface(path: str | Path) -> Interface:
             f"{printable_path(path)}: cannot be read as an interface: {describe_os_error(error)}"
         ) from None
     except UnicodeDecodeError:
-        raise ValueError(f"{printable_path(path)}: is not a text file, and therefore not an interface file") from None
+        raise ValueError(f"{printable_path(path)}: is not a text file, so it is not an interface file") from None
     head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
     try:

@@ -90,7 +90,7 @@ def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
     parts: Any = value.split(",") if isinstance(value, str) else value
     parts = parts if isinstance(parts, (list, tuple)) else [parts]
     if not parts or not all(isinstance(part, (str, int, float)) and not isinstance(part, bool) for part in parts):
-        raise ValueError(f"must be a number or a word, or a list of them, got {short_repr(value)}")
+        raise ValueError(f"must be a number, a word, or a list of numbers and words, got {short_repr(value)}")
     return tuple(part.strip() if isinstance(part, str) else part for part in parts)
 
 
@@ -100,7 +100,7 @@ def _parse_caveats(value: object) -> tuple[str, ...] | None:
         return None
     names = [part.strip() for part in value.split(",")] if isinstance(value, str) else value
     if not isinstance(names, (list, tuple)) or not set(names) <= set(CAVEATS):
-        raise ValueError(f"must be one of {', '.join(CAVEATS)}, or a list of them, got {short_repr(value)}")
+        raise ValueError(f"must be one of {', '.join(CAVEATS)}, or a list of these, got {short_repr(value)}")
     return tuple(names)
 
 
@@ -746,7 +746,7 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
         if isinstance(upper, Surface) and isinstance(lower, Surface):
             return AreaMembers(build_map_pairs(upper, lower, self.level, seed), scans)
         if not (isinstance(upper, Profile) and isinstance(lower, Profile)):
-            raise ValueError('surfaces.press = "surrogates" needs two maps or two profiles, got one of each')
+            raise ValueError('surfaces.press = "surrogates" needs two maps or two profiles, got a map and a profile')
         trend: ProfileTrend = "line" if self.level == "plane" else self.level
         return AreaMembers(
             IsotropicPairs(flipped(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans

@@ -86,7 +86,7 @@ class Pair:
             hint = "" if options.upper_material is None and options.lower_material is None else hint
             raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{hint}")
         if options.mu0 is None and options.interface is None:
-            raise ArgumentError("give {mu0}, or an {interface} that contains it")
+            raise ArgumentError("give {mu0} or {interface}")
         for name in CHECK_ORDER:
             if (value := options.given(name)) is None:
                 continue
@@ -177,7 +177,8 @@ class Pair:
     def _check_process(self, name: Any) -> Any:
         if name not in MACHINING_PROCESSES:
             raise ArgumentError(
-                f"{{texture}} must be {', '.join(MACHINING_PROCESSES)} or two of these, got {{got}}", got=repr(name)
+                f"{{texture}} must be {', '.join(MACHINING_PROCESSES)} or two of these processes, got {{got}}",
+                got=repr(name),
             )
         return name
 
@@ -187,8 +188,8 @@ class Pair:
         unit: Any = self._select_value("unit", index) or "um"
         if spacing is None:
             raise ArgumentError(
-                f'{{spacing}} is required for an array, got {{{side}}} without it; give spacing="0.1 um", and {{unit}} '
-                "if the heights are not in um"
+                f"{{spacing}} must be given for an array, got {{{side}}} without a spacing; "
+                'give spacing="0.1 um", and {unit} if the heights are not in um'
             )
         try:
             return as_body(side, heights, spacing=_split_commas(spacing), unit=_split_commas(unit))  # type: ignore[no-any-return]
@@ -547,7 +548,7 @@ class Pair:
         if self._listed_positions is not None:
             offsets = len(self._listed_positions)
         elif (offsets or 1) > 1 and self.options.travel is None:
-            raise ArgumentError(f"{{offsets}} {offsets} needs a {{travel}} LENGTH, by which the slider is shortened")
+            raise ArgumentError(f"{{offsets}} {offsets} needs {{travel}} LENGTH, by which the slider is shorter")
         return lines, offsets or 1
 
     def _parse_num_surrogates(self, default: int) -> int:
@@ -555,9 +556,7 @@ class Pair:
         if text == "none":
             return default
         if not text.isdecimal() or not int(text):
-            raise ArgumentError(
-                "{surrogates} of areas must be a number of pairs of at least 1, got {got}", got=repr(text)
-            )
+            raise ArgumentError("{surrogates} of areas must be at least 1, got {got}", got=repr(text))
         return int(text)
 
     def _build_contact_table(self, mechanics: str) -> dict[str, Any]:

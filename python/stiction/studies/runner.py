@@ -101,7 +101,7 @@ def run(
     size = study.ensemble.repetitions * member_bytes(study)
     if store is None and size > MAX_BYTES_IN_MEMORY:
         raise StudyError(
-            f"the result would take {size / 2**30:.0f} GiB of memory, more than {MAX_BYTES_IN_MEMORY / 2**30:.0f}: "
+            f"the result would take {size / 2**30:.0f} GiB of memory, more than {MAX_BYTES_IN_MEMORY / 2**30:.0f}; "
             "give a store, or reduce ensemble.repetitions"
         )
     if store is None:

@@ -168,8 +168,8 @@ class StoredResult:
         if self.nbytes > MAX_RESULT_BYTES:
             raise StoreError(
                 f"{printable_path(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
-                f"{MAX_RESULT_BYTES / 2**30:.0f}; Result.pieces reads it piece by piece, and "
-                f"xarray.open_mfdataset opens {printable_path(self.path / BLOCKS_FOLDER)}"
+                f"{MAX_RESULT_BYTES / 2**30:.0f}; use Result.pieces, or open "
+                f"{printable_path(self.path / BLOCKS_FOLDER)} with xarray.open_mfdataset"
             )
         return (
             self._single_piece.copy(deep=True) if self._piece_length >= self.count else self._read_range(0, self.count)
@@ -237,7 +237,7 @@ class StoredResult:
                 raise DamageError("does not match its checksum")
             content = decode_members(written)
             if not np.array_equal(content.numbers, np.arange(block.first, block.last + 1)):
-                raise DamageError("contains other repetitions than its name states")
+                raise DamageError("does not contain the repetitions in its file name")
         except OSError as error:
             raise _damage_error(self.path, block, f"cannot be read: {describe_os_error(error)}") from None
         except (NotReadableError, DamageError) as error:
@@ -312,7 +312,9 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
         return None
     except (OSError, NotReadableError, DamageError) as error:
         why = describe_os_error(error) if isinstance(error, OSError) else error
-        raise StoreError(f"{printable_path(path)}: {why}; remove it and run the study again to recreate it") from None
+        raise StoreError(
+            f"{printable_path(path)}: {why}; remove the file, and run the study again to recreate it"
+        ) from None
     attributes = {name: np.asarray(value) for name, value in dataset.attrs.items()}
     dataset.attrs = {name: value.item() if value.size == 1 else value for name, value in attributes.items()}
     return dataset
@@ -330,7 +332,7 @@ def open_stored(path: str | Path) -> StoredResult:
     try:
         study = _study(path)
     except FileNotFoundError:
-        raise StoreError(f"{printable_path(path)}: is not a result: it contains no {STUDY_FILE}") from None
+        raise StoreError(f"{printable_path(path)}: is not a result, because it contains no {STUDY_FILE}") from None
     except OSError as error:
         raise StoreError(f"{printable_path(path)}: {STUDY_FILE} cannot be read: {describe_os_error(error)}") from None
     return StoredResult(path, study, blocks)
@@ -411,7 +413,7 @@ def _check_resumable(stored: StoredResult) -> None:
     if last >= total:
         raise StoreError(
             f"{printable_path(path)}: repetition {last} is finished, and ensemble.repetitions = {total} would discard "
-            f"it; give at least {last + 1}, or choose another directory"
+            f"it; set it to at least {last + 1}, or choose another directory"
         )
     if stored.count == total:
         return
@@ -423,8 +425,8 @@ def _check_resumable(stored: StoredResult) -> None:
         )
     if not content.is_exact:
         raise StoreError(
-            f"{printable_path(path)}: was created on a machine or with a NumPy whose steps differ in the last digits; "
-            "finish it there, or choose another directory"
+            f"{printable_path(path)}: was created with another machine or NumPy, with slightly different steps; "
+            "finish the result there, or choose another directory"
         )
 
 
@@ -643,7 +645,7 @@ def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) ->
     if variable.id.get_storage_size() < variable.nbytes:  # a small damaged file may declare a huge size
         raise DamageError(f"declares {name} but does not store it")
     if shape not in (None, variable.shape):
-        raise DamageError(f"has {name} of shape {variable.shape} instead of {shape}")
+        raise DamageError(f"has {name} with the shape {variable.shape} instead of {shape}")
     return np.asarray(variable.asstr()[...] if h5py.check_string_dtype(variable.dtype) else variable[...])
 
 

@@ -316,7 +316,7 @@ class Study(Table):
             )
         if not self.is_measured:
             if self.is_areal and (profile_figures := [name for name in draw if name in ("profiles", "length-scales")]):
-                raise ValueError(f'figures.draw: "{profile_figures[0]}" needs profiles, and surfaces.kind is "surface"')
+                raise ValueError(f'figures.draw: "{profile_figures[0]}" needs profiles, but surfaces.kind is "surface"')
             if "onset" in draw and self.contact.onset is None:
                 raise ValueError('figures.draw: "onset" needs contact.onset, which specifies the strengths')
             return self
@@ -325,7 +325,7 @@ class Study(Table):
         if friction.wait and (self.contact.hardness is None or self.known.creep is None):
             missing = "known.creep" if self.contact.hardness else "contact.hardness"
             raise ValueError(
-                f"friction.wait: needs contact.hardness and known.creep, the creep exponent: add {missing}"
+                f"friction.wait: needs contact.hardness and known.creep, the creep exponent; add {missing}"
             )
         count = len(friction.load) * len(friction.mu0) * len(friction.tau0)
         if count > MAX_COMBINATIONS:

@@ -87,7 +87,7 @@ _Item = TypeVar("_Item")
 def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
     """Return a tuple unchanged, or raise a `ValueError` if two elements are equal."""
     if len(set(values)) < len(values):
-        raise ValueError("must differ from each other, but two are equal")
+        raise ValueError("must differ from each other, but two values are equal")
     return values
 
 
@@ -122,7 +122,7 @@ def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[
             raise ValueError(f"must have from 1 to {MAX_VALUES} {name}s, got {len(value)}")
         values = tuple(map(read, value))
         if len(set(map(identity, values))) < len(values):
-            raise ValueError(f"must have each {name} only once, got {short_repr(list(values))}")
+            raise ValueError(f"must contain each {name} only once, got {short_repr(list(values))}")
         return values
 
     return PlainValidator(validate)
