@@ -13,7 +13,7 @@ from stiction._files import NotReadableError, new_file, read_content, replaced_f
 from stiction._text import printable, printable_path
 
 
-def test_printable_function_escapes_control_characters():
+def test_control_characters_are_escaped_for_printing():
     for text in ("\x1b[31m", "a\nb", "\r", "\x07", "\u202e", "\u2028", "\x9b2J", "\ud800", "\x00", "\u200b"):
         message = printable(f"one{text}two")
         assert message.isprintable()
@@ -22,13 +22,13 @@ def test_printable_function_escapes_control_characters():
     assert printable("µm é 漢字 ⟨D⟩") == "µm é 漢字 ⟨D⟩"
 
 
-def test_printable_function_shortens_long_text():
+def test_long_text_is_shortened_for_printing():
     assert len(printable("x" * 10**6)) <= 80
     assert len(printable_path("/" + "y/" * 10**5)) <= 300
     assert printable("x" * 80) == "x" * 80
 
 
-def test_read_content_limits_size_and_rejects_special_files(tmp_path):
+def test_file_reading_limits_the_size_and_rejects_special_files(tmp_path):
     (tmp_path / "file").write_bytes(b"x" * 100)
     assert read_content(tmp_path / "file", 100) == b"x" * 100
     with pytest.raises(NotReadableError, match="longer than 99 bytes"):

@@ -233,7 +233,7 @@ def test_pair_accepts_a_spectrum_from_a_plain_table(tmp_path):
         ("", "is not a table"),
     ],
 )
-def test_read_spectrum_rejects_bad_files(tmp_path, text, expected_message):
+def test_bad_spectrum_files_are_rejected(tmp_path, text, expected_message):
     (tmp_path / "bad.csv").write_text(text)
     with pytest.raises(ValueError, match=expected_message):
         read_spectrum(tmp_path / "bad.csv")

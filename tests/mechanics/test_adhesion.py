@@ -326,7 +326,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
 
 
 @pytest.mark.soak
-def test_random_adhesive_problems_converge_and_few_pull_off_forces_are_bounds():
+def test_random_adhesive_problems_converge_and_few_results_are_lower_bounds():
     """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
 
     Some of them have a hardness.

@@ -439,7 +439,7 @@ def test_prediction_without_junction_growth_differs_from_the_direct_solution() -
     assert interface.about[GROWTH_ENTRY] == "0"
 
 
-def test_predict_warns_if_result_and_tests_have_different_junction_growth() -> None:
+def test_prediction_warns_if_result_and_tests_have_different_junction_growth() -> None:
     interface = calibrate(simulate_tests_with_growth(9.0, 9.0), sliding="all")
     with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
         interface.predict(plastic_pair(0), "20 MPa")

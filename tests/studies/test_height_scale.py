@@ -238,7 +238,7 @@ def test_interpolation_next_to_an_unsolved_height_factor_is_nan():
 # ---- Input -----------------------------------------------------------------------------------------------------------
 
 
-def test_parse_factors_accepts_numbers_lists_and_ranges():
+def test_height_factors_can_be_given_as_numbers_lists_and_ranges():
     assert parse_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
     assert parse_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
     assert parse_factors("2,0.5,1").tolist() == parse_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
@@ -267,7 +267,7 @@ def test_parse_factors_accepts_numbers_lists_and_ranges():
         "1..inf",
     ],
 )
-def test_parse_factors_rejects_values_outside_the_allowed_range(factors):
+def test_height_factors_outside_the_allowed_range_are_rejected(factors):
     with pytest.raises(ValueError, match="height_scale"):
         parse_factors(factors)
 

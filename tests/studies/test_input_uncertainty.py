@@ -46,13 +46,13 @@ def test_samples_of_mu0_are_not_negative() -> None:
         (None, "", "must be a number"),
     ],
 )
-def test_parse_input_rejects_bad_text(text, kind, pattern) -> None:
+def test_bad_text_of_an_uncertain_input_is_rejected(text, kind, pattern) -> None:
     with pytest.raises(ValueError, match=pattern):
         parse_input("mu0", text, kind)
 
 
 @pytest.mark.parametrize("text", ["150 ± 10 % HV", "150±10% HV", "150 HV ± 10 %", "150 HV10 ± 10 %", "150 ± 15 HV"])
-def test_parse_input_accepts_relative_uncertainty_of_hardness(text: str) -> None:
+def test_relative_uncertainty_of_hardness_is_accepted(text: str) -> None:
     result = parse_input("hardness", text, "hardness")
     value = parse_input("hardness", "150 HV", "hardness").value
     assert (result.value, result.low, result.high) == pytest.approx((value, 0.804 * value, 1.196 * value), rel=1e-4)
@@ -82,7 +82,7 @@ def test_vickers_hardness_can_be_given_with_its_test_load(text: str) -> None:
         ("hardness", "70±1 HRC", "70±1 HRC"), ("hardness", "1e300 HV", "1e300"),
     ],
 )  # fmt: skip
-def test_parse_study_input_rejects_impossible_values(name: str, text: str, quoted_text: str) -> None:
+def test_impossible_values_of_study_inputs_are_rejected(name: str, text: str, quoted_text: str) -> None:
     with pytest.raises(ValueError, match=re.escape(quoted_text)):
         parse_study_input(name, text)
 

@@ -259,7 +259,7 @@ def test_mean_over_positions_accounts_for_their_correlation(profile_pair):
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------
 
 
-def test_paired_lines_returns_half_of_the_slider_and_the_whole_track():
+def test_pairing_of_lines_returns_half_of_the_slider_and_the_whole_track():
     upper, lower = rough_profile("upper"), rough_profile("lower")
     (slider,), (track,) = paired_lines(upper, lower)
     whole = levelled(upper, "line")
@@ -274,7 +274,7 @@ def test_paired_lines_returns_half_of_the_slider_and_the_whole_track():
     assert (slider.spacing, track.spacing, len(track)) == (0.01, 0.01, 3000)
 
 
-def test_paired_lines_shortens_the_slider_by_the_travel():
+def test_pairing_of_lines_shortens_the_slider_by_the_travel():
     (slider,), (track,) = paired_lines(rough_profile("upper"), rough_profile("lower"), travel=10.0, level=None)
     assert (len(slider), len(track)) == (2000, 3000)
     np.testing.assert_array_equal(slider.heights, -rough_profile("upper").heights[:2000])
@@ -288,7 +288,7 @@ def small_map():
     return Surface(lines, spacing=(0.02, 0.01))
 
 
-def test_paired_lines_pairs_rows_that_are_a_third_of_the_map_apart():
+def test_pairing_of_lines_selects_rows_that_are_a_third_of_the_map_apart():
     surface = small_map()
     uppers, lowers = paired_lines(surface, surface, level=None)
     assert len(uppers) == len(lowers) == 9
@@ -329,7 +329,7 @@ def test_paired_lines_of_different_lengths_cover_the_longer_profile():
     np.testing.assert_allclose(levelled(levelled_pieces[1], "line").heights, levelled_pieces[1].heights, atol=1e-12)
 
 
-def test_paired_lines_with_surrogates_replaces_the_selected_surface():
+def test_pairing_of_lines_with_surrogates_replaces_the_selected_surface():
     upper, lower = rough_profile("upper"), rough_profile("lower")
     uppers, lowers = paired_lines(upper, lower, surrogates="lower", lines=3, seed=9)
     assert len(uppers) == 3
@@ -373,7 +373,7 @@ def test_study_of_profiles_rejects_more_members_than_positions(profile_pair):
 @pytest.mark.parametrize(
     ("arguments", "pattern"), [({"along": "z"}, "along must be one of"), ({"lines": 0}, "lines must be a whole number")]
 )
-def test_paired_lines_rejects_bad_arguments(arguments, pattern):
+def test_pairing_of_lines_rejects_bad_arguments(arguments, pattern):
     with pytest.raises(ValueError, match=pattern):
         paired_lines(small_map(), small_map(), **arguments)
     with pytest.raises(ValueError, match="upper must be a Profile or a Surface"):

@@ -167,7 +167,7 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     assert "Order of slip" not in report_page(open_stored(tmp_path))
 
 
-def test_load_onset_ignores_an_onset_stored_for_another_mu0(study, onset, tmp_path):
+def test_stored_onset_for_another_mu0_is_ignored(study, onset, tmp_path):
     compute_missing(study, tmp_path)
     stored = open_stored(tmp_path)
     assert load_onset(stored) is None

@@ -247,7 +247,7 @@ def test_matrix_in_a_text_file_is_read_as_a_surface(file):
     assert "read_profile() reads profiles" in error_message(file(TEXT_FORMATS["comma"]), read_surface)
 
 
-def test_read_measurement_returns_profile_or_surface(file):
+def test_reading_a_measurement_returns_a_profile_or_a_surface(file):
     profile = read_measurement(file(TEXT_FORMATS["brackets, nm"]), spacing=("100 nm", "0.1 um"))
     assert isinstance(profile, Profile)
     assert profile.heights.tolist() == HEIGHTS

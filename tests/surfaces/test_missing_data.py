@@ -116,7 +116,7 @@ def test_cropping_ignores_missing_points_outside_the_range(complete_surface, sca
 
 
 @pytest.mark.parametrize("hurst", [0.2, 0.8])
-def test_find_outliers_detects_single_points_only(hurst, tmp_path):
+def test_outlier_detection_finds_spikes_but_no_larger_features(hurst, tmp_path):
     options = {"hurst_exponent": hurst, "rms": 0.02, "spacing": 0.1}
     for body in (self_affine(1, points=4000, **options), self_affine_surface(1, shape=(128, 128), **options)):
         assert not find_outliers(body.heights).any()
@@ -138,7 +138,7 @@ def test_find_outliers_detects_single_points_only(hurst, tmp_path):
 
 
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
-def test_find_outliers_detects_groups_and_edge_points(shape):
+def test_outlier_detection_finds_groups_and_edge_points(shape):
     heights = filtered_noise(np.random.default_rng(1), shape, 0.8)
     usual = float(np.abs(np.diff(heights)).mean())
     places = [(0,), (400,), (401,), (800,), (802,), (1999,)]
@@ -152,7 +152,7 @@ def test_find_outliers_detects_groups_and_edge_points(shape):
 
 
 @pytest.mark.parametrize(("size", "is_outlier"), [(4, True), (5, False)])
-def test_find_outliers_detects_groups_of_at_most_four_points(size, is_outlier):
+def test_outlier_detection_finds_groups_of_at_most_four_points(size, is_outlier):
     heights = filtered_noise(np.random.default_rng(1), (96, 96), 0.8)
     group = np.zeros(heights.shape, bool)
     group[[40, 41, 40, 41, 42][:size], [50, 51, 52, 53, 52][:size]] = True
@@ -163,7 +163,7 @@ def test_find_outliers_detects_groups_of_at_most_four_points(size, is_outlier):
 
 
 @pytest.mark.parametrize("kind", MACHINED_SURFACES)
-def test_find_outliers_has_few_false_positives(kind):
+def test_outlier_detection_has_few_false_positives(kind):
     result = sum(int(find_outliers(MACHINED_SURFACES[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
     assert result <= 10  # The five profiles have 10240 points together.
 

@@ -33,7 +33,7 @@ class TestParameters:
         assert result.Pku == pytest.approx(1.5, rel=ROUND_OFF)
 
     @pytest.mark.parametrize(("derivative", "order", "factor"), [("neighbours", 2, 24), ("seven-point", 6, 140)])
-    def test_slope_error_of_a_sinusoid_equals_that_of_its_difference_formula(self, derivative, order, factor):
+    def test_slope_error_of_a_sinusoid_equals_the_error_of_the_difference_formula(self, derivative, order, factor):
         exact = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
             # The sinusoid is long, so that the six points without a seven-point slope have little weight.

@@ -182,7 +182,7 @@ def random_settings(report_numbers, count, seed):
 
 
 @pytest.mark.parametrize("case_name", ["asperities", "half-planes"])
-def test_report_friction_of_generated_profiles_equals_library_values(generated_dataset, report_numbers, case_name):
+def test_friction_in_reports_of_generated_profiles_equals_library_values(generated_dataset, report_numbers, case_name):
     if case_name == "half-planes":
         generated_dataset = run(Study.named("quick").with_changes(HALF_PLANE_CHANGES)).dataset
         report_numbers = ReportNumbers(report_page(generated_dataset))
@@ -194,7 +194,7 @@ def test_report_friction_of_generated_profiles_equals_library_values(generated_d
 
 
 @pytest.mark.parametrize("tangential_factor", [0.0, 1.0])
-def test_report_friction_at_nodes_equals_library_values_for_arbitrary_sums(tangential_factor):
+def test_friction_in_reports_of_arbitrary_sums_equals_library_values_at_nodes(tangential_factor):
     dataset = create_arbitrary_sums(tangential_factor)
     report_numbers = ReportNumbers(report_page(dataset))
     axes = report_numbers.facts["axes"]
@@ -234,7 +234,7 @@ def test_report_of_profiles_without_contact_has_no_loads():
 
 
 @pytest.mark.parametrize("case_name", ["asperities", "soft", "invented"])
-def test_report_assessments_of_generated_profiles_equal_library_assessments(generated_dataset, case_name):
+def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(generated_dataset, case_name):
     dataset = create_arbitrary_sums(0.0) if case_name == "invented" else generated_dataset
     if case_name == "soft":
         dataset = dataset.assign_attrs(
@@ -271,7 +271,7 @@ def measured_report(request):
     return dataset, ReportNumbers(report_page(dataset))
 
 
-def test_report_friction_of_measured_surfaces_equals_library_values(measured_report):
+def test_friction_in_reports_of_measured_surfaces_equals_library_values(measured_report):
     dataset, report_numbers = measured_report
     facts, errors = report_numbers.facts, []
     study = study_of(dataset)
@@ -302,7 +302,7 @@ def test_report_friction_of_measured_surfaces_equals_library_values(measured_rep
     assert np.quantile(errors, 0.9) < MAX_RELATIVE_ERROR
 
 
-def test_headline_of_report_equals_that_of_the_summary(measured_report):
+def test_headline_of_a_report_equals_the_headline_of_the_summary(measured_report):
     dataset, report_numbers = measured_report
     study = study_of(dataset)
     reference = at_load(dataset, [float(load_index) for load_index in study.friction.load])
@@ -316,7 +316,7 @@ def test_headline_of_report_equals_that_of_the_summary(measured_report):
             assert report_point["text"] == format_estimate(rule.value, rule.lower, rule.upper)
 
 
-def test_report_contact_values_of_measured_surfaces_equal_library_values(measured_report):
+def test_contact_values_in_reports_of_measured_surfaces_equal_library_values(measured_report):
     dataset, report_numbers = measured_report
     reference = at_load(dataset, dataset["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0)
     names = [quantity["name"] for quantity in report_numbers.facts["quantities"]]

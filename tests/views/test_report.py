@@ -67,7 +67,7 @@ def test_report_rejects_a_dataset_without_study(generated_dataset):
         report_page(generated_dataset.drop_attrs())
 
 
-def test_save_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path):
+def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path):
     path = tmp_path / "report.html"
     path.write_text(f"{REPORT_MARK}old")
     save_report(generated_dataset, path)
