@@ -96,7 +96,7 @@ def test_neighbors_mean_interval_stays_within_the_values():
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
-def test_neighbors_mean_of_few_or_equal_values_has_no_interval():
+def test_neighbors_mean_of_too_few_or_identical_values_has_no_interval():
     assert np.isnan(neighbors_mean(np.arange(MIN_NEIGHBORS - 1.0))[1:]).all()
     mean, lower, upper = neighbors_mean(np.zeros(16))
     assert mean == 0

@@ -89,7 +89,9 @@ def test_friction_map_returns_a_status_instead_of_extrapolating():
         ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # no friction
     ],
 )
-def test_friction_map_interval_of_few_or_equal_members_is_undefined_or_zero(normal, tangential, load, value, width):
+def test_friction_map_interval_of_too_few_or_identical_members_is_undefined_or_zero(
+    normal, tangential, load, value, width
+):
     table = compute_map(create_result(normal, tangential), [load])
     value_and_ends = [float(table[name][0]) for name in ("friction_coefficient", "lower", "upper")]
     assert value_and_ends == pytest.approx([value, value + width, value + width], rel=ROUND_OFF, nan_ok=True)

@@ -59,7 +59,7 @@ def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
     assert build_cutoff_study(small_study) is None
 
 
-def test_stored_resolution_of_another_hardness_is_ignored(study, tmp_path):
+def test_resolution_stored_for_another_hardness_is_ignored(study, tmp_path):
     small_study = study.with_changes({"contact.load": ["2 mN"], "ensemble.repetitions": 2})
     compute_missing(small_study, tmp_path)
     assert evaluate_cutoffs(open_stored(tmp_path)) is None

@@ -83,7 +83,7 @@ def test_removal_of_form_ignores_missing_points():
         assert np.abs(rest[~missing]).max() < 1e-5
 
 
-def test_removal_of_form_changes_pure_noise_little():
+def test_removal_of_form_changes_pure_noise_only_slightly():
     own = noise_heights((60, 80))
     for trend in ("sphere", "cylinder"):
         result = levelled(Surface(own, spacing=0.5), trend).heights

@@ -103,7 +103,7 @@ def test_hidden_noise_is_not_estimated_for_feed_marks():
     assert find_hidden_noise(Profile(noisy, spacing=SPACING)) is None
 
 
-def test_aliased_edges_of_straight_grooves_hide_no_noise():
+def test_hidden_noise_is_not_reported_for_aliased_edges_of_straight_grooves():
     surfaces = [
         Surface(turned_surface(np.random.default_rng(seed), 2, rough=rough), spacing=SPACING)
         for seed in range(8)
