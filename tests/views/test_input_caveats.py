@@ -11,9 +11,11 @@ from stiction.studies.input_caveats import (
     MAX_PRESSURE_OVER_MODULUS,
     MAX_SPIKE_RATIO,
     find_input_caveats,
+    find_scan_caveats,
 )
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.surfaces.hidden_noise import find_hidden_noise
+from support.machined_surfaces import MACHINED_SURFACES, scale_to_unit_rms
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import pair_study
 from support.synthetic_results import measured_study
@@ -68,6 +70,22 @@ def test_spikes_cause_a_caveat_with_their_number(rough_profile):
     assert [text for text in caveats if "as sharp as usual" in text] == [
         "upper: 6 points are more than 12 times as sharp as usual, and would come into contact first"
     ]
+
+
+@pytest.mark.parametrize("kind", MACHINED_SURFACES)
+def test_spikes_of_a_map_cause_a_caveat_with_their_number(kind):
+    rng = np.random.default_rng(1)
+    heights = 0.02 * scale_to_unit_rms(MACHINED_SURFACES[kind](rng, 2))
+
+    def spike_caveats(heights):
+        caveats = find_scan_caveats(Surface(heights, spacing=0.1))
+        return [caveat for caveat in caveats if "outliers mask" in caveat.remedy]
+
+    assert spike_caveats(heights) == []
+    heights[[5, 40, 41, 90], [7, 60, 60, 127]] += 0.3
+    (caveat,) = spike_caveats(heights)
+    assert caveat.severity == "caution"
+    assert "4 points are more than 6 rms heights from their neighbours" in caveat.text
 
 
 def test_caveat_about_both_scans_is_listed_once(rough_profile):

@@ -52,6 +52,13 @@ MAX_SPIKE_RATIO = 12.0
 The robust standard deviation is the median of the absolute second differences, divided by 0.67.
 """
 
+MAX_SPIKE_HEIGHT = 6.0
+"""Distance of a point of a map from the median of its neighbourhood above which the point is a spike.
+
+It is a multiple of the robust standard deviation of the heights. The distance is at most 4 for machined surfaces, and 5
+for white noise.
+"""
+
 MAX_NOISE_SLOPE_FRACTION = 0.01  # largest fraction of the mean square slope from the instrument without a caveat
 MAX_PEAK_FRACTION = 0.1  # largest fraction of the fourth spectral moment in a peak without a caveat
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
@@ -268,17 +275,30 @@ def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
         yield Caveat(
             text, "check the unit of heights", "fault" if height > MAX_HEIGHT_OVER_EXTENT * extent else "caution"
         )
-    if not isinstance(body, Profile):
-        return
-    level = levelled(body, "line").heights
-    parabola = 1 - levelled(body, "quadratic").heights.var() / level.var() if np.ptp(level) > 0 else 0.0
-    if form and parabola > MAX_FORM_FRACTION:
-        text = f"form (a parabola) contributes {100 * parabola:.0f} % of the mean square height, and carries the load"
-        yield Caveat(text, "try --level quadratic", "caution")
-    bends = np.abs(np.diff(body.heights, 2))
-    usual = float(np.median(bends)) / 0.6745
-    spikes = int(np.count_nonzero(bends > MAX_SPIKE_RATIO * usual)) if usual > 0 else 0
+    if form and isinstance(body, Profile):
+        level = levelled(body, "line").heights
+        parabola = 1 - levelled(body, "quadratic").heights.var() / level.var() if np.ptp(level) > 0 else 0.0
+        if parabola > MAX_FORM_FRACTION:
+            percentage = f"{100 * parabola:.0f} %"
+            text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
+            yield Caveat(text, "try --level quadratic", "caution")
+    yield from _of_spikes(body)
+
+
+def _of_spikes(body: Profile | Surface) -> Iterator[Caveat]:
+    """Yield a caveat about points that are sharper than usual, or far from their neighbours on a map."""
+    from scipy.ndimage import median_filter
+
+    if isinstance(body, Profile):
+        distances = typical = np.abs(np.diff(body.heights, 2))
+        limit, description = MAX_SPIKE_RATIO, f"more than {MAX_SPIKE_RATIO:g} times as sharp as usual"
+    else:
+        heights = levelled(body, "plane").heights
+        distances, typical = np.abs(heights - median_filter(heights, size=3)), np.abs(heights - np.median(heights))
+        limit, description = MAX_SPIKE_HEIGHT, f"more than {MAX_SPIKE_HEIGHT:g} rms heights from their neighbours"
+    usual = float(np.median(typical)) / 0.6745
+    spikes = int(np.count_nonzero(distances > limit * usual)) if usual > 0 else 0
     if spikes:
         points = "1 point is" if spikes == 1 else f"{spikes} points are"
-        text = f"{points} more than {MAX_SPIKE_RATIO:g} times as sharp as usual, and would come into contact first"
+        text = f"{points} {description}, and would come into contact first"
         yield Caveat(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")
