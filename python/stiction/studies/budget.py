@@ -101,7 +101,7 @@ def add_uncertainty(
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scans_of(table["repetition"].values)
-        scatters = {place: scans_mean(table.values[place], *scans) for place in np.ndindex(*shape)}
+        scatters = {position: scans_mean(table.values[position], *scans) for position in np.ndindex(*shape)}
     order = [
         *([INTERFACE_INPUT] if strengths else []),
         *inputs,
@@ -109,7 +109,7 @@ def add_uncertainty(
         UNRESOLVED_INPUT,
     ]
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
-    left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
+    remaining, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     areas = areas_of(at, result)
     six = _columns(member_sums(result, at["load"].values).mean(("repetition", "direction")))
@@ -117,29 +117,29 @@ def add_uncertainty(
     pressures = at["load"].values / float(at["nominal_area"])
     # Consecutive coefficients have the same mu0 and tau0, so that they share samples.
     interface = [dims.index(name) for name in ("mu0", "tau0")]
-    for place in sorted(np.ndindex(*shape), key=lambda place: [place[index] for index in interface]):
-        where = dict(zip(dims, place, strict=True))
+    for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface]):
+        where = dict(zip(dims, position, strict=True))
         sums, numbers = _numbers_at(six, where), _numbers_at(read, where)
         one = _CoefficientSamples(
-            numbers, where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(place)
+            numbers, where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(position)
         )
         if not one.names:
             point = numbers["friction_all_round"]
             if (np.abs(point) < NEGLIGIBLE_COEFFICIENT).all() and {"mu0", "tau0"} & one.inputs.keys():
-                whole[place] = point[0], *_ends_about_zero(one, point)
+                whole[position] = point[0], *_ends_about_zero(one, point)
             continue
-        whole[place] = one.value, *one.interval()
+        whole[position] = one.value, *one.interval()
         if not tests:
             continue
-        seizing[place] = one.fraction_seizing
-        test[place] = one.value, *one.next_test()
+        seizing[position] = one.fraction_seizing
+        test[position] = one.value, *one.next_test()
         for index, wait in enumerate(study.friction.wait):
-            waited[(*place, index)] = one.after(float(wait), pressures[one.load])
+            waited[(*position, index)] = one.after(float(wait), pressures[one.load])
         quoted = str(at["sliding"].values[where["sliding"]]) == "all"
         for index, name in enumerate(order if budget and quoted and np.prod(shape) <= MAX_BUDGETS else ()):
             if name in one.names:
-                left[(index, *place)] = one.value, *one.interval({name: 0.5})
-                width[(index, *place)] = one.width_left(name)
+                remaining[(index, *position)] = one.value, *one.interval({name: 0.5})
+                width[(index, *position)] = one.width_left(name)
     over = (*dims, "statistic")
     combined = _combined(at, study, dims, whole)
     if not tests:
@@ -150,7 +150,7 @@ def add_uncertainty(
         "friction_next_test": (over, test),
     }
     if budget:
-        tables |= {"friction_if_known": (("input", *over), left), "width_if_known": (("input", *dims), width)}
+        tables |= {"friction_if_known": (("input", *over), remaining), "width_if_known": (("input", *dims), width)}
     if find_junction_growth(study) is not None:
         tables["fraction_seizing"] = dims, seizing
     labels = [
@@ -199,18 +199,18 @@ def _numbers_at(columns: Columns, indices: Mapping[str, int]) -> dict[str, Any]:
     }
 
 
-def _ends_about_zero(own: _CoefficientSamples, point: Floats) -> tuple[float, float]:
+def _ends_about_zero(samples: _CoefficientSamples, point: Floats) -> tuple[float, float]:
     """Return the limits of the 95 % interval around a coefficient of 0, for which relative errors are undefined.
 
     The interval contains the coefficient and its sampling interval, and is not below 0.
     """
     cube = stratified_points(2)
     mu0, tau0 = (
-        own.inputs[name].quantile(cube[:, column]) if name in own.inputs else value
-        for column, (name, value) in enumerate((("mu0", own.mu0), ("tau0", own.tau0)))
+        samples.inputs[name].quantile(cube[:, column]) if name in samples.inputs else value
+        for column, (name, value) in enumerate((("mu0", samples.mu0), ("tau0", samples.tau0)))
     )
     low, high = extend_interval(
-        _ends(np.broadcast_to(own.friction.coefficient(mu0, tau0), (NUM_SAMPLES,))), *point.tolist()
+        _ends(np.broadcast_to(samples.friction.coefficient(mu0, tau0), (NUM_SAMPLES,))), *point.tolist()
     )
     return max(low, 0.0), high
 
@@ -258,10 +258,10 @@ class _CoefficientSamples:
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
         # The range of mu0 or tau0 in the study does not apply to other values of mu0 or tau0.
-        for name, own in (("mu0", self.mu0), ("tau0", self.tau0)):
+        for name, study_value in (("mu0", self.mu0), ("tau0", self.tau0)):
             of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
             middle = self.inputs[name].value if name in self.inputs and of_interface is None else of_interface
-            if middle is not None and abs(middle - own) > SAME_INPUT_TOLERANCE * own:
+            if middle is not None and abs(middle - study_value) > SAME_INPUT_TOLERANCE * study_value:
                 self.inputs.pop(name, None)
                 strengths = ()
         value, lower, upper = point["friction_all_round"].tolist()

@@ -280,8 +280,8 @@ class CalibrationProblem:
         """
         from scipy.optimize import least_squares
 
-        free = [place for place, value in enumerate(self.known) if value is None]
-        moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
+        free = [index for index, value in enumerate(self.known) if value is None]
+        moved = [index for index, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         robust, scale = np.ones(len(self.slid)), 1.0
 
         def to_scores(moves: Floats) -> Floats:
@@ -366,8 +366,8 @@ class CalibrationProblem:
         trend = float(linregress(loads, best.residuals).pvalue) if slid > 2 and np.ptp(loads) > 0 else math.nan
         mu0, tau0, scores = self._sample(max(scale, 1e-9), freedom if is_scaled else None)
         named = {
-            name: scores[:, place]
-            for place, name in enumerate(self.nuisances)
+            name: scores[:, index]
+            for index, name in enumerate(self.nuisances)
             if name not in (GAIN_NUISANCE, SPREAD_NUISANCE)
         }
         return Fit(
@@ -583,7 +583,7 @@ class CalibrationProblem:
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
         """Return the mean and covariance of the first proposal for the nuisance parameters and the log scale."""
-        moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
+        moved = [index for index, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
         mean[: len(self.nuisances)] = self.best.scores
@@ -709,8 +709,8 @@ def _triangle(rows: Floats) -> Floats:
     factor: Floats = np.asarray(np.linalg.qr(rows, mode="r"))
     factor = factor * np.where(np.einsum("pii->pi", factor) < 0, -1.0, 1.0)[..., np.newaxis]
     tiny = 1e-12 * np.abs(factor[:, :2, :2]).max(axis=(1, 2))
-    for place in (0, 1):
-        factor[:, place, place] = np.maximum(factor[:, place, place], np.maximum(tiny, 1e-150))
+    for column in (0, 1):
+        factor[:, column, column] = np.maximum(factor[:, column, column], np.maximum(tiny, 1e-150))
     return np.asarray(factor)
 
 

@@ -212,11 +212,11 @@ def _evaluate_ensemble(
     variables: dict[str, Any] = {"friction_coefficient": _with_statistic(first, "friction_coefficient")}
     # Area and stiffness depend slightly on mu0 and tau0, because friction changes the normal load.
     variables["status"] = first["status"].variable
-    every, about = None, first
+    all_directions, round_means = None, first
     if "direction" in head.dims:
-        every = np.arange(head.sizes["direction"])[np.newaxis]
-        about = read("friction_coefficient", every).isel(direction=0)
-        variables["friction_all_round"] = _with_statistic(about, "friction_coefficient")
+        all_directions = np.arange(head.sizes["direction"])[np.newaxis]
+        round_means = read("friction_coefficient", all_directions).isel(direction=0)
+        variables["friction_all_round"] = _with_statistic(round_means, "friction_coefficient")
         axes, places = axes_of(head["direction"].values)
         if axes.size:
             along = _with_statistic(read("friction_coefficient", places), "friction_coefficient")
@@ -225,16 +225,16 @@ def _evaluate_ensemble(
             first = first.assign_coords(axis=("axis", axes, attributes_of("axis")))
     others = [name for name in (*ONSET, "contact_load") if name in head]
     quantities = ("contact_area", "contact_count", "normal_stiffness", *others)
-    for what in [name for name in quantities if _is_requested(name, names)]:
-        if what == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
+    for quantity in [name for name in quantities if _is_requested(name, names)]:
+        if quantity == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
             continue
         try:
-            found = read(what, every)
+            found = read(quantity, all_directions)
         except ValueError:
-            if what != "normal_stiffness":  # a half-plane has no stiffness
+            if quantity != "normal_stiffness":  # a half-plane has no stiffness
                 raise
             continue
-        variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)
+        variables[quantity] = _with_statistic(found if all_directions is None else found.isel(direction=0), quantity)
     if result.study.contact.adheres and _is_requested("pull_off", names):
         unloaded = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
@@ -242,7 +242,7 @@ def _evaluate_ensemble(
             mean = np.stack(intervals.sample_mean(own.values), axis=-1)
             one = {dim: 0 for dim in own.dims if dim == "sliding" and dim not in head.dims}
             variables[name] = xarray.Variable((*own.dims[1:], "statistic"), mean, own.attrs).isel(one)
-    variables |= {name: about[name].variable for name in VALIDITY}
+    variables |= {name: round_means[name].variable for name in VALIDITY}
     variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
     dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=INTERVAL_STATISTICS)
     return dataset.transpose(*cells_of(dataset), ...)
@@ -306,29 +306,32 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
             means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
             variables[str(name)] = ((*own, "statistic"), means, values.attrs)
     if "contact_area_fraction" in variables:
-        own_dims, fraction, words = variables["contact_area_fraction"]
+        own_dims, fraction, attributes = variables["contact_area_fraction"]
         status, fraction = _contact_status(fraction, uses_half_space=study.uses_half_space)
-        variables["contact_area_fraction"] = (own_dims, fraction, words)
+        variables["contact_area_fraction"] = (own_dims, fraction, attributes)
         variables["contact_status"] = (own_dims[:-1], status, attributes_of("contact_status"))
     coefficient = tables["friction_coefficient"].transpose("repetition", *dims).values
-    at = dims.index("direction") + 1
+    direction_axis = dims.index("direction") + 1
     status = tables["status"].transpose("repetition", *dims).values
     ok = status == friction.STATUS_OK
     counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
     # most frequent status, for points at which no member has a coefficient
     frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
     common = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), frequent)
-    rest = [dim for dim in dims if dim != "direction"]
+    other_dims = [dim for dim in dims if dim != "direction"]
     coordinates: dict[str, Any] = {
         str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
     }
-    round_mean = coefficient.mean(axis=at)
+    round_mean = coefficient.mean(axis=direction_axis)
     variables["friction_all_round"] = (
-        (*rest, "statistic"), order.mean(round_mean), attributes_of("friction_all_round"),
+        (*other_dims, "statistic"), order.mean(round_mean), attributes_of("friction_all_round"),
     )  # fmt: skip
     axes, places = axes_of(members["direction"].values)
     if several and axes.size and _is_requested("friction_by_axis", names):
-        by_axis = np.stack([np.take(coefficient, pair, axis=at).mean(axis=at) for pair in places], axis=at)
+        by_axis = np.stack(
+            [np.take(coefficient, pair, axis=direction_axis).mean(axis=direction_axis) for pair in places],
+            axis=direction_axis,
+        )
         named = ("axis" if dim == "direction" else dim for dim in dims)
         variables["friction_by_axis"] = (
             (*named, "statistic"), order.mean(by_axis), attributes_of("friction_by_axis"),
@@ -336,10 +339,10 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         coordinates["axis"] = ("axis", axes, attributes_of("axis"))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # NaN if no member has a coefficient
-        low, high = np.nanquantile(coefficient, SPREAD_QUANTILES, axis=(0, at))
+        low, high = np.nanquantile(coefficient, SPREAD_QUANTILES, axis=(0, direction_axis))
     variables |= {
-        "spread_low": (rest, low, attributes_of("spread_low")),
-        "spread_high": (rest, high, attributes_of("spread_high")),
+        "spread_low": (other_dims, low, attributes_of("spread_low")),
+        "spread_high": (other_dims, high, attributes_of("spread_high")),
         "status": (dims, common, attributes_of("status")),
         "ok": (dims, ok.sum(axis=0), attributes_of("ok")),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),

@@ -122,12 +122,12 @@ def find_junction_growth(study: Study) -> UncertainInput | None:
 
 
 @lru_cache(maxsize=32)
-def _parse_junction_growth(given: str | float, central_value: float) -> UncertainInput:
+def _parse_junction_growth(text: str | float, central_value: float) -> UncertainInput:
     """Parse the junction growth α and its range.
 
     The result is cached, because a report needs α for each coefficient.
     """
-    return replace(parse_input("junction_growth", given), value=central_value)
+    return replace(parse_input("junction_growth", text), value=central_value)
 
 
 def find_creep(study: Study) -> UncertainInput | None:
@@ -141,10 +141,10 @@ def find_moduli(study: Study) -> Moduli:
     if table.effective_modulus is not None:
         return Moduli(middle, parse_input("effective_modulus", table.effective_modulus, "modulus"))
     if table.young is not None and table.poisson is not None:
-        given = [(table.young[i % len(table.young)], table.poisson[i % len(table.poisson)]) for i in range(2)]
+        pairs = [(table.young[i % len(table.young)], table.poisson[i % len(table.poisson)]) for i in range(2)]
         bodies = [
             {"young": parse_input("young", e, "modulus"), "poisson": parse_study_input("poisson", nu)}
-            for e, nu in given
+            for e, nu in pairs
         ]
         return Moduli(middle, bodies=tuple(bodies))
     bodies = [find_material_moduli(body) for body in materials]
@@ -269,14 +269,14 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
     carried = np.flatnonzero(loads < hardness * float(bodies.attributes().nominal_area or 0.0))
     areas = np.full((len(_list_area_names(study)), loads.size), np.nan)
     solid |= {"direction": contact.degrees().tolist()} if study.is_areal and len(areas) > 1 else {}
-    for place, curve in (
+    for indices, curve in (
         solve_separately(partial(half_space, upper, lower, **solid, sliding="all"), loads[carried])
         if carried.size
         else ()
     ):
-        areas[0, carried[place]] = curve.contact_area
+        areas[0, carried[indices]] = curve.contact_area
         if len(areas) > 1:
-            areas[1, carried[place]] = _compute_opposing_area(curve, is_areal=study.is_areal)
+            areas[1, carried[indices]] = _compute_opposing_area(curve, is_areal=study.is_areal)
     return areas
 
 
@@ -339,11 +339,11 @@ class SampledAreas:
         is_large = log_hardness.size > NUM_TABLE_STEPS // 4
         if not (is_large and self._first < log_hardness.min() and log_hardness.max() < self._last):
             return area_per_load(np.exp(log_hardness), *self._arguments)
-        place = (log_hardness - self._first) * (NUM_TABLE_STEPS / (self._last - self._first))
-        step = place.astype(np.int64)
-        place -= step
+        position = (log_hardness - self._first) * (NUM_TABLE_STEPS / (self._last - self._first))
+        step = position.astype(np.int64)
+        position -= step
         log_areas, differences = self._table
-        return np.asarray(np.exp(log_areas.take(step, axis=-1) + differences.take(step, axis=-1) * place))
+        return np.asarray(np.exp(log_areas.take(step, axis=-1) + differences.take(step, axis=-1) * position))
 
 
 @dataclass(frozen=True)
@@ -468,10 +468,10 @@ class AreaInterpolator:
         array of float
             Infinite at seizure: H' is NaN, or the nominal area cannot carry the load at H'.
         """
-        known = under_shear > self.pressures[load]
-        pressure = under_shear if known.all() else np.where(known, under_shear, hardness)
+        carries_load = under_shear > self.pressures[load]
+        pressure = under_shear if carries_load.all() else np.where(carries_load, under_shear, hardness)
         ratio = self._sheared_area(load, rule, pressure, modulus) / self._area_before(load, rule, hardness, modulus)
-        return ratio if known.all() else np.where(known, ratio, np.inf)
+        return ratio if carries_load.all() else np.where(carries_load, ratio, np.inf)
 
     def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the sheared contacts, in arbitrary units."""
@@ -512,13 +512,13 @@ def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
     import xarray
 
     known_loads = areas["load"].values
-    place = np.interp(np.log(loads), np.log(known_loads), np.arange(known_loads.size))
-    below = np.floor(place).astype(int)
+    position = np.interp(np.log(loads), np.log(known_loads), np.arange(known_loads.size))
+    below = np.floor(position).astype(int)
     # At loads of the dataset, the areas at the next load may be NaN and must not be used.
-    lower, upper = (areas.isel(load=index).drop_vars("load") for index in (below, np.ceil(place).astype(int)))
-    if (below == place).all():
+    lower, upper = (areas.isel(load=index).drop_vars("load") for index in (below, np.ceil(position).astype(int)))
+    if (below == position).all():
         return lower
-    weight = xarray.DataArray(place - below, dims="load")
+    weight = xarray.DataArray(position - below, dims="load")
     return lower ** (1 - weight) * upper**weight
 
 

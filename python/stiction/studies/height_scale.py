@@ -100,7 +100,7 @@ def parse_factors(factors: Any) -> Floats:
         If a factor is not a number or out of range, or if the ends of a range are not in ascending order.
     """
     values = _parse_factor_text(factors) if isinstance(factors, str) else float_array("height_scale", factors)
-    values = np.unique([float(f"{each:.{FACTOR_DIGITS}g}") for each in np.ravel(values).tolist()])
+    values = np.unique([float(f"{factor:.{FACTOR_DIGITS}g}") for factor in np.ravel(values).tolist()])
     if not values.size or not ((values >= MIN_FACTOR) & (values <= MAX_FACTOR)).all():
         allowed = f"from {MIN_FACTOR:g} to {MAX_FACTOR:g}"
         raise ArgumentError("{height_scale} must be {allowed}, got {got}", allowed=allowed, got=short_repr(factors))
@@ -114,7 +114,7 @@ def _parse_factor_text(text: str) -> Floats:
             if text.count(",") == 1:
                 reject_decimal_commas("height_scale", text)
             return np.array(parse_numbers("height_scale", text, integers=True))
-        low, high = (float(each) for each in text.split(".."))
+        low, high = (float(text_part) for text_part in text.split(".."))
         if not MIN_FACTOR <= low < high <= MAX_FACTOR:
             raise ValueError
     except ArgumentError:
@@ -133,7 +133,7 @@ def _list_enclosing_powers(low: float, high: float) -> Floats:
     """Return powers of 2 that enclose a range of factors, with exponents in steps of `FACTOR_STEP`."""
     first, last = math.floor(math.log2(low) / FACTOR_STEP), math.ceil(math.log2(high) / FACTOR_STEP)
     powers = np.exp2(FACTOR_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
-    return np.unique([float(f"{each:.{FACTOR_DIGITS}g}") for each in powers.tolist()])
+    return np.unique([float(f"{power:.{FACTOR_DIGITS}g}") for power in powers.tolist()])
 
 
 def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
@@ -326,8 +326,8 @@ def evaluate_height_scale(
     if all("contact_status" in point for point in points):
         dims = first["contact_status"].dims
         statuses = np.stack([point["contact_status"].transpose(*dims).values for point in points])
-        other = STATUS_OK if study.uses_half_space else ABOVE_NOMINAL_STATUS
-        interpolated = np.stack([np.where(statuses[i] == statuses[j], statuses[i], other) for i, j in neighbors])
+        other_status = STATUS_OK if study.uses_half_space else ABOVE_NOMINAL_STATUS
+        interpolated = np.stack([np.where(statuses[i] == statuses[j], statuses[i], other_status) for i, j in neighbors])
         variables["contact_status"] = (("height_scale", *dims), interpolated, first["contact_status"].attrs)
     for side, rms in _compute_rms_heights(study).items():
         scaled_rms = rms * (factors if scaled in ("both", side) else np.ones(factors.size))

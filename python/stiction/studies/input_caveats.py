@@ -80,16 +80,16 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
         """Return caveats about the scans of a body, keeping only the longest wavelength for each kind of caveat."""
         kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
-            found = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
+            scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
             if isinstance(scan, JoinedSpectrum):
-                found += _of_scans(scan)
+                scan_caveats += _of_scans(scan)
             else:
-                found += find_scan_caveats(
+                scan_caveats += find_scan_caveats(
                     scan, form=not bowed, instrument=not vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_readings=bool(study.surfaces.both_readings),
                     elastic=not is_capped(study),
                 )  # fmt: skip
-            for each in found:
+            for each in scan_caveats:
                 kinds[_kind(each)] = max(kinds.get(_kind(each), each), each, key=lambda caveat: caveat.cut_off)
         return list(kinds.values())
 
@@ -99,9 +99,9 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
         if _kind(each) == _kind(other) and each.severity == other.severity
     ]  # fmt: skip
     alike = {caveat for pair in pairs for caveat in pair}
-    both = [replace(max(pair, key=lambda each: each.cut_off), text=_joined(*pair)) for pair in pairs]
+    shared = [replace(max(pair, key=lambda each: each.cut_off), text=_joined(*pair)) for pair in pairs]
     alone = [[each for each in of_body if each not in alike] for of_body in (of_upper, of_lower)]
-    named = zip(("both scans", "upper", "lower"), (both, *alone), strict=True)
+    named = zip(("both scans", "upper", "lower"), (shared, *alone), strict=True)
     caveats = [replace(each, text=f"{name}: {each.text}") for name, of_body in named for each in of_body]
     longest = MAX_CUTOFF_FRACTION * min(_shortest_side(body) for body in (upper, lower))
     caveats = [replace(each, remedy=_without_cutoff(each, longest)) for each in caveats]
@@ -147,8 +147,8 @@ def _joined(upper: Caveat, lower: Caveat) -> str:
     others = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def number(own: re.Match[str]) -> str:
-        other = next(others)
-        return own[0] if own[0] == other else f"{own[0]} and {other}"
+        other_number = next(others)
+        return own[0] if own[0] == other_number else f"{own[0]} and {other_number}"
 
     return _NUMBER_PATTERN.sub(number, upper.text)
 
@@ -252,8 +252,8 @@ def _of_instrument(
         return
     peak = find_peak(power_spectrum(levelled(body, "line")))
     if peak is not None and peak[1] >= MAX_PEAK_FRACTION and peak[0] > shortest:
-        part, wave = format_percent(peak[1]), format_with_unit(peak[0], "um")
-        text = f"a peak at {wave}, perhaps from the instrument, contributes {part} of the curvature"
+        fraction, wave = format_percent(peak[1]), format_with_unit(peak[0], "um")
+        text = f"a peak at {wave}, perhaps from the instrument, contributes {fraction} of the curvature"
         yield Caveat(
             text, f"--cutoff '{format_with_unit(CUTOFF_MARGIN * peak[0], 'um')}' removes it", "caution", peak[0]
         )

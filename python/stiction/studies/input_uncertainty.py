@@ -92,10 +92,12 @@ class UncertainInput:
     def agrees_with(self, text: str) -> bool:
         """Return whether a text describes the same hardness distribution, possibly in another unit."""
         try:
-            other = self if text == self.text else parse_input("", text, "hardness")
+            other_input = self if text == self.text else parse_input("", text, "hardness")
         except ValueError:
             return False
-        return self.distribution == other.distribution and np.allclose([self.low, self.high], [other.low, other.high])
+        return self.distribution == other_input.distribution and np.allclose(
+            [self.low, self.high], [other_input.low, other_input.high]
+        )
 
     def quantile(self, probability: ArrayLike) -> Floats:
         """Return the quantiles of the distribution at the given probabilities."""
@@ -116,7 +118,7 @@ class UncertainInput:
         return np.asarray(np.maximum(self.value + deviation * ndtri(truncated + probability * (1 - truncated)), 0.0))
 
 
-def parse_input(name: str, given: Any, kind: InputKind = "") -> UncertainInput:
+def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
     """Parse a number in core units, or a text such as "0.2±0.02", "20..80 MPa", "150 HV" or "150 ± 10 % HV".
 
     Raises
@@ -124,12 +126,12 @@ def parse_input(name: str, given: Any, kind: InputKind = "") -> UncertainInput:
     ValueError
         If the input has another form, is negative, or is larger than `MAX_NUMBER`.
     """
-    if isinstance(given, UncertainInput):
-        return given
-    if not isinstance(given, str):
-        value = _parse_value(name, given, kind)
+    if isinstance(source, UncertainInput):
+        return source
+    if not isinstance(source, str):
+        value = _parse_value(name, source, kind)
         return UncertainInput(value, value, value, "exact", exact_text(value, "GPa") if kind else repr(value))
-    text = " ".join(given.split())
+    text = " ".join(source.split())
     parsed = _parse_text(name, _TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
     if not parsed.high <= MAX_NUMBER:
         raise ValueError(f"{name} must be at most {MAX_NUMBER:g}, including its uncertainty, got {short_repr(text)}")
@@ -163,7 +165,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
             deviation = math.hypot(deviation, ROCKWELL_CONVERSION_ERROR * value / Z_95) if is_rockwell else deviation
         elif is_rockwell:
             middle, steps = (
-                _parse_number(name, _TRAILING_UNIT_PATTERN.sub("", part).strip()) for part in (first, last)
+                _parse_number(name, _TRAILING_UNIT_PATTERN.sub("", text_part).strip()) for text_part in (first, last)
             )
             ends = (middle - Z_95 * steps, middle + Z_95 * steps)
             if not min(_VICKERS_BY_ROCKWELL) <= ends[0] <= ends[1] <= max(_VICKERS_BY_ROCKWELL):
@@ -172,7 +174,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
             low, high = (_parse_value(name, f"{end:g} HRC", kind) for end in ends)
             return _convert_rockwell(low, high, text)
         else:
-            value, deviation = (_parse_value(name, part, kind) for part in _complete_units(first, last))
+            value, deviation = (_parse_value(name, text_part, kind) for text_part in _complete_units(first, last))
         if not deviation > 0:
             raise ValueError(f"{name} must have an uncertainty above 0, got {short_repr(text)}")
         if kind in ("hardness", "modulus") and value < Z_95 * deviation:
@@ -205,17 +207,17 @@ def _parse_number(name: str, text: str) -> float:
     return value
 
 
-def _parse_value(name: str, given: Any, kind: str) -> float:
+def _parse_value(name: str, source: Any, kind: str) -> float:
     """Parse a nonnegative number or, if a kind of quantity is given, a text with a unit."""
-    if isinstance(given, str) and not kind:
-        return _parse_number(name, given)
-    scale = _TRAILING_UNIT_PATTERN.search(given) if kind == "hardness" and isinstance(given, str) else None
+    if isinstance(source, str) and not kind:
+        return _parse_number(name, source)
+    scale = _TRAILING_UNIT_PATTERN.search(source) if kind == "hardness" and isinstance(source, str) else None
     if scale and scale[0] in ("HV", "HRC"):
-        number = _parse_number(name, given[: scale.start()].strip())
+        number = _parse_number(name, source[: scale.start()].strip())
         if scale[0] == "HRC":
             if not min(_VICKERS_BY_ROCKWELL) <= number <= max(_VICKERS_BY_ROCKWELL):
                 limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
-                raise ValueError(f"{name} must be from {limits}, got {short_repr(given)}")
+                raise ValueError(f"{name} must be from {limits}, got {short_repr(source)}")
             number = math.exp(
                 float(np.interp(number, list(_VICKERS_BY_ROCKWELL), np.log(list(_VICKERS_BY_ROCKWELL.values()))))
             )
@@ -223,12 +225,14 @@ def _parse_value(name: str, given: Any, kind: str) -> float:
     scales = "; HV and HRC are also accepted" if kind == "hardness" else ""
     kind = "pressure" if kind else ""
     try:
-        value = float(quantity(given, kind)) if kind and isinstance(given, str) else float(given)
+        value = float(quantity(source, kind)) if kind and isinstance(source, str) else float(source)
     except (TypeError, ValueError, OverflowError) as error:
-        reason = f"{error}{scales}" if kind and isinstance(given, str) else f"must be a number, got {short_repr(given)}"
+        reason = (
+            f"{error}{scales}" if kind and isinstance(source, str) else f"must be a number, got {short_repr(source)}"
+        )
         raise ValueError(f"{name} {reason}") from None
     if not (math.isfinite(value) and value >= 0):
-        raise ValueError(f"{name} must be finite and not negative, got {short_repr(given)}")
+        raise ValueError(f"{name} must be finite and not negative, got {short_repr(source)}")
     return value
 
 
@@ -274,21 +278,21 @@ INPUT_KINDS: dict[str, InputKind] = {
 """Kinds of quantity of the inputs that may be ranges."""
 
 
-def parse_study_input(name: str, given: Any) -> UncertainInput:
+def parse_study_input(name: str, source: Any) -> UncertainInput:
     """Parse a named input of a study.
 
     The name is a key of `INPUT_KINDS`. Error messages do not include the name.
     """
-    parsed = parse_input("", given, INPUT_KINDS[name])
+    parsed = parse_input("", source, INPUT_KINDS[name])
     if name == "poisson":
         if parsed.high > MAX_POISSON_RATIO:
             limits = f"from 0 to {MAX_POISSON_RATIO:g}, including its uncertainty"
-            raise ValueError(f"must be {limits}, got {short_repr(given)}")
+            raise ValueError(f"must be {limits}, got {short_repr(source)}")
         parsed = replace(parsed, maximum=MAX_POISSON_RATIO)
     if name == "junction_growth" and parsed.high > MAX_JUNCTION_GROWTH:
-        raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH:g}, got {short_repr(given)}")
+        raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH:g}, got {short_repr(source)}")
     if name == "creep" and parsed.high > MAX_CREEP_EXPONENT:
-        raise ValueError(f"must be at most {MAX_CREEP_EXPONENT:g}, got {short_repr(given)}")
+        raise ValueError(f"must be at most {MAX_CREEP_EXPONENT:g}, got {short_repr(source)}")
     return parsed
 
 

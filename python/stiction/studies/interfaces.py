@@ -345,16 +345,16 @@ class FrictionTest:
 
     def _uncertainty_of_coefficient(self, load: float) -> float:
         """Convert the given uncertainty to the standard uncertainty of the coefficient at a load (mN)."""
-        given, is_force = self.uncertainty, self.force is not None
-        if isinstance(given, str) and given.strip().endswith("%"):
+        uncertainty, is_force = self.uncertainty, self.force is not None
+        if isinstance(uncertainty, str) and uncertainty.strip().endswith("%"):
             try:
-                percentage = float(given.strip().removesuffix("%"))
+                percentage = float(uncertainty.strip().removesuffix("%"))
             except ValueError:
-                raise ValueError(f"uncertainty must be a percentage, as in '3 %', got {given!r}") from None
+                raise ValueError(f"uncertainty must be a percentage, as in '3 %', got {uncertainty!r}") from None
             return number("uncertainty", 0.01 * percentage * float(self.coefficient or 0.0), above=0)
-        if isinstance(given, str):
-            given, is_force = to_core_units("uncertainty", given, "force"), True
-        return number("uncertainty", given, above=0) / (load if is_force else 1.0)
+        if isinstance(uncertainty, str):
+            uncertainty, is_force = to_core_units("uncertainty", uncertainty, "force"), True
+        return number("uncertainty", uncertainty, above=0) / (load if is_force else 1.0)
 
     @cached_property
     def yields(self) -> _AreaFactor | None:

@@ -73,8 +73,8 @@ class Crossing:
 
     def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
         """Remove crossings between steps if the curve (..., k) is NaN at the first of the two steps."""
-        before, there = self._around(curve)
-        return replace(self, reached=self.reached & (np.isfinite(before) | (there == loads)))
+        before, at_crossing = self._around(curve)
+        return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
     def _around(self, curve: Floats) -> tuple[Floats, Floats]:
         """Return the values of curves (..., k) before and after each crossing (..., l)."""
@@ -88,12 +88,12 @@ class Crossing:
 
         With `sums`, the ratio of value to load is interpolated if the crossings were found with `ratio`.
         """
-        own = self.index.ndim - 1
-        more = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - own), -1)
-        index, fraction, reached = (each.reshape(more) for each in (self.index, self.fraction, self.reached))
+        num_dims = self.index.ndim - 1
+        broadcast_shape = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - num_dims), -1)
+        index, fraction, reached = (each.reshape(broadcast_shape) for each in (self.index, self.fraction, self.reached))
         if sums and self.scale is not None:
             with np.errstate(divide="ignore", invalid="ignore"):
-                values = values / self.scale[0].reshape(more)
+                values = values / self.scale[0].reshape(broadcast_shape)
         shape = np.broadcast_shapes(values.shape[:-1], index.shape[:-1])
         index = np.broadcast_to(index, (*shape, index.shape[-1]))
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
@@ -101,10 +101,10 @@ class Crossing:
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
         # For a crossing exactly at a step, the value at the previous step may be NaN.
         with np.errstate(invalid="ignore"):  # infinite values, such as the stiffness of complete contact
-            there = np.where(fraction == 1, after, before + fraction * (after - before))
+            interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
         if sums and self.scale is not None:
-            there = there * self.scale[1]
-        return np.where(reached, there, np.nan)
+            interpolated = interpolated * self.scale[1]
+        return np.where(reached, interpolated, np.nan)
 
     def slope(self, values: Floats, over: Floats) -> Floats:
         """Return the slopes of values over other values (..., k) at the crossings (..., l)."""
@@ -169,12 +169,12 @@ class MeansAtLoads:
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
             ends = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
-        plain = ~self._values.leaves_more_than_nothing(mean) | ~self._logarithms.is_finite()
+        is_symmetric = ~self._values.leaves_more_than_nothing(mean) | ~self._logarithms.is_finite()
         half_width = self._plain.half_width()
-        least = np.where(self._negative, -np.inf, 0.0)[self._curve]
+        lower_bound = np.where(self._negative, -np.inf, 0.0)[self._curve]
         alone = ~self._loads.leaves_more_than_nothing(self._load) | (self._carrying < 2)[self._curve]
-        lower = np.where(alone, np.nan, np.where(plain, np.maximum(mean - half_width, least), ends[0]))
-        upper = np.where(alone, np.nan, np.where(plain, mean + half_width, ends[1]))
+        lower = np.where(alone, np.nan, np.where(is_symmetric, np.maximum(mean - half_width, lower_bound), ends[0]))
+        upper = np.where(alone, np.nan, np.where(is_symmetric, mean + half_width, ends[1]))
         return self._over_loads(lower), self._over_loads(upper)
 
     def _at(self, values: Floats) -> Floats:
@@ -260,15 +260,15 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
     If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
     """
-    known = np.isfinite(values)
-    there, count = np.where(known, values, 0.0), known.sum(axis=0)
-    mean = there.sum(axis=0) / np.maximum(count, 1)
+    is_known = np.isfinite(values)
+    finite, count = np.where(is_known, values, 0.0), is_known.sum(axis=0)
+    mean = finite.sum(axis=0) / np.maximum(count, 1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        error = np.sqrt(np.square(np.where(known, values - mean, 0.0)).sum(axis=0) / (count - 1) / count)
+        error = np.sqrt(np.square(np.where(is_known, values - mean, 0.0)).sum(axis=0) / (count - 1) / count)
     quantile = student_quantile(np.maximum(count - 1, 1))
     half_width = np.where(count >= MIN_SAMPLE_SIZE, quantile * error, np.nan)
     mean = np.where(count > 0, mean, np.nan)
-    return mean, *mean_interval(mean, half_width, (there < 0).any(axis=0))
+    return mean, *mean_interval(mean, half_width, (finite < 0).any(axis=0))
 
 
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
@@ -312,8 +312,8 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
     if count >= MIN_NEIGHBORS:
         at_a_time = max(1, CHUNK_SIZE // (4 * count))
         for first in range(0, mean.size, at_a_time):
-            some = slice(first, first + at_a_time)
-            lower[some], upper[some] = _neighbors_interval(rows[some], mean[some])
+            chunk = slice(first, first + at_a_time)
+            lower[chunk], upper[chunk] = _neighbors_interval(rows[chunk], mean[chunk])
     return tuple(each.reshape(values.shape[1:]) for each in (mean, lower, upper))  # type: ignore[return-value]
 
 
@@ -333,9 +333,9 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     centre = (y[:, :1] + y[:, -1:] + (1 - rho) * inner) / (1 + rho) / ones  # (c, rho)
     squares = np.empty_like(centre)
     for index, correlation in enumerate(rho):
-        about = y - centre[:, index, np.newaxis]
-        innovations = about[:, 1:] - correlation * about[:, :-1]
-        squares[:, index] = about[:, 0] ** 2 + np.square(innovations).sum(axis=1) / (1 - correlation**2)
+        deviation = y - centre[:, index, np.newaxis]
+        innovations = deviation[:, 1:] - correlation * deviation[:, :-1]
+        squares[:, index] = deviation[:, 0] ** 2 + np.square(innovations).sum(axis=1) / (1 - correlation**2)
     weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(ones) - np.log(1 - rho)
     weights = np.exp(-0.5 * (weights - weights.min(axis=1, keepdims=True)))
     weights /= weights.sum(axis=1, keepdims=True)
@@ -366,14 +366,14 @@ def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Flo
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first, index = np.unique(lines, return_index=True, return_inverse=True)
-    each = values
+    line_means = values
     if first.size > 1:  # one value per line, with the mean of all values
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first.size, *values.shape[1:]))
         np.add.at(sums, index, values)
         whole = np.ascontiguousarray(np.moveaxis(sums, 0, -1)).sum(axis=-1) / counts.sum()
-        each = (whole + (sums - counts * whole) / counts.mean())[np.argsort(first)]
-    mean, lower, upper = neighbors_mean(each)
+        line_means = (whole + (sums - counts * whole) / counts.mean())[np.argsort(first)]
+    mean, lower, upper = neighbors_mean(line_means)
     return mean, np.maximum(lower, values.min(axis=0)), np.minimum(upper, values.max(axis=0))
 
 
@@ -404,39 +404,39 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     squares that do not exceed the residual mean square are pooled with the residual.
     """
     flat = values.reshape(values.shape[0], -1)
-    every = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)
+    pair_means = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)
     for pair in set(zip(upper.tolist(), lower.tolist(), strict=True)):
-        own = flat[(upper == pair[0]) & (lower == pair[1])]
-        every[pair] = own[np.isfinite(own)].mean() if np.isfinite(own).any() else np.nan
-    cells = every[np.ix_(np.isfinite(every).any(axis=1), np.isfinite(every).any(axis=0))]
+        pair_values = flat[(upper == pair[0]) & (lower == pair[1])]
+        pair_means[pair] = pair_values[np.isfinite(pair_values)].mean() if np.isfinite(pair_values).any() else np.nan
+    cells = pair_means[np.ix_(np.isfinite(pair_means).any(axis=1), np.isfinite(pair_means).any(axis=0))]
     sizes = np.array(cells.shape)
     count = int(sizes.prod())
     if count < 2:
         return None
     rows, columns, mean = np.nanmean(cells, axis=1), np.nanmean(cells, axis=0), float(np.nanmean(cells))
-    left = np.nansum((cells - rows[:, np.newaxis] - columns + mean) ** 2)
+    residual_sum = np.nansum((cells - rows[:, np.newaxis] - columns + mean) ** 2)
     freedoms = np.array([*(sizes - 1), (sizes - 1).prod()], float)
-    sums = np.array([sizes[1] * np.square(rows - mean).sum(), sizes[0] * np.square(columns - mean).sum(), left])
+    sums = np.array([sizes[1] * np.square(rows - mean).sum(), sizes[0] * np.square(columns - mean).sum(), residual_sum])
     squares = sums / np.maximum(freedoms, 1)
     apart = (freedoms > 0) & (squares > squares[2]) & [True, True, False]
     freedom = float(freedoms[~apart].sum())
-    rest = float(sums[~apart].sum()) / max(freedom, 1.0)
-    shares = np.append(np.where(apart, squares - rest, 0.0)[:2], rest)
+    residual = float(sums[~apart].sum()) / max(freedom, 1.0)
+    shares = np.append(np.where(apart, squares - residual, 0.0)[:2], residual)
     # The residual mean square is subtracted once for each separate mean square.
-    weights = np.append(np.where(apart, squares, 0.0)[:2], (1 - apart.sum()) * rest)
+    weights = np.append(np.where(apart, squares, 0.0)[:2], (1 - apart.sum()) * residual)
     each = np.maximum([*freedoms[:2], freedom], 1.0)
-    within = (flat - every[upper, lower][:, np.newaxis]).ravel()
+    within = (flat - pair_means[upper, lower][:, np.newaxis]).ravel()
     within = within[np.isfinite(within)]
     inside = max(within.size - count, 1)
     between = shares[:2] / sizes[::-1]
-    test = np.append(between * (1 + 1 / sizes), float(within @ within) / inside + rest * (1 + 1 / count))
+    test = np.append(between * (1 + 1 / sizes), float(within @ within) / inside + residual * (1 + 1 / count))
     return ScansMean(
         mean, tuple(shares / count), _satterthwaite(shares.sum(), weights, each), math.sqrt(test.sum()),
         _test_freedom(test, np.append(each[:2], inside)),
     )  # fmt: skip
 
 
-def _test_freedom(parts: Floats, freedoms: Floats) -> float:
+def _test_freedom(components: Floats, freedoms: Floats) -> float:
     """Return the degrees of freedom of the variance of a single test, which is a sum of components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
@@ -446,17 +446,17 @@ def _test_freedom(parts: Floats, freedoms: Floats) -> float:
     """
     from scipy.special import stdtridf
 
-    variance = float(parts.sum())
-    common = min(_satterthwaite(variance, parts, freedoms), MAX_FREEDOM)
+    variance = float(components.sum())
+    common = min(_satterthwaite(variance, components, freedoms), MAX_FREEDOM)
     if not variance > 0:
         return common
-    widest = float((student_quantile(freedoms) * np.sqrt(parts / variance)).max())
+    widest = float((student_quantile(freedoms) * np.sqrt(components / variance)).max())
     if widest <= student_quantile(common):
         return common
     return float(stdtridf(0.5 + CONFIDENCE / 2, widest))
 
 
-def _satterthwaite(variance: float, parts: Floats, freedoms: Floats) -> float:
+def _satterthwaite(variance: float, components: Floats, freedoms: Floats) -> float:
     """Return the degrees of freedom of a variance that is a sum of components (Satterthwaite, 1946)."""
-    squares = float((parts**2 / freedoms).sum())
+    squares = float((components**2 / freedoms).sum())
     return float(variance**2 / squares) if squares > 0 else math.inf

@@ -200,10 +200,10 @@ def solved_pieces(
     """Yield the pieces of a result without the members for which the solver failed at a load."""
     for piece in result.pieces(names):
         elastic = piece["normal_elastic"]
-        known = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
-        known = known.reshape(-1, known.shape[-1]).all(axis=0)
-        some = piece if known.all() else piece.isel(repetition=np.flatnonzero(known))
-        yield some if change is None else change(some)
+        is_solved = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
+        is_solved = is_solved.reshape(-1, is_solved.shape[-1]).all(axis=0)
+        solved = piece if is_solved.all() else piece.isel(repetition=np.flatnonzero(is_solved))
+        yield solved if change is None else change(solved)
 
 
 def ensemble_map(
@@ -233,23 +233,23 @@ def ensemble_map(
     )
     if not count:
         raise ValueError("no member of the result could be computed at all loads")
-    at = {}
+    means_by_cell = {}
     for cell in np.ndindex(quantity.cells):
         normal, values = (each[..., 0] for each in quantity.curves(cell, averages, others))
-        at[cell] = intervals.MeansAtLoads(normal, values, count, load_values)
+        means_by_cell[cell] = intervals.MeansAtLoads(normal, values, count, load_values)
     at_a_time = max(
         1, NUM_VALUES_IN_MEMORY // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step])
     )
     with enter_executor(None) as pool:
         for piece in solved_pieces(result, quantity.names(), change):
-            both = [_compute_sums(piece, what, quantity.step)] * len(at)
+            sums_by_cell = [_compute_sums(piece, what, quantity.step)] * len(means_by_cell)
 
             def add(cell: tuple[int, ...], sums: tuple[Sums, Sums]) -> None:
                 for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
-                    at[cell].add(*quantity.curves(cell, *sums, slice(first, first + at_a_time)))
+                    means_by_cell[cell].add(*quantity.curves(cell, *sums, slice(first, first + at_a_time)))
 
-            list(pool.map(add, at, both))
-    return quantity.build_dataset(at, averages, others)
+            list(pool.map(add, means_by_cell, sums_by_cell))
+    return quantity.build_dataset(means_by_cell, averages, others)
 
 
 class _EnsembleQuantity:
@@ -275,14 +275,14 @@ class _EnsembleQuantity:
         self, cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)
     ) -> tuple[Floats, Floats]:
         """Return normal loads and values of some members (c, k, r), with all mu0 and tau0 along the first axis."""
-        pair, other = (item.apply(operator.itemgetter((*cell, slice(None), some))) for item in (sums, others))
+        pair, other_sums = (item.apply(operator.itemgetter((*cell, slice(None), some))) for item in (sums, others))
         material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
         normal = friction.compute_load("normal", pair, *material)
-        values = np.broadcast_to(_compute_values(other, self.what, *material), normal.shape)
+        values = np.broadcast_to(_compute_values(other_sums, self.what, *material), normal.shape)
         return tuple(item.reshape(-1, *normal.shape[2:]) for item in (normal, values))  # type: ignore[return-value]
 
     def build_dataset(
-        self, at: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
+        self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
     ) -> xarray.Dataset:
         """Build a dataset from the means and intervals of all cells."""
         import xarray
@@ -290,34 +290,36 @@ class _EnsembleQuantity:
         mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
         validity = {name: np.full(self.shape, np.nan) for name in VALIDITY}
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
-        for cell, each in at.items():
-            for array, found in zip((mean, lower, upper), (each.mean, *each.interval()), strict=True):
+        for cell, means in means_by_cell.items():
+            for array, found in zip((mean, lower, upper), (means.mean, *means.interval()), strict=True):
                 array[cell] = _reshape_curves(found, self.shape)
             pair = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.curves(cell, averages, others)[0][..., 0]
             locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # self-locked at the largest approach
-            why = friction.combine_status(
-                touched=bool(pair.contact_count.any()), reached=each.crossing.reached, below=each.crossing.below,
+            cell_status = friction.combine_status(
+                touched=bool(pair.contact_count.any()), reached=means.crossing.reached, below=means.crossing.below,
                 locked=locked,
             )  # fmt: skip
-            status[cell] = _reshape_curves(why, self.shape)
+            status[cell] = _reshape_curves(cell_status, self.shape)
             if self.judged:
-                there = {name: each.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS}
-                for name, figure in vars(Validity.from_sums(Sums(**there))).items():
-                    validity[name][cell] = _reshape_curves(np.where(each.crossing.reached, figure, np.nan), self.shape)
+                sums_at_loads = {
+                    name: means.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS
+                }
+                for name, figure in vars(Validity.from_sums(Sums(**sums_at_loads))).items():
+                    validity[name][cell] = _reshape_curves(np.where(means.crossing.reached, figure, np.nan), self.shape)
         if self.what == "friction_coefficient" or QUANTITIES[self.what].weighted:
             for array in (mean, lower, upper):
                 array /= self.loads[:, np.newaxis, np.newaxis]
         coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
         dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
-        coordinates |= {name: (name, each, attributes_of(name)) for name, each in dimensions}
+        coordinates |= {name: (name, axis, attributes_of(name)) for name, axis in dimensions}
         dims = tuple(coordinates)
         of_one = [motion for motion in MOTIONS if motion in self.head.coords]
-        unit, words = QUANTITIES[self.what].unit, QUANTITIES[self.what].words
+        unit, title = QUANTITIES[self.what].unit, QUANTITIES[self.what].words
         variables: dict[str, Any] = {
-            self.what: (dims, mean, {"units": unit, "long_name": words}),
-            "lower": (dims, lower, {"units": unit, "long_name": f"lower end of the 95 % interval of the {words}"}),
-            "upper": (dims, upper, {"units": unit, "long_name": f"upper end of the 95 % interval of the {words}"}),
+            self.what: (dims, mean, {"units": unit, "long_name": title}),
+            "lower": (dims, lower, {"units": unit, "long_name": f"lower end of the 95 % interval of the {title}"}),
+            "upper": (dims, upper, {"units": unit, "long_name": f"upper end of the 95 % interval of the {title}"}),
             "status": (dims, status, attributes_of("status")),
             **{name: (dims, values, attributes_of(name)) for name, values in validity.items()},
         }
@@ -338,9 +340,9 @@ def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums,
     def values_of(name: str) -> NDArray[Any]:
         if name not in data:
             return np.broadcast_to(np.nan, shape)
-        own = [dim for dim in dims if dim in data[name].dims]
-        values = repetitions_last(data[name], own[:-1])
-        return np.broadcast_to(values.reshape([data.sizes[dim] if dim in own else 1 for dim in dims]), shape)
+        own_dims = [dim for dim in dims if dim in data[name].dims]
+        values = repetitions_last(data[name], own_dims[:-1])
+        return np.broadcast_to(values.reshape([data.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
 
     columns = {name: values_of(name) for name in SUMS}
     sums = Sums.from_columns(columns)
@@ -354,8 +356,8 @@ def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums,
     def derivative(values: NDArray[Any]) -> Floats:
         return np.asarray(np.gradient(values, data[step].values, axis=-2, edge_order=2))
 
-    own = derivative(values_of("approach")) if step == "load" else 1.0
-    return sums, Sums.from_columns(columns | {name: derivative(columns[name]) / own for name in _LOADS[1:]})
+    approach_step = derivative(values_of("approach")) if step == "load" else 1.0
+    return sums, Sums.from_columns(columns | {name: derivative(columns[name]) / approach_step for name in _LOADS[1:]})
 
 
 def _compute_values(sums: Sums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
@@ -375,8 +377,8 @@ def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str,
             for sums in _compute_sums(piece, quantity, step)
         ]
         total = [
-            Sums(**{name: getattr(one, name) + getattr(other, name) for name in SUMS})
-            for one, other in zip(total, added, strict=True)
+            Sums(**{name: getattr(first, name) + getattr(second, name) for name in SUMS})
+            for first, second in zip(total, added, strict=True)
         ] if total else added  # fmt: skip
     sums, others = (each.apply(lambda values: values / max(count, 1)) for each in total)
     return sums, others, count

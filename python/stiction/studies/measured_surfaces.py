@@ -89,16 +89,16 @@ def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
         return None
     parts: Any = value.split(",") if isinstance(value, str) else value
     parts = parts if isinstance(parts, (list, tuple)) else [parts]
-    if not parts or not all(isinstance(part, (str, int, float)) and not isinstance(part, bool) for part in parts):
+    if not parts or not all(isinstance(entry, (str, int, float)) and not isinstance(entry, bool) for entry in parts):
         raise ValueError(f"must be a number, a word, or a list of numbers and words, got {short_repr(value)}")
-    return tuple(part.strip() if isinstance(part, str) else part for part in parts)
+    return tuple(entry.strip() if isinstance(entry, str) else entry for entry in parts)
 
 
 def _parse_caveats(value: object) -> tuple[str, ...] | None:
     """Parse the names of caveats."""
     if value is None:
         return None
-    names = [part.strip() for part in value.split(",")] if isinstance(value, str) else value
+    names = [entry.strip() for entry in value.split(",")] if isinstance(value, str) else value
     if not isinstance(names, (list, tuple)) or not set(names) <= set(CAVEATS):
         raise ValueError(f"must be one of {', '.join(CAVEATS)}, or a list of these, got {short_repr(value)}")
     return tuple(names)
@@ -145,9 +145,9 @@ class MeasuredFile(Table):
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
-    def __eq__(self, other: object) -> bool:
+    def __eq__(self, value: object) -> bool:
         """Compare all fields except the body, which the checksum identifies."""
-        return isinstance(other, MeasuredFile) and self._identity() == other._identity()
+        return isinstance(value, MeasuredFile) and self._identity() == value._identity()
 
     def __hash__(self) -> int:
         return hash(self._identity())
@@ -620,28 +620,28 @@ class LineMembers:
     def member(self, index: int) -> Member:
         """Return a member: a slider and the section of the counterface below the slider."""
         pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
-        line, place = divmod(index, offsets) if pairs.several else (0, index)
+        line, position = divmod(index, offsets) if pairs.several else (0, index)
         count = pairs.max_count()
         if count is not None and line >= count:
             raise ValueError(f"the surfaces have {count} pairs of lines, but member {index} needs pair {line + 1}")
         slider, track = pairs.pair(line)
         max_steps = len(track) - len(slider)
         if self.positions is not None:
-            if place >= offsets:
+            if position >= offsets:
                 raise ValueError(
-                    f"surfaces.positions has {offsets} positions, but member {index} needs position {place + 1}"
+                    f"surfaces.positions has {offsets} positions, but member {index} needs position {position + 1}"
                 )
-            return self._member_at(slider, track, round(self.positions[place] / slider.spacing), line)
-        if max_steps == 0 and place > 0:
+            return self._member_at(slider, track, round(self.positions[position] / slider.spacing), line)
+        if max_steps == 0 and position > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
         # Offset 0 is excluded for a single pair, because both lines may be identical.
         is_unshifted = pairs.several and offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             steps = 0
-        elif offsets == 1 and pairs.travel is not None and place == 0:
+        elif offsets == 1 and pairs.travel is not None and position == 0:
             steps = max_steps  # a single position is at the end of the travel
         else:
-            steps = 1 + min(int(quasi_random_point(place + 1, 1)[0] * max_steps), max_steps - 1)
+            steps = 1 + min(int(quasi_random_point(position + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, track, steps, line)
 
     def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> Member:

@@ -131,29 +131,37 @@ def _solve_half_space(
         ways = (
             [curve]
             if areal
-            else [curve if way == "+x" else curve.with_direction(way) for way in _list_profile_directions(contact)]
+            else [
+                curve if direction == "+x" else curve.with_direction(direction)
+                for direction in _list_profile_directions(contact)
+            ]
         )
         rules = enumerate(contact.rules())
-        return [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
+        return [
+            [direction if rule == 0 else direction.with_sliding(sliding) for direction in ways]
+            for rule, sliding in rules
+        ]
 
     def of_motions(curves: list[list[HalfSpaceCurve]], name: str) -> Floats:
-        return np.stack([np.concatenate([np.atleast_2d(getattr(way, name)) for way in ways]) for ways in curves])
+        return np.stack(
+            [np.concatenate([np.atleast_2d(getattr(direction, name)) for direction in ways]) for ways in curves]
+        )
 
-    for at, curve in solve_separately(solve, contact.steps()):
+    for load_indices, curve in solve_separately(solve, contact.steps()):
         curves = by_motion(curve)
         for name in sums:
-            values[name][..., at] = of_motions(curves, name) if name in DIRECTED else getattr(curve, name)
+            values[name][..., load_indices] = of_motions(curves, name) if name in DIRECTED else getattr(curve, name)
         if slopes is None:
             continue
-        values["status"][at] = STATUSES.index("ok")
-        values["normal_stiffness"][at] = curve.stiffness
-        values["closure"][at] = curve.closure
-        values["closure_stiffness"][at] = curve.closure_stiffness * MPA_OVER_MM
+        values["status"][load_indices] = STATUSES.index("ok")
+        values["normal_stiffness"][load_indices] = curve.stiffness
+        values["closure"][load_indices] = curve.closure
+        values["closure_stiffness"][load_indices] = curve.closure_stiffness * MPA_OVER_MM
         if unloads or curve.hardness is None:
-            values["unloading_stiffness"][at] = curve.unloading_stiffness
-        values["error"][at] = curve.error
-        for place, load in enumerate(at):
-            pressed = curve.at(place)
+            values["unloading_stiffness"][load_indices] = curve.unloading_stiffness
+        values["error"][load_indices] = curve.error
+        for index, load in enumerate(load_indices):
+            pressed = curve.at(index)
             for name, value in (
                 list_contact_patches(pressed).compute_statistics() | find_load_on_steep_points(pressed, slopes)
             ).items():
@@ -190,8 +198,8 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
         return
     # Contacts at minima of the gap start with zero load, so the load has no jumps.
     fractions = [1 - STIFFNESS_STEP, 1 - JUMP_DISTANCE * (first_model.detection == "cell"), 1, 1 + STIFFNESS_STEP]
-    steps, place = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
-    low, before, at, high = place.reshape(len(fractions), ok.size)
+    steps, index = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
+    low, before, at, high = index.reshape(len(fractions), ok.size)
     bodies = find_candidates_once(upper, lower, float(steps[-1]), first_model)
     pressed: Any = functools.partial(press, *bodies)
     listed: Any = functools.partial(contacts, *bodies)
@@ -320,9 +328,11 @@ def member_sums(study: Study, index: int) -> Arrays:
     `ValueError` if the bodies cannot be loaded.
     """
     arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in describe_arrays(study).items()}
-    for place, part in _solve_measured(study, index, arrays) if study.is_measured else _solve_generated(study, index):
+    for cell_index, part in (
+        _solve_measured(study, index, arrays) if study.is_measured else _solve_generated(study, index)
+    ):
         for name, values in part.items():
-            arrays[name][place] = values.reshape(arrays[name][place].shape)
+            arrays[name][cell_index] = values.reshape(arrays[name][cell_index].shape)
     return arrays
 
 
@@ -433,14 +443,14 @@ def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
     assert isinstance(contact, AsperityContactTable)
     assert contact.onset is not None
     onsets = {name: np.zeros(curve.approach.size) for name in ONSET}
-    for place in np.flatnonzero(curve.normal_elastic > 0).tolist():
+    for index in np.flatnonzero(curve.normal_elastic > 0).tolist():
         onset = curve.onset(
-            place, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.directions_of_motion()[0],
+            index, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.directions_of_motion()[0],
             steps=[SLIP_LOAD_FRACTION], poisson=contact.onset.poisson_ratio,
         )  # fmt: skip
         values = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
         for name, value in zip(ONSET, values, strict=True):
-            onsets[name][place] = value
+            onsets[name][index] = value
     return onsets
 
 
@@ -501,7 +511,7 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 def _solve_measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
     """Yield the contact sums of a member at each cutoff, and write the coordinates of the member to `arrays`."""
     unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
-    for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
+    for cell_index, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
-        yield place, solve_at_loads(study, *member.pair, unloads=unloads and place < UNLOADED_CUT_OFFS)
+        yield cell_index, solve_at_loads(study, *member.pair, unloads=unloads and cell_index < UNLOADED_CUT_OFFS)

@@ -81,17 +81,17 @@ class Axis:
     def bounds(self) -> list[tuple[float, float]]:
         """Interval around each ranged node in which all values count as the node."""
         return [
-            (float(own / (1 + SAME_INPUT_TOLERANCE)), float(own / (1 - SAME_INPUT_TOLERANCE))) for own in self.ranged
+            (float(node / (1 + SAME_INPUT_TOLERANCE)), float(node / (1 - SAME_INPUT_TOLERANCE))) for node in self.ranged
         ]
 
-    def with_nodes(self, more: Sequence[float]) -> Axis:
+    def with_nodes(self, additional: Sequence[float]) -> Axis:
         """Return the axis with additional rising nodes."""
-        return Axis(np.unique([*self.rising, *more]), self.ranged)
+        return Axis(np.unique([*self.rising, *additional]), self.ranged)
 
     def middles(self) -> Floats:
         """Return the middles of the panels between rising nodes, shifted out of the bounds of ranged nodes."""
-        found = (self.rising[1:] + self.rising[:-1]) / 2
-        return np.where(self._is_ranged(found), 0.5 * (found + self.rising[1:]), found)
+        middles = (self.rising[1:] + self.rising[:-1]) / 2
+        return np.where(self._is_ranged(middles), 0.5 * (middles + self.rising[1:]), middles)
 
     @property
     def panel_middles(self) -> Floats:
@@ -111,15 +111,15 @@ class Axis:
 
     def weights(self, value: float, *, cubic: bool = True) -> Floats:
         """Return the interpolation weights of the nodes at a value (n,)."""
-        found = np.zeros(self.values.size)
+        weights = np.zeros(self.values.size)
         for index, (low, high) in enumerate(self.bounds):
             if low <= value <= high:
-                found[self.rising.size + index] = 1.0
-                return found
+                weights[self.rising.size + index] = 1.0
+                return weights
         near = np.abs(self.rising - value)
         if near.min() <= NODE_TOLERANCE * self.rising[-1]:
-            found[near.argmin()] = 1.0
-            return found
+            weights[near.argmin()] = 1.0
+            return weights
         last = self.rising.size - 1
         before = int(np.clip(np.searchsorted(self.rising, value, side="right") - 1, 0, last - 1))
         first, number = (min(max(before - 1, 0), last - 3), 4) if cubic and last >= 3 else (before, 2)
@@ -266,26 +266,31 @@ def axes_of(study: Study) -> tuple[Axis, Axis]:
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     strength = MAX_TAU0_OVER_MODULUS * modulus
     strength = strength if hardness is None else min(strength, MAX_TAU0_OVER_HARDNESS * float(hardness))
-    own = {"mu0": np.array(study.friction.mu0), "tau0": np.array([float(each) for each in study.friction.tau0])}
-    most = {"mu0": max(1.0, own["mu0"][-1]), "tau0": max(strength, own["tau0"][-1])}
-    if not study.is_measured and own["tau0"].size > 1:
-        most["tau0"] = own["tau0"][-1]
-    return tuple(_axis(own[name], most[name], is_ranged=name in ranged) for name in ("mu0", "tau0"))  # type: ignore[return-value]
+    study_values = {
+        "mu0": np.array(study.friction.mu0),
+        "tau0": np.array([float(each) for each in study.friction.tau0]),
+    }
+    largest = {"mu0": max(1.0, study_values["mu0"][-1]), "tau0": max(strength, study_values["tau0"][-1])}
+    if not study.is_measured and study_values["tau0"].size > 1:
+        largest["tau0"] = study_values["tau0"][-1]
+    return tuple(_axis(study_values[name], largest[name], is_ranged=name in ranged) for name in ("mu0", "tau0"))  # type: ignore[return-value]
 
 
-def _axis(own: Floats, most: float, *, is_ranged: bool) -> Axis:
-    if own.size > MAX_STUDY_NODES:
-        own = own[np.unique(np.linspace(0, own.size - 1, MAX_STUDY_NODES).round().astype(int))]
+def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Axis:
+    if study_values.size > MAX_STUDY_NODES:
+        study_values = study_values[
+            np.unique(np.linspace(0, study_values.size - 1, MAX_STUDY_NODES).round().astype(int))
+        ]
     # closer together near 0, where interval limits have the largest curvature
-    first = most * np.linspace(0.0, 1.0, MIN_NODES) ** 2
+    first = largest * np.linspace(0.0, 1.0, MIN_NODES) ** 2
     if is_ranged:
-        axis = Axis(first, own[own > 0])
+        axis = Axis(first, study_values[study_values > 0])
         return Axis(np.where(axis._is_ranged(first), first * (1 + 5 * SAME_INPUT_TOLERANCE), first), axis.ranged)
     steps = np.diff(first)
     room = MIN_NODE_DISTANCE * np.minimum(np.append(steps[0], steps), np.append(steps, steps[-1]))
-    kept = np.abs(first[:, np.newaxis] - own).min(axis=1) > room
-    kept[[0, -1]] = True
-    return Axis(np.unique([*first[kept], *own]))
+    is_kept = np.abs(first[:, np.newaxis] - study_values).min(axis=1) > room
+    is_kept[[0, -1]] = True
+    return Axis(np.unique([*first[is_kept], *study_values]))
 
 
 def refined(
@@ -302,40 +307,40 @@ def refined(
     evaluate : function of mu0 (m,) and tau0 (t,)
         Values, lower and upper ends (..., m, t, 3).
     """
-    found = list(axes)
-    for place in range(2):
-        other = found[1 - place].rising
-        across = other[[min(1, other.size - 1), max(other.size - 2, 0)]]
+    refined_axes = list(axes)
+    for index in range(2):
+        other_nodes = refined_axes[1 - index].rising
+        across = other_nodes[[min(1, other_nodes.size - 1), max(other_nodes.size - 2, 0)]]
         rows: dict[float, Floats] = {}  # cached values along the axis (..., 3)
         for _ in range(MAX_ROUNDS):
-            axis = found[place]
+            axis = refined_axes[index]
             middles = axis.middles()
             along = np.concatenate([axis.values, middles])
             if (new := np.array([value for value in along.tolist() if value not in rows])).size:
-                table = evaluate(new, across) if place == 0 else np.swapaxes(evaluate(across, new), -2, -3)
+                table = evaluate(new, across) if index == 0 else np.swapaxes(evaluate(across, new), -2, -3)
                 rows |= zip(new.tolist(), np.moveaxis(table, -3, 0), strict=True)
-            nodes, wanted = (np.stack([rows[value] for value in part.tolist()]) for part in (axis.values, middles))
+            nodes, exact = (np.stack([rows[value] for value in values.tolist()]) for values in (axis.values, middles))
             with np.errstate(invalid="ignore"):
-                given = np.stack([np.tensordot(axis.weights(middle), nodes, axes=1) for middle in middles])
+                estimated = np.stack([np.tensordot(axis.weights(middle), nodes, axes=1) for middle in middles])
                 changes = [
                     np.tensordot(np.stack([axis.corrections(middle)[side] for middle in middles]), nodes, axes=1)
                     for side in range(2)
                 ]
-            estimate = excess(wanted + _estimated_error(*changes), wanted) * ENDS_TOLERANCE / PRINTED_TOLERANCE
-            errors = np.maximum(excess(given, wanted), estimate).reshape(middles.size, -1).max(axis=1)
+            estimate = excess(exact + _estimated_error(*changes), exact) * ENDS_TOLERANCE / PRINTED_TOLERANCE
+            errors = np.maximum(excess(estimated, exact), estimate).reshape(middles.size, -1).max(axis=1)
             order = np.argsort(-errors)[: max(max_nodes - axis.rising.size, 0)]
-            more = middles[order[errors[order] > max(1.0, errors.max() / 4)]]
-            if not more.size:
+            new_nodes = middles[order[errors[order] > max(1.0, errors.max() / 4)]]
+            if not new_nodes.size:
                 break
-            found[place] = axis.with_nodes(more.tolist())
-    return found[0], found[1]
+            refined_axes[index] = axis.with_nodes(new_nodes.tolist())
+    return refined_axes[0], refined_axes[1]
 
 
-def excess(given: Floats, wanted: Floats) -> Floats:
+def excess(estimated: Floats, exact: Floats) -> Floats:
     """Return errors of values and interval limits (..., 3) relative to the tolerances, or 0 without finite values."""
-    value, width = np.abs(wanted[..., 0]), wanted[..., 2] - wanted[..., 1]
+    value, width = np.abs(exact[..., 0]), exact[..., 2] - exact[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        error = np.abs(given - wanted)
+        error = np.abs(estimated - exact)
         ends = error[..., 1:].max(axis=-1) / np.maximum(ENDS_TOLERANCE * width, VALUE_TOLERANCE * value)
         values = error[..., 0] / (VALUE_TOLERANCE * value)
     return np.maximum(np.where(np.isfinite(ends), ends, 0.0), np.where(np.isfinite(values), values, 0.0))
@@ -351,25 +356,26 @@ def largest_errors(
     not interpolated, and intervals narrower than the tolerance of the value, are omitted.
     """
     mu0, tau0 = (
-        axis.rising[0] + np.ptp(axis.rising) * part for axis, part in zip(axes, CHECKED_FRACTIONS, strict=True)
+        axis.rising[0] + np.ptp(axis.rising) * fractions
+        for axis, fractions in zip(axes, CHECKED_FRACTIONS, strict=True)
     )
     fine = is_interpolated(axes, table)
-    wanted = evaluate(mu0, tau0)
+    exact = evaluate(mu0, tau0)
     values, ends = [0.0], [0.0]
     for row, column in np.ndindex(mu0.size, tau0.size):
         at = mu0[row], tau0[column]
         panel = [int(np.searchsorted(axis.rising, each, side="right") - 1) for axis, each in zip(axes, at, strict=True)]
-        given = interpolated(axes, np.moveaxis(table, -1, 0), *at)
-        here = np.moveaxis(wanted[..., row, column, :], -1, 0)
-        width = here[2] - here[1]
+        estimated = interpolated(axes, np.moveaxis(table, -1, 0), *at)
+        exact_point = np.moveaxis(exact[..., row, column, :], -1, 0)
+        width = exact_point[2] - exact_point[1]
         with np.errstate(divide="ignore", invalid="ignore"):
-            value = np.abs(given[0] / here[0] - 1)
-            end = np.abs(given[1:] - here[1:]).max(axis=0) / np.maximum(
-                width, VALUE_TOLERANCE / ENDS_TOLERANCE * np.abs(here[0])
+            value = np.abs(estimated[0] / exact_point[0] - 1)
+            end = np.abs(estimated[1:] - exact_point[1:]).max(axis=0) / np.maximum(
+                width, VALUE_TOLERANCE / ENDS_TOLERANCE * np.abs(exact_point[0])
             )
-        for found, error in ((values, value), (ends, end)):
+        for errors, error in ((values, value), (ends, end)):
             error = error[fine[..., panel[0], panel[1]] & np.isfinite(error)]
-            found.append(float(error.max(initial=0.0)))
+            errors.append(float(error.max(initial=0.0)))
     return max(values), max(ends)
 
 
@@ -389,8 +395,8 @@ def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float
 def _weighted(table: Floats, over_mu0: Floats, over_tau0: Floats) -> Floats:
     """Return the weighted sum of node values (..., m, t), ignoring nodes with zero weight."""
     rows, columns = np.flatnonzero(over_mu0), np.flatnonzero(over_tau0)
-    part = table[..., rows, :][..., columns]
-    return np.asarray(np.einsum("...mt,m,t->...", part, over_mu0[rows], over_tau0[columns]))
+    selected = table[..., rows, :][..., columns]
+    return np.asarray(np.einsum("...mt,m,t->...", selected, over_mu0[rows], over_tau0[columns]))
 
 
 def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_]:

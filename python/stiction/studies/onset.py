@@ -209,9 +209,9 @@ def format_backbone(onset: xarray.Dataset) -> str:
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
-    for name, words in _CURVE_TITLES.items():
+    for name, quantity_title in _CURVE_TITLES.items():
         unit = QUANTITIES[name].unit
-        title = words + ("" if unit == "1" else f" ({unit})")
+        title = quantity_title + ("" if unit == "1" else f" ({unit})")
         for statistic, suffix in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
             columns[title + suffix] = [0.0, *onset[name].sel(statistic=statistic).values]
     text: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.9g")

@@ -122,13 +122,13 @@ class Pair:
     @cached_property
     def files(self) -> tuple[MeasuredFile, MeasuredFile]:
         """Files of both bodies, with their reading options."""
-        parts = []
+        files = []
         for index, side in enumerate(SIDES):
             scans = self.options.given(side) if self.options.gap is None else self.options.gap
             name = side if self.options.gap is None else "gap"
             first_scan, *other_scans = (self._build_file_entry(side, index, scan) for scan in _list_scans(name, scans))
-            parts.append(first_scan.model_copy(update={"others": tuple(other_scans) or None}))
-        return parts[0], parts[1]
+            files.append(first_scan.model_copy(update={"others": tuple(other_scans) or None}))
+        return files[0], files[1]
 
     def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredFile:
         """Return the study entry of a body: a file with reading options, or a body in memory."""
@@ -159,15 +159,15 @@ class Pair:
         try:
             return validated(MeasuredFile, table, f"pair: {side}")
         except StudyError as error:
-            key, why = error.faults[0]
+            key, reason = error.faults[0]
             if key not in PAIR_OPTIONS:
                 raise
-            raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=why) from None
+            raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=reason) from None
 
     def _select_value(self, name: str, index: int) -> Any:
         """Return the value of an option for a body, where a single value applies to both bodies."""
-        given = self.options.given(name)
-        values = given if isinstance(given, list) else [given]
+        option = self.options.given(name)
+        values = option if isinstance(option, list) else [option]
         if len(values) > 2:
             raise ArgumentError(
                 f"{{{name}}} must be given once for both files, or once for each file, got {len(values)} values"
@@ -367,9 +367,9 @@ class Pair:
         """Largest attraction of a grid cell (mN), which is w/ρ times the area of the cell."""
         points = int(np.prod(self._body_attributes.attributes["shape"]))
         steps = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
-        work, given = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
+        work, study_range = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
         min_range = resolved_range(work, float(steps.max()), self.elasticity.effective_modulus)
-        return work / max(given or ADHESION_RANGE, min_range) * self._nominal_area / points
+        return work / max(study_range or ADHESION_RANGE, min_range) * self._nominal_area / points
 
     @property
     def _width(self) -> float:
@@ -709,10 +709,10 @@ def _validate_study(data: dict[str, Any]) -> Study:
     try:
         return validated(Study, data, "pair")
     except StudyError as error:
-        key, why = error.faults[0]
+        key, reason = error.faults[0]
         if (name := _find_option(key)) is None:
             raise
-        raise ArgumentError(f"{{{name}}} {{why}}", why=why) from None
+        raise ArgumentError(f"{{{name}}} {{why}}", why=reason) from None
 
 
 def _find_option(key: str) -> str | None:

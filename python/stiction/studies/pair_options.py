@@ -811,17 +811,17 @@ def argument_errors() -> Iterator[None]:
         yield
     except ValidationError as error:
         first_error = error.errors(include_url=False)[0]
-        name, given = str(first_error["loc"][0]) if first_error["loc"] else "", first_error["input"]
+        name, value = str(first_error["loc"][0]) if first_error["loc"] else "", first_error["input"]
         match first_error["type"]:
             case "literal_error":
                 allowed = list_choices(name)
-                suggestions = difflib.get_close_matches(str(given), allowed, n=1)
+                suggestions = difflib.get_close_matches(str(value), allowed, n=1)
                 hint = f"; did you mean {suggestions[0]}?" if suggestions else ""
-                reason = f"must be {' or '.join(allowed)}, got {short_repr(given)}{hint}"
+                reason = f"must be {' or '.join(allowed)}, got {short_repr(value)}{hint}"
             case "string_type":
-                reason = f"must be a text, got {short_repr(given)}"
+                reason = f"must be a text, got {short_repr(value)}"
             case "bool_type":
-                reason = f"must be True or False, got {short_repr(given)}"
+                reason = f"must be True or False, got {short_repr(value)}"
             case "missing":
                 reason = "must be given"
             case "extra_forbidden":

@@ -39,8 +39,8 @@ def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
     """Yield a dataset for each point (cell, load, mu0 and tau0) of a dataset of `at_load`."""
     cells = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
-    for place in np.ndindex(*(at.sizes[name] for name in dims)):
-        yield at.isel(dict(zip(dims, place, strict=True)))
+    for indices in np.ndindex(*(at.sizes[name] for name in dims)):
+        yield at.isel(dict(zip(dims, indices, strict=True)))
 
 
 RULE_ORDER = ("all", "opposing")
@@ -71,8 +71,8 @@ def value_of(point: xarray.Dataset, name: str) -> float:
     table = point[name]
     if "statistic" in table.dims:
         table = table.sel(statistic="mean")
-    known = table.values[np.isfinite(table.values)]
-    return float(known.mean()) if known.size else math.nan
+    finite = table.values[np.isfinite(table.values)]
+    return float(finite.mean()) if finite.size else math.nan
 
 
 def contact_status_of(point: xarray.Dataset, study: Study) -> str:

@@ -252,8 +252,8 @@ def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | 
     yielding: list[tuple[dict[str, float], tuple[YieldEstimate, ...]]] = []
     if roughness is not None and study.uses_half_space and study.contact.hardness is None:
         for point in points(at.isel(cut_off=[0]) if "cut_off" in at.dims else at):
-            place = {name: float(point[name]) for name in ("load", "mu0", "tau0")}
-            yielding.append((place, yield_estimates(point, study, roughness)))
+            coordinates = {name: float(point[name]) for name in ("load", "mu0", "tau0")}
+            yielding.append((coordinates, yield_estimates(point, study, roughness)))
     if cutoffs is None:
         return Resolution(roughness, yielding=tuple(yielding))
     first = cutoffs.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))

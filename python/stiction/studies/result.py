@@ -168,10 +168,10 @@ class Result:
         if self.stored is None:
             return None
         if read not in self._alongside:
-            found = read(self.stored)
-            if found is None:
+            value = read(self.stored)
+            if value is None:
                 return None
-            self._alongside[read] = found
+            self._alongside[read] = value
         return self._alongside[read]  # type: ignore[no-any-return]
 
     @property
@@ -269,16 +269,16 @@ class Result:
 
         If the study has a range of fractal dimensions, only `NUM_OVERVIEW_DIMENSIONS` values are evaluated.
         """
-        at = self.at(budget=True)
+        selection = self.at(budget=True)
         if self.study.is_measured:
-            return at
+            return selection
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
-            return at
+            return selection
         # A few values of a range suffice for a curve, but all values of a list are needed.
-        number = at.sizes["fractal_dimension"]
+        number = selection.sizes["fractal_dimension"]
         shown = np.unique(np.linspace(0, number - 1, min(NUM_OVERVIEW_DIMENSIONS, number)).round().astype(int))
-        return at.isel(fractal_dimension=shown)
+        return selection.isel(fractal_dimension=shown)
 
     def at(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
@@ -475,9 +475,12 @@ class Result:
         """
         import pandas
 
-        one = self._first
-        whole = one.upper - one.lower
-        rows = [(left.words, left.lower, left.upper, left.width, 1 - left.width / whole) for left in one.budget]
+        point = self._first
+        whole = point.upper - point.lower
+        rows = [
+            (interval.words, interval.lower, interval.upper, interval.width, 1 - interval.width / whole)
+            for interval in point.budget
+        ]
         return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])
 
     @property

@@ -245,9 +245,9 @@ class StoredResult:
         return content
 
 
-def _damage_error(path: Path, block: Block, why: str) -> StoreError:
+def _damage_error(path: Path, block: Block, reason: str) -> StoreError:
     return StoreError(
-        f"{printable_path(path / BLOCKS_FOLDER / block.name)}: {why}; remove that file and run the study again to "
+        f"{printable_path(path / BLOCKS_FOLDER / block.name)}: {reason}; remove that file and run the study again to "
         f"recompute repetitions {block.first} to {block.last}"
     )
 
@@ -311,9 +311,9 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     except FileNotFoundError:
         return None
     except (OSError, NotReadableError, DamageError) as error:
-        why = describe_os_error(error) if isinstance(error, OSError) else error
+        reason = describe_os_error(error) if isinstance(error, OSError) else error
         raise StoreError(
-            f"{printable_path(path)}: {why}; remove the file, and run the study again to recreate it"
+            f"{printable_path(path)}: {reason}; remove the file, and run the study again to recreate it"
         ) from None
     attributes = {name: np.asarray(value) for name, value in dataset.attrs.items()}
     dataset.attrs = {name: value.item() if value.size == 1 else value for name, value in attributes.items()}
@@ -399,8 +399,8 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
             )
     except (OSError, RuntimeError) as error:  # RuntimeError: symbolic link that refers to itself
         if stored.count < study.ensemble.repetitions:
-            why = describe_os_error(error) if isinstance(error, OSError) else error
-            raise StoreError(f"{printable_path(path)}: cannot be written: {why}") from None
+            reason = describe_os_error(error) if isinstance(error, OSError) else error
+            raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
     return stored
 
 

@@ -249,58 +249,62 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
     return Summary(study, at, tuple(found), **alongside)
 
 
-def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
+def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
     """Return the points with intervals at the quoted cutoff that also cover the other cutoff."""
-    cut_off = found[0].at["cut_off"]  # the value at the first cutoff is quoted
-    others = {_place(one): one for one in found if one.at["cut_off"] != cut_off}
-    own = [one for one in found if one.at["cut_off"] == cut_off]
-    first = [_covering(one, others[_place(one)]) if _place(one) in others else one for one in own]
-    return [*first, *(replace(one, covered=True) for one in others.values())]
+    cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
+    others = {_place(point): point for point in points if point.at["cut_off"] != cut_off}
+    quoted = [point for point in points if point.at["cut_off"] == cut_off]
+    first = [_covering(point, others[_place(point)]) if _place(point) in others else point for point in quoted]
+    return [*first, *(replace(point, covered=True) for point in others.values())]
 
 
-def _place(one: PointSummary) -> tuple[tuple[str, float], ...]:
+def _place(point: PointSummary) -> tuple[tuple[str, float], ...]:
     """Return load, mu0, tau0 and cell of a point without the cutoff."""
-    return tuple(item for item in one.at.items() if item[0] != "cut_off")
+    return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
-def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
+def _covering(point: PointSummary, other_point: PointSummary) -> PointSummary:
     """Return the quoted point with intervals and caveats that cover the point at the other cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
-    rules = tuple(_over_both(*each) for each in zip(one.rules, other.rules, strict=True))
-    both = {left.words: left for left in other.budget}
-    known = math.isfinite(one.upper - one.lower)  # infinite or NaN with one or two positions
-    budget = [RemainingInterval(WAVELENGTHS_INPUT, one.lower, one.upper, one.upper - one.lower)] if known else []
-    for left in one.budget:
-        same = both.get(left.words, left)
-        low, high = min(left.lower, same.lower), max(left.upper, same.upper)
-        budget.append(RemainingInterval(left.words, low, high, high - low))
-    value = other.rules[0]
-    is_measured = one.at["cut_off"] == 0
-    words = (
+    rules = tuple(_over_both(*each) for each in zip(point.rules, other_point.rules, strict=True))
+    both = {entry.words: entry for entry in other_point.budget}
+    has_interval = math.isfinite(point.upper - point.lower)  # infinite or NaN with one or two positions
+    budget = (
+        [RemainingInterval(WAVELENGTHS_INPUT, point.lower, point.upper, point.upper - point.lower)]
+        if has_interval
+        else []
+    )
+    for entry in point.budget:
+        same = both.get(entry.words, entry)
+        low, high = min(entry.lower, same.lower), max(entry.upper, same.upper)
+        budget.append(RemainingInterval(entry.words, low, high, high - low))
+    value = other_point.rules[0]
+    is_measured = point.at["cut_off"] == 0
+    text = (
         f"; {'without' if is_measured else 'with'} them μ_s is {format_estimate(value.value, value.lower, value.upper)}"
     )
-    words = words if math.isfinite(value.value) else ""
-    own = [replace(each, text=each.text + words) if each.has_readings else each for each in one.caveats]
-    texts = {each.text for each in one.caveats}
+    text = text if math.isfinite(value.value) else ""
+    own_caveats = [replace(each, text=each.text + text) if each.has_readings else each for each in point.caveats]
+    texts = {each.text for each in point.caveats}
     beyond = [
         replace(each, text=f"as measured: {each.text}")
-        for each in other.faults
+        for each in other_point.faults
         if not (is_measured or each.has_readings or each.text in texts)
     ]
-    caveats = sorted([*own, *beyond], key=lambda caveat: caveat.severity != "fault")
-    order = tuple(sorted(budget, key=lambda left: left.width))
-    bracket = None if any(each.severity == "fault" for each in caveats) else one.bracket
-    return replace(one, rules=rules, budget=order, caveats=tuple(caveats), bracket=bracket)
+    caveats = sorted([*own_caveats, *beyond], key=lambda caveat: caveat.severity != "fault")
+    order = tuple(sorted(budget, key=lambda entry: entry.width))
+    bracket = None if any(each.severity == "fault" for each in caveats) else point.bracket
+    return replace(point, rules=rules, budget=order, caveats=tuple(caveats), bracket=bracket)
 
 
-def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
+def _over_both(value: RuleValue, other_value: RuleValue) -> RuleValue:
     """Return a value with intervals extended to cover the intervals at another cutoff."""
-    lower, upper = float(np.fmin(one.lower, other.lower)), float(np.fmax(one.upper, other.upper))
-    (low, high), (other_low, other_high) = one.next_test, other.next_test
+    lower, upper = float(np.fmin(value.lower, other_value.lower)), float(np.fmax(value.upper, other_value.upper))
+    (low, high), (other_low, other_high) = value.next_test, other_value.next_test
     next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
-    return replace(one, lower=lower, upper=upper, next_test=next_test)
+    return replace(value, lower=lower, upper=upper, next_test=next_test)
 
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
@@ -354,11 +358,11 @@ def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
     """Return the interval that would remain if an input were exact, for each input in ascending order of width."""
     if "friction_if_known" not in point:
         return ()
-    own, found = by_rule(point, rule), []
-    for index, words in enumerate(own["input_words"].values.tolist()):
-        if (ends := _ends_of(own.isel(input=index), "friction_if_known")) is not None:
-            found.append(RemainingInterval(words, *ends, float(own["width_if_known"][index])))
-    return tuple(sorted(found, key=lambda left: left.width))
+    budget, intervals = by_rule(point, rule), []
+    for index, label in enumerate(budget["input_words"].values.tolist()):
+        if (ends := _ends_of(budget.isel(input=index), "friction_if_known")) is not None:
+            intervals.append(RemainingInterval(label, *ends, float(budget["width_if_known"][index])))
+    return tuple(sorted(intervals, key=lambda left: left.width))
 
 
 def _waited(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
@@ -383,10 +387,15 @@ def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float]
 
 def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
     """Return the coordinates of a point, including the Hurst exponent of self-affine surfaces."""
-    place = {name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords}
-    if "fractal_dimension" in place and (shape := shape_coordinate(study, place["fractal_dimension"]))[0] == "H":
-        place["hurst_exponent"] = shape[1]
-    return place
+    coordinates = {
+        name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
+    }
+    if (
+        "fractal_dimension" in coordinates
+        and (shape := shape_coordinate(study, coordinates["fractal_dimension"]))[0] == "H"
+    ):
+        coordinates["hurst_exponent"] = shape[1]
+    return coordinates
 
 
 def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:

@@ -173,12 +173,12 @@ def fault_at(key: str, message: str) -> PydanticCustomError:
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
-def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
+def chosen(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
     """Return the value of a key in a table, by default the first name in `cases`.
 
     Raises an error if the value is not a name in `cases`.
     """
-    value = given.get(key, next(iter(cases)))
+    value = table.get(key, next(iter(cases)))
     if not isinstance(value, str) or value not in cases:
         names = '" or "'.join(cases)
         raise fault_at(key, f'must be "{names}", got {short_repr(value)}')
@@ -357,8 +357,8 @@ def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
     except ValidationError as error:
         faults = [_fault(kind, fault) for fault in error.errors(include_url=False)]
         lines = [
-            f"{printable_path(source)}: {key}: {why}" if key else f"{printable_path(source)}: {why}"
-            for key, why in faults[:MAX_LISTED_FAULTS]
+            f"{printable_path(source)}: {key}: {reason}" if key else f"{printable_path(source)}: {reason}"
+            for key, reason in faults[:MAX_LISTED_FAULTS]
         ]
         if len(faults) > MAX_LISTED_FAULTS:
             lines.append(f"{printable_path(source)}: ... and {len(faults) - MAX_LISTED_FAULTS} more")
@@ -381,8 +381,10 @@ _ERROR_MESSAGES = {
 
 def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
     """Convert a pydantic error to a key and a message."""
-    location = [part for part in fault["loc"] if part not in (RANGE_NAME, LIST_NAME)]
-    key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
+    location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_NAME, LIST_NAME)]
+    key = "".join(
+        f"[{key_part}]" if isinstance(key_part, int) else f".{key_part}" for key_part in location
+    ).removeprefix(".")
     if fault["type"] == "key":
         key += f".{fault['ctx']['key']}"
     key = printable(key)
@@ -423,4 +425,4 @@ def tables_of(annotation: Any) -> list[type[Table]]:
     """Return the table classes that a field with this annotation accepts."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, Table) else []
-    return [table for part in get_args(annotation) for table in tables_of(part)]
+    return [table for argument in get_args(annotation) for table in tables_of(argument)]
