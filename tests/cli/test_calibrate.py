@@ -229,7 +229,7 @@ def test_calibrated_interval_of_tau0_contains_fits_at_both_modulus_limits(tmp_pa
         assert interval["lower"] < tau0 < interval["upper"]
 
 
-def test_interfaces_command_lists_stored_interfaces_of_a_directory(tmp_path):
+def test_interfaces_command_lists_stored_interfaces_of_a_directory_or_file(tmp_path):
     write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "film", {"operator": "A. B."})
     (tmp_path / "notes.txt").write_text("nothing")
     completed = call_stiction("interfaces", ".", cwd=tmp_path)
@@ -237,5 +237,7 @@ def test_interfaces_command_lists_stored_interfaces_of_a_directory(tmp_path):
     assert "operator A. B." in completed.stdout
     assert "notes" not in completed.stdout
     assert_rejected(call_stiction("interfaces", "nowhere", cwd=tmp_path), "nowhere", "listed")
+    assert call_stiction("interfaces", "film", cwd=tmp_path).stdout == completed.stdout
+    assert_rejected(call_stiction("interfaces", "notes.txt", cwd=tmp_path), "notes.txt", "not an interface file")
     (tmp_path / "empty").mkdir()
     assert "empty: contains no interfaces" in call_stiction("interfaces", "empty", cwd=tmp_path).stdout

@@ -132,14 +132,14 @@ YIELD_PRESSURE_RATIO = 0.39
 """Ratio of mean pressure to hardness at which a ball begins to yield: 1.1/2.84 (Johnson 1985, ch. 6)."""
 
 
-InterfaceFolder = Annotated[
-    Path | None, typer.Argument(metavar="FOLDER", help="Directory of calibrated interfaces.", show_default=False)
+InterfacePath = Annotated[
+    Path | None, typer.Argument(metavar="PATH", help="Calibrated interface, or a directory.", show_default=False)
 ]
 
 
 @command("interfaces", "stiction interfaces", "stiction interfaces .", "stiction interfaces --json")
-def interfaces(folder: InterfaceFolder = None, as_json: Json = False) -> None:
-    """List interfaces for the option --interface of pair: published interfaces, or calibrated interfaces in FOLDER.
+def interfaces(path: InterfacePath = None, as_json: Json = False) -> None:
+    """List interfaces for the option --interface of pair: published interfaces, or calibrated interfaces at PATH.
 
     "Measured" values come from contacts of known area. "Lumped" values come from friction at a nominal pressure and do
     not separate the effect of roughness. Each value is a range for the listed pressures and conditions.
@@ -149,9 +149,9 @@ def interfaces(folder: InterfaceFolder = None, as_json: Json = False) -> None:
     from stiction.views.calibration import interfaces_text
     from stiction.views.rows import record_json
 
-    values_by_name = builtin_interfaces() if folder is None else read_interfaces(folder)
+    values_by_name = builtin_interfaces() if path is None else read_interfaces(path)
     if not (values_by_name or as_json):
-        print_output(f"{folder}: contains no interfaces; stiction calibrate with --output NAME writes one")
+        print_output(f"{path}: contains no interfaces; stiction calibrate with --output NAME writes one")
         return
     listed = [{**values, "name": name} for name, values in values_by_name.items()]
     print_output(record_json("interfaces", [], interfaces=listed) if as_json else interfaces_text(listed))

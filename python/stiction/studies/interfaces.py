@@ -810,21 +810,22 @@ def interfaces() -> dict[str, dict[str, str]]:
     return {str(name): table for name, table in tomllib.loads(text).items()}
 
 
-def read_interfaces(folder: str | Path) -> dict[str, dict[str, str]]:
-    """Return the interface files in a folder, with the same entries as `interfaces`.
+def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
+    """Return an interface file, or the interface files in a folder, with the same entries as `interfaces`.
 
     Other files in the folder are ignored.
     """
-    entries = {}
+    entries, path = {}, Path(path)
+    is_single_file = path.is_file()
     try:
-        paths = sorted(path for path in Path(folder).iterdir() if path.is_file())
+        files = [path] if is_single_file else sorted(item for item in path.iterdir() if item.is_file())
     except OSError as error:
-        raise ValueError(f"{printable_path(folder)}: cannot be listed: {describe_os_error(error)}") from None
-    for path in paths:
-        with contextlib.suppress(ValueError):
-            interface_in_file = read_interface(path)
+        raise ValueError(f"{printable_path(path)}: cannot be listed: {describe_os_error(error)}") from None
+    for file in files:
+        with contextlib.nullcontext() if is_single_file else contextlib.suppress(ValueError):
+            interface_in_file = read_interface(file)
             (_, *mu0), (_, *tau0) = interface_in_file.strength_intervals
-            entries[path.name] = {"kind": "measured", **interface_in_file.about} | {
+            entries[file.name] = {"kind": "measured", **interface_in_file.about} | {
                 "mu0": f"{mu0[0]:.3g}..{mu0[1]:.3g}", "tau0": f"{1e3 * tau0[0]:.3g}..{1e3 * tau0[1]:.3g} MPa",
                 "area_per_load": f"{interface_in_file.area_per_load:.3g} /GPa",
             }  # fmt: skip
