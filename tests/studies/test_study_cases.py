@@ -29,7 +29,10 @@ def test_stored_study_with_key_of_another_contact_model_is_rejected():
     with pytest.raises(StudyError) as caught:
         parse_study(text, STUDY_FILE)
     assert caught.value.faults == (
-        ("contact.law", "belongs to asperities, not to the half-space of measured areas"),
+        (
+            "contact.law",
+            'belongs to asperities, not to the half-space of measured areas; it requires mechanics = "asperities"',
+        ),
     )  # fmt: skip
 
 
@@ -52,6 +55,12 @@ def test_contact_models_have_separate_classes_of_contact_tables():
         ({"friction.wait": ["1 h"]}, "friction.wait", "belongs to measured surfaces, not to asperities of generated"),
         ({"friction.load": ["1 mN"]}, "friction.load", "belongs to measured surfaces and the half-space of generated"),
         ({"surfaces.press": "lines"}, "surfaces.press", "belongs to areas of measured maps and lines of measured"),
+        (
+            {"surfaces.generator": "self-affine"},
+            "surfaces.generator",
+            "belongs to Weierstrass-Mandelbrot surfaces and self-affine surfaces, not to fractal profiles; it requires "
+            'kind = "surface"',
+        ),
         ({"contact.law": {"name": "jackson-green"}}, "contact.law.yield_strength", "must be given"),
     ],
 )

@@ -7,7 +7,7 @@ import itertools
 import json
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -167,6 +167,14 @@ class Case(Table):
 
     place: ClassVar[str]  # name of the class in messages
 
+    @classmethod
+    def selectors(cls) -> dict[str, Any]:
+        """Return the keys that have a single possible value, which selects the class, with these values."""
+        return {
+            key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
+            and get_args(field.annotation) == (field.default,)
+        }  # fmt: skip
+
 
 def fault_at(key: str, message: str) -> PydanticCustomError:
     """Create a validation error about a key of a table."""
@@ -288,7 +296,11 @@ def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type
         bases = [kind for kind in owners if not any(kind is not base and issubclass(kind, base) for base in owners)]
         if bases:
             places = " and ".join(dict.fromkeys(kind.place for kind in bases))
-            raise fault_at(str(key), f"belongs to {places}, not to {case.place}")
+            selectors = [kind.selectors().items() - case.selectors().items() for kind in bases]
+            common = sorted(set.intersection(*selectors))
+            remedy = " and ".join(f"{name} = {as_toml(value)}" for name, value in common)
+            reason = f"belongs to {places}, not to {case.place}"
+            raise fault_at(str(key), f"{reason}; it requires {remedy}" if remedy else reason)
     for key, field in case.model_fields.items():
         if field.is_required() and key not in table:
             raise fault_at(key, f"must be given for {case.place}")
