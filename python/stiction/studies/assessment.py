@@ -50,13 +50,13 @@ MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
 
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # largest fraction of the load on one contact at which a value may be quoted
-CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # largest fraction of the load at the edge without a caveat
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # largest fraction of the load on one contact without a caveat
+CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # fraction of the load at the edge above which a caveat is issued
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # fraction of the load on one contact above which a caveat is issued
 
 MERGED_AREA_FRACTION = 0.3  # ratio of true to nominal area above which contacts are assumed to have merged
-MAX_AFFECTED_FRACTION = 0.5  # largest fraction of the load, members or scan length without a caveat
-MAX_INTERPOLATED_FRACTION = 0.02  # largest fraction of interpolated scan points without a caveat
-MAX_SPACING_RATIO = 3.0  # largest ratio of the grid spacings of two scans without a caveat
+MAX_AFFECTED_FRACTION = 0.5  # fraction of the load, members or scan length above which a caveat is issued
+MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated scan points above which a caveat is issued
+MAX_SPACING_RATIO = 3.0  # ratio of the grid spacings of two scans above which a caveat is issued
 
 NEARLY_BULK_STRENGTH = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
 MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above which the interval has no upper end
@@ -64,7 +64,7 @@ MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above whi
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
 
-MAX_NEGLECTED_ADHESION = 0.05  # largest load added by adhesion, relative to the applied load, without a caveat
+MAX_NEGLECTED_ADHESION = 0.05  # load added by adhesion, relative to the applied load, above which a caveat is issued
 TYPICAL_WORK_OF_ADHESION = 5e-5  # mN/µm (50 mJ/m²), a typical value for solids in air
 RIM_ATTRACTION_FACTOR = 4.3
 """Factor of the attraction in the rim around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
@@ -74,7 +74,7 @@ docs/explanation/adhesion.md describes the fit.
 
 MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
 ROUND_UP_FACTOR = 1 + 1e-12  # rounds ties such as 2.25 up, as the report does
-MAX_RELATIVE_HALF_WIDTH = 0.5  # largest relative half width of an interval without a caveat
+MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which a caveat is issued
 
 
 @dataclass(frozen=True)

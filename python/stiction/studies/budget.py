@@ -270,7 +270,7 @@ class _CoefficientSamples:
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # range of coefficients for finer scans, extended by the sampling interval
+        # range of the coefficient in finer scans, extended by the sampling interval
         self.bracket: tuple[float, float] | None = None
         # The first entry has joint samples of mu0 and tau0, the others have mu0 or tau0 at its bound.
         self.strengths = strengths
@@ -279,7 +279,7 @@ class _CoefficientSamples:
         # ratio of true areas with and without junction growth
         self.own_growth = float(point.get("area_growth", 1.0))
         hardness = study.contact.hardness
-        self.finest: tuple[float, float] | None = None  # range of coefficients for finer scans
+        self.finest: tuple[float, float] | None = None  # range of the coefficient in finer scans
         free = study.uses_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
             contacts = float(point["contact_count"][0]) * float(point["members"])

@@ -35,7 +35,7 @@ from stiction.studies.interfaces import (
 MIN_VARIATION = 0.1  # smallest relative standard deviation of A/F at which the tests separate mu0 and tau0
 # number of nuisance points in a round of adaptation, and largest number for the result
 ROUND_POINTS, MAX_POINTS = 256, 8192
-# initial number of nuisance points for the result (doubled for each parameter), and its maximum
+# number of nuisance points for the result: initial value (doubled for each parameter) and maximum
 FINAL_POINTS = 256, 1024
 MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores are clipped
 MAX_ROUNDS = 8  # largest number of rounds of adaptation
@@ -528,7 +528,7 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, the slope is smaller, but not below the slope without junction growth.
+        # Below the best mu0, the slope is smaller than above, but at least the slope without growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 

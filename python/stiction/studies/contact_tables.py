@@ -46,7 +46,7 @@ MAX_DIRECTIONS = 360  # largest number of directions of motion of measured areas
 # factor by which the load curve of lines extends below and above the given loads (asperities)
 LINE_LOAD_MARGIN = 30.0
 NUM_LINE_LOADS = 25
-# the same factor for half-planes, which need a separate solution for each load
+# factor by which the load curve of lines extends below and above the given loads (half-planes)
 HALF_PLANE_LOAD_MARGIN = 10.0
 NUM_HALF_PLANE_LOADS = 7
 MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio of successive loads of areal contacts
@@ -520,7 +520,7 @@ SHARED_CONTACT_TABLES: tuple[type[ContactTable], ...] = (
 def select_contact_case(
     surfaces: type[GeneratedSurfaces | MeasuredSurfaces], table: Mapping[str, Any]
 ) -> type[Contact]:
-    """Return the class of a contact table for the given surfaces and the key `mechanics` in the table."""
+    """Return the class of a contact table, which depends on the surfaces and on the key `mechanics`."""
     cases = CONTACT_CASES[surfaces.bodies]
     return cases[chosen("mechanics", table, cases)]
 

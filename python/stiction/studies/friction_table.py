@@ -31,7 +31,7 @@ AVERAGED_DIRECTIONS = (
     270.0,
 )  # degrees; coefficients are averaged over these directions, because the surfaces are isotropic
 MAX_FITTED_AREA = 0.1  # largest true area fraction at which the laws are fitted
-MAX_LAW_DEVIATION = 0.1  # largest relative deviation of a fitted law without a caveat
+MAX_LAW_DEVIATION = 0.1  # relative deviation of a fitted law above which a caveat is issued
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 

@@ -160,7 +160,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Floats | float:
-    """Return the ratio of E* to the E* in the study for samples of the inputs by name."""
+    """Return the ratio of E* to the E* in the study, for samples of the uncertain inputs."""
     return find_moduli(study).relative_modulus(samples)
 
 
@@ -196,7 +196,7 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     half_width = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
     positions = np.exp(half_width * (2 * np.array(NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
     nodes = np.sqrt(ends.prod()) * positions
-    # Except for round-off, a limit of the range may equal the hardness of the study.
+    # A limit of the range that equals the hardness of the study except for round-off is removed.
     nodes = nodes[~np.isclose(nodes, float(hardness), rtol=NODE_ROUND_OFF, atol=0.0)]
     nodes = np.unique([*nodes, float(hardness), np.inf])
     return np.unique([*_choose_shear_nodes(study, float(nodes[0])), *nodes]), moduli
@@ -523,7 +523,7 @@ def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:
-    """Estimate the relative standard error of the area ratio of the nodes to the study (loads, n)."""
+    """Estimate the relative standard error of the areas at the nodes divided by the area in the study (loads, n)."""
     area = solved["contact_area"].sel(relative_modulus=1.0, method="nearest")
     area = area.transpose("load", "hardness", "repetition")
     count = area.sizes["repetition"]

@@ -202,7 +202,7 @@ def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float
 
 
 def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
-    """Return the stored factors of the heights of a result by scaled surfaces.
+    """Return the height factors with stored results, for each choice of scaled surfaces.
 
     The dict is empty if factor 1 is the only factor.
     """

@@ -41,7 +41,7 @@ MAX_HEIGHT_OVER_EXTENT = 10.0  # ratio of height to length above which the heigh
 MAX_PLAUSIBLE_MU0 = 2.0  # larger than all published values, including values of clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
-"""Largest contribution of a fitted parabola to the mean square height without a caveat about form.
+"""Contribution of a fitted parabola to the mean square height above which a caveat about form is issued.
 
 The contribution is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
@@ -59,14 +59,14 @@ It is a multiple of the robust standard deviation of the heights. The distance i
 for white noise.
 """
 
-MAX_NOISE_SLOPE_FRACTION = 0.01  # largest fraction of the mean square slope from the instrument without a caveat
-MAX_PEAK_FRACTION = 0.1  # largest fraction of the fourth spectral moment in a peak without a caveat
+MAX_NOISE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope from the instrument above which a caveat is issued
+MAX_PEAK_FRACTION = 0.1  # fraction of the fourth spectral moment in a peak above which a caveat is issued
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # largest ratio of two spectra of a surface without a caveat
+MAX_SPECTRA_RATIO = 2.0  # ratio of two spectra of a surface above which a caveat is issued
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Ratio of nominal pressure to E* above which the load is probably the load on the whole component."""
 

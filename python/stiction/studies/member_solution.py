@@ -231,7 +231,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
 
 
 def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
-    """Find the contact candidates up to an approach (µm), to avoid a search at each load.
+    """Find the contact candidates up to an approach (µm), so that later calls need no search.
 
     Returns both bodies unchanged if contacts are not minima of the gap.
     """

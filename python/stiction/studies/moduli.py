@@ -1,4 +1,4 @@
-"""Uncertainty of the E* of a pair, from E* itself or from Young's moduli and Poisson's ratios."""
+"""Uncertainty of E*, which is given directly or computed from Young's moduli and Poisson's ratios."""
 
 from __future__ import annotations
 

@@ -202,7 +202,7 @@ def is_one_map(pair: PairFacts) -> bool:
     return pair.are_maps and pair.scan_counts == (1, 1)
 
 
-@make_condition("must not be combined with {gap}, because the position of its faces is fixed")
+@make_condition("must not be combined with {gap}, because the relative position of the two faces is fixed")
 def has_two_bodies(pair: PairFacts) -> bool:
     """Return whether two bodies are given rather than the gap between them."""
     return pair.options.gap is None

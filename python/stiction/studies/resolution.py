@@ -47,7 +47,7 @@ MAX_RELATIVE_CUTOFF = 1 / 30  # largest ratio of a cutoff to the shortest side o
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return a study of the same pair at several cutoffs with few members and the original loads.
+    """Return a study of the same pair at several cutoffs, with few members and the original loads.
 
     The first cutoff is the cutoff of the original study. The other cutoffs start at the shortest resolved wavelength
     and double successively. Returns None for generated bodies, for the asperity model, if the original study has
@@ -293,7 +293,7 @@ def yield_estimates(point: xarray.Dataset, study: Study, scan: ResolvedRoughness
 
 
 def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return arrays of the limits for the figure of results against cutoff.
+    """Return the limits of elastic and plastic contact for the figure of results against cutoff.
 
     `dataset` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``, the
     plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files are

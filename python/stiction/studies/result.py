@@ -72,7 +72,7 @@ class Result:
 
     @property
     def stored(self) -> StoredResult | None:
-        """Directory of the result; None for a result in memory."""
+        """Directory of the result, or None for a result in memory."""
         return self.source if isinstance(self.source, StoredResult) else None
 
     @cached_property
@@ -82,7 +82,7 @@ class Result:
 
     @property
     def path(self) -> Path | None:
-        """Directory of the result; None for a result in memory."""
+        """Directory of the result, or None for a result in memory."""
         return None if self.stored is None else self.stored.path
 
     @cached_property
@@ -213,7 +213,7 @@ class Result:
 
     @property
     def height_factors(self) -> dict[ScaledSides, list[float]]:
-        """Stored factors of the heights by scaled surfaces, or {} if factor 1 is the only factor."""
+        """Height factors with stored results, for each choice of scaled surfaces."""
         from stiction.studies.height_scale import list_stored_factors
 
         return {} if self.stored is None else list_stored_factors(self.stored)
@@ -433,7 +433,7 @@ class Result:
         return self.summary_of(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def summary_of(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset of `at` with its budget, or a selection of cells, loads and directions."""
+        """Summarize a dataset of `at` that has a budget, or a selection of its cells, loads and directions."""
         from stiction.studies.summary import summarize
 
         return summarize(at, self.study, input_caveats=self.input_caveats)
@@ -468,7 +468,7 @@ class Result:
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """Uncertainty budget: the interval that would remain if an input were exact, for each input.
+        """Uncertainty budget: for each input, the interval that would remain if the input were exact.
 
         The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
         and share (fraction of the width that would vanish).
@@ -495,7 +495,7 @@ class Result:
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
-        """Caveats of `value` with their remedies; faults come first."""
+        """Caveats of `value` with their remedies, starting with faults."""
         return self._first.caveats
 
     @property
@@ -586,7 +586,7 @@ class Result:
         return text.result_text(summary) if self.study.is_measured else text.overview_text(summary)
 
     def _repr_html_(self) -> str:
-        """Return the text that the terminal shows, and a figure, as HTML."""
+        """Return the text that the terminal shows, with a figure, as HTML."""
         names = self.figures()
         name = next((each for each in ("contacts", "friction", *names) if each in names), None)
         return f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(name)) if name else ''}</div>"

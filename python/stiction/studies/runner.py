@@ -37,12 +37,12 @@ BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
 MIN_BLOCKS = 16  # smallest number of blocks, which limits the wait for the last block
-MIN_BLOCK_TIME = 0.06  # smallest seconds of work in a block, because writing its file takes some milliseconds
+MIN_BLOCK_TIME = 0.06  # minimum seconds of work in a block, because writing its file takes some milliseconds
 MAX_SUBMITTED_TASKS = 1000  # largest number of queued tasks if the workers write the block files
 # largest number of queued tasks if this process writes the block files
 MAX_RETURNED_TASKS = 256
 SHUTDOWN_TIMEOUT = 3.0  # seconds for which an interrupted run waits for unfinished blocks
-MAX_BYTES_IN_MEMORY = 2**34  # largest size of a result without a store, in bytes
+MAX_BYTES_IN_MEMORY = 2**34  # largest size (bytes) of a result without a store
 
 
 def choose_block_size(study: Study) -> int:
@@ -113,7 +113,9 @@ def compute_missing(
     study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
-    """Compute the missing blocks of a study in a folder. The part (3, 16) is every 16th block, starting with the third.
+    """Compute the missing blocks of a study in a folder.
+
+    The part (3, 16) is every 16th block, starting with the third.
 
     Several processes can compute different parts in one folder; a process without a part computes all missing blocks.
     `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or of the

@@ -355,7 +355,7 @@ def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
 
 
 def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
-    """Return the interval that would remain if an input were exact, for each input in ascending order of width."""
+    """Return, for each input, the interval that would remain if the input were exact, in ascending order of width."""
     if "friction_if_known" not in point:
         return ()
     budget, intervals = by_rule(point, rule), []
