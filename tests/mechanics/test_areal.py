@@ -179,7 +179,7 @@ class TestArealExact:
         assert table.normal[0].tolist() == [0, 0, 1]
 
     @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
-    def test_friction_of_a_contact_on_a_slope_adds_slope_and_friction_angles(self, angle):
+    def test_friction_on_a_slope_is_the_tangent_of_slope_plus_friction_angle(self, angle):
         slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
         def ramp(x, y):

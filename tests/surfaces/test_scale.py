@@ -280,7 +280,7 @@ class TestTexture:
 
 
 @pytest.mark.parametrize("periodic", [False, True])
-def test_line_count_of_spectra_equals_number_of_lines_for_white_noise(periodic):
+def test_spectra_of_white_noise_on_a_map_count_all_of_its_lines(periodic):
     noise = Surface(np.random.default_rng(6).normal(size=(96, 128)), spacing=0.1)
     for (*_, count, _), lines in zip(line_spectra(noise, periodic), noise.heights.shape, strict=True):
         assert np.median(count) == pytest.approx(lines, rel=0.05)
