@@ -118,28 +118,28 @@ def add_uncertainty(
     # Consecutive coefficients have the same mu0 and tau0, so that they share samples.
     interface = [dims.index(name) for name in ("mu0", "tau0")]
     for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface]):
-        where = dict(zip(dims, position, strict=True))
-        sums, numbers = _numbers_at(six, where), _numbers_at(read, where)
-        one = _CoefficientSamples(
-            numbers, where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(position)
+        indices = dict(zip(dims, position, strict=True))
+        sums, numbers = _numbers_at(six, indices), _numbers_at(read, indices)
+        samples = _CoefficientSamples(
+            numbers, indices, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(position)
         )
-        if not one.names:
+        if not samples.names:
             point = numbers["friction_all_round"]
-            if (np.abs(point) < NEGLIGIBLE_COEFFICIENT).all() and {"mu0", "tau0"} & one.inputs.keys():
-                whole[position] = point[0], *_ends_about_zero(one, point)
+            if (np.abs(point) < NEGLIGIBLE_COEFFICIENT).all() and {"mu0", "tau0"} & samples.inputs.keys():
+                whole[position] = point[0], *_ends_about_zero(samples, point)
             continue
-        whole[position] = one.value, *one.interval()
+        whole[position] = samples.value, *samples.interval()
         if not tests:
             continue
-        seizing[position] = one.fraction_seizing
-        test[position] = one.value, *one.next_test()
+        seizing[position] = samples.fraction_seizing
+        test[position] = samples.value, *samples.next_test()
         for index, wait in enumerate(study.friction.wait):
-            waited[(*position, index)] = one.after(float(wait), pressures[one.load])
-        quoted = str(at["sliding"].values[where["sliding"]]) == "all"
+            waited[(*position, index)] = samples.after(float(wait), pressures[samples.load])
+        quoted = str(at["sliding"].values[indices["sliding"]]) == "all"
         for index, name in enumerate(order if budget and quoted and np.prod(shape) <= MAX_BUDGETS else ()):
-            if name in one.names:
-                remaining[(index, *position)] = one.value, *one.interval({name: 0.5})
-                width[(index, *position)] = one.width_left(name)
+            if name in samples.names:
+                remaining[(index, *position)] = samples.value, *samples.interval({name: 0.5})
+                width[(index, *position)] = samples.width_left(name)
     over = (*dims, "statistic")
     combined = _combined(at, study, dims, whole)
     if not tests:
@@ -225,13 +225,13 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
     return whole.sortby("load").transpose(*parts[0].dims)
 
 
-def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floats) -> Floats:
+def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats) -> Floats:
     """Return the coefficients to report and the limits of their intervals (*dims, statistic)."""
     combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = combined[..., 1]
     combined[..., 1] = np.where((low < 0) & (combined[..., 0] >= 0), 0.0, low)
-    is_known = ~np.isnan(known).any(axis=-1)  # the upper end may be infinite
-    combined[is_known] = known[is_known]
+    is_known = ~np.isnan(known_intervals).any(axis=-1)  # the upper end may be infinite
+    combined[is_known] = known_intervals[is_known]
     if study.surfaces.both_readings and "cut_off" in dims:  # the value at the first cutoff is quoted
         over = np.moveaxis(combined, dims.index("cut_off"), 0)
         over[0, ..., 1], over[0, ..., 2] = np.fmin.reduce(over[..., 1]), np.fmax.reduce(over[..., 2])
@@ -400,8 +400,8 @@ class _CoefficientSamples:
         if not np.isfinite(area).all():
             return math.nan, math.nan, math.nan
         area = self.areas.area_ratio(self.load, ends[0], 1.0) * area
-        own = self.friction.coefficient(self.mu0, self.tau0, grown)
-        value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / own
+        initial = self.friction.coefficient(self.mu0, self.tau0, grown)
+        value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / initial
         return float(value[0]), *extend_interval(self._ends({}, wait), float(value[0]))
 
     def _friction_samples(

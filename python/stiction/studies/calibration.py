@@ -128,6 +128,6 @@ def calibrate(
         for ratio, test in zip(first.ratio, tests, strict=True)
     ]
     advice = () if separated else first.advice()
-    about = {"kind": "measured"} | ({HARDNESS_ENTRY: first.shared_hardness.text} if first.shared_hardness else {})
-    about |= {GROWTH_ENTRY: first.growth.short_text} if first.growth is not None else {}
-    return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), about)
+    entries = {"kind": "measured"} | ({HARDNESS_ENTRY: first.shared_hardness.text} if first.shared_hardness else {})
+    entries |= {GROWTH_ENTRY: first.growth.short_text} if first.growth is not None else {}
+    return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), entries)

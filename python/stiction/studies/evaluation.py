@@ -136,14 +136,14 @@ def at_load(
             point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
     if measured and _is_requested("reading_difference", names):
         # largest relative difference between coefficients at equal elastic load and at equal normal load
-        other: Reading = "normal" if reading == "elastic" else "elastic"
-        members = _members_before_growth(result, values, *material, other, of, names)
+        other_reading: Reading = "normal" if reading == "elastic" else "elastic"
+        members = _members_before_growth(result, values, *material, other_reading, of, names)
         if areas is not None:
             members = _with_growth(members, result, areas, of)
         other_mean = members["friction_coefficient"].mean(("repetition", "direction"))
         mean = point["friction_all_round"].sel(statistic="mean")
-        rest = [str(dim) for dim in mean.dims if dim not in (*CELLS, "load")]
-        point["reading_difference"] = abs(other_mean / mean - 1).max(rest).variable
+        other_dims = [str(dim) for dim in mean.dims if dim not in (*CELLS, "load")]
+        point["reading_difference"] = abs(other_mean / mean - 1).max(other_dims).variable
     return point.assign_attrs(reading=reading)
 
 
@@ -229,19 +229,23 @@ def _evaluate_ensemble(
         if quantity == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
             continue
         try:
-            found = read(quantity, all_directions)
+            evaluated = read(quantity, all_directions)
         except ValueError:
             if quantity != "normal_stiffness":  # a half-plane has no stiffness
                 raise
             continue
-        variables[quantity] = _with_statistic(found if all_directions is None else found.isel(direction=0), quantity)
+        variables[quantity] = _with_statistic(
+            evaluated if all_directions is None else evaluated.isel(direction=0), quantity
+        )
     if result.study.contact.adheres and _is_requested("pull_off", names):
         unloaded = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
-            own = unloaded[name].transpose("repetition", ...)
-            mean = np.stack(intervals.sample_mean(own.values), axis=-1)
-            one = {dim: 0 for dim in own.dims if dim == "sliding" and dim not in head.dims}
-            variables[name] = xarray.Variable((*own.dims[1:], "statistic"), mean, own.attrs).isel(one)
+            unloaded_values = unloaded[name].transpose("repetition", ...)
+            mean = np.stack(intervals.sample_mean(unloaded_values.values), axis=-1)
+            first_rule = {dim: 0 for dim in unloaded_values.dims if dim == "sliding" and dim not in head.dims}
+            variables[name] = xarray.Variable(
+                (*unloaded_values.dims[1:], "statistic"), mean, unloaded_values.attrs
+            ).isel(first_rule)
     variables |= {name: round_means[name].variable for name in VALIDITY}
     variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
     dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=INTERVAL_STATISTICS)
@@ -645,11 +649,11 @@ def _evaluate_pieces(
     if "surrogate" not in whole.coords:
         return whole
     is_surrogate = whole["surrogate"].values.astype(bool)
-    wanted = bool(is_surrogate.all()) if of is None else of == "surrogates"
-    if not (is_surrogate == wanted).any():
-        other: Kind = "shifts" if wanted else "surrogates"
+    is_wanted = bool(is_surrogate.all()) if of is None else of == "surrogates"
+    if not (is_surrogate == is_wanted).any():
+        other: Kind = "shifts" if is_wanted else "surrogates"
         raise ValueError(f"of must be {other!r} for this result, got {of!r}")
-    return whole.isel(repetition=np.flatnonzero(is_surrogate == wanted))
+    return whole.isel(repetition=np.flatnonzero(is_surrogate == is_wanted))
 
 
 _FRICTION = ("friction_coefficient", "normal_load", "tangential_load", "status", "contact_area", *GAP)

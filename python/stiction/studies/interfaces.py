@@ -320,10 +320,10 @@ class FrictionTest:
     def __post_init__(self) -> None:
         """Convert the load, the coefficient and the uncertainty to numbers."""
         area = getattr(self.result, "nominal_area", None)
-        given = (
+        entry = (
             to_core_units("load", self.load, "force") if area is None else loads_to_core_units("load", self.load, area)
         )
-        load = number("load", given, unit="mN", above=0)
+        load = number("load", entry, unit="mN", above=0)
         object.__setattr__(self, "wait", number("wait", to_core_units("wait", self.wait, "time"), unit="s", above=0))
         if (self.coefficient is None) == (self.force is None):
             raise ValueError("either coefficient or force must be given")

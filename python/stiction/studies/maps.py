@@ -272,10 +272,12 @@ class _EnsembleQuantity:
         return (*variables, *(name for name in SUMS if self.judged and name not in variables))
 
     def curves(
-        self, cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)
+        self, cell: tuple[int, ...], sums: Sums, others: Sums, selected_members: slice = slice(None)
     ) -> tuple[Floats, Floats]:
         """Return normal loads and values of some members (c, k, r), with all mu0 and tau0 along the first axis."""
-        pair, other_sums = (item.apply(operator.itemgetter((*cell, slice(None), some))) for item in (sums, others))
+        pair, other_sums = (
+            item.apply(operator.itemgetter((*cell, slice(None), selected_members))) for item in (sums, others)
+        )
         material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
         normal = friction.compute_load("normal", pair, *material)
         values = np.broadcast_to(_compute_values(other_sums, self.what, *material), normal.shape)
@@ -291,8 +293,8 @@ class _EnsembleQuantity:
         validity = {name: np.full(self.shape, np.nan) for name in VALIDITY}
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
         for cell, means in means_by_cell.items():
-            for array, found in zip((mean, lower, upper), (means.mean, *means.interval()), strict=True):
-                array[cell] = _reshape_curves(found, self.shape)
+            for array, curve_values in zip((mean, lower, upper), (means.mean, *means.interval()), strict=True):
+                array[cell] = _reshape_curves(curve_values, self.shape)
             pair = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.curves(cell, averages, others)[0][..., 0]
             locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # self-locked at the largest approach

@@ -143,12 +143,12 @@ class Axis:
 
     def _lagrange_weights(self, value: float, indices: NDArray[np.intp]) -> Floats:
         """Return the weights (n,) of the polynomial through the rising nodes with the given indices."""
-        found = np.zeros(self.values.size)
+        weights = np.zeros(self.values.size)
         nodes = self.rising[indices]
         for index, node in zip(indices, nodes, strict=True):
             others = nodes[nodes != node]
-            found[index] = np.prod((value - others) / (node - others))
-        return found
+            weights[index] = np.prod((value - others) / (node - others))
+        return weights
 
 
 class Nodes:

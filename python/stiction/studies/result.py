@@ -128,9 +128,9 @@ class Result:
             return
         count = self.source.sizes["repetition"]
         step = piece_length(sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count))
-        some = self.source if names is None else self.source[list(names)]
+        selected = self.source if names is None else self.source[list(names)]
         for first in range(0, count, step):
-            yield some.isel(repetition=slice(first, first + step))
+            yield selected.isel(repetition=slice(first, first + step))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
         """Average variables over all members, with one piece of the result in memory at a time."""

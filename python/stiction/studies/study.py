@@ -85,10 +85,10 @@ _SURFACE_CASES = {
 """Selecting key and classes of a surfaces table, by the value of `kind`. The first class is the default."""
 
 
-def select_surface_case(given: Mapping[str, Any]) -> type[Surfaces]:
+def select_surface_case(table: Mapping[str, Any]) -> type[Surfaces]:
     """Return the class of a surfaces table from its keys `kind`, `generator` and `press`."""
-    key, cases = _SURFACE_CASES[chosen("kind", given, _SURFACE_CASES)]
-    return cases[chosen(key, given, cases)]
+    key, cases = _SURFACE_CASES[chosen("kind", table, _SURFACE_CASES)]
+    return cases[chosen(key, table, cases)]
 
 
 ZERO_STRENGTH = quantity("0 MPa", "pressure")
@@ -445,8 +445,8 @@ class Study(Table):
             if not isinstance(key, str):
                 raise StudyError(f"{short_repr(key)}: unknown key")
             *path, last = key.split(".")
-            for part in path:
-                table = table.setdefault(part, {}) if isinstance(table, dict) else None
+            for section in path:
+                table = table.setdefault(section, {}) if isinstance(table, dict) else None
             if not isinstance(table, dict):
                 raise StudyError(f"{printable(key)}: unknown key")
             table[last] = value
@@ -465,11 +465,13 @@ class Study(Table):
     def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         """Return the tables before the changes, converted to the classes that the changes require."""
         data = self._to_tables()
-        given = {key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS}
-        given = {key: value for key, value in given.items() if value is not None}
+        selectors = {
+            key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
+        }
+        selectors = {key: value for key, value in selectors.items() if value is not None}
         try:
-            surfaces = select_surface_case(given)
-            contact = select_contact_case(surfaces, given)
+            surfaces = select_surface_case(selectors)
+            contact = select_contact_case(surfaces, selectors)
         except PydanticCustomError:  # the validation of the key reports the error
             return data
         data["surfaces"] = _convert_table(self.surfaces, surfaces)

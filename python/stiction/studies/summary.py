@@ -244,9 +244,9 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
     **alongside : xarray.Dataset
         `onset` and `over_cut_offs`, if they are stored.
     """
-    found = [summarize_point(point, study, input_caveats) for point in points(at)]
-    found = _with_both_readings(found) if study.surfaces.both_readings else found
-    return Summary(study, at, tuple(found), **alongside)
+    summaries = [summarize_point(point, study, input_caveats) for point in points(at)]
+    summaries = _with_both_readings(summaries) if study.surfaces.both_readings else summaries
+    return Summary(study, at, tuple(summaries), **alongside)
 
 
 def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
@@ -317,8 +317,8 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
     # Only a cutoff that the user requested removes caveats.
-    kept = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
-    caveats = [*kept, *find_point_caveats(point, study, mean, status)]
+    kept_caveats = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
+    caveats = [*kept_caveats, *find_point_caveats(point, study, mean, status)]
     return PointSummary(
         study=study,
         values=point,
@@ -339,18 +339,18 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
 
 
 def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
-    own = by_rule(point, rule)
-    name = "friction_all_round" if "friction_all_round" in own else "friction_coefficient"
-    value, lower, upper = (own[name].sel(statistic=each).item() for each in MEAN_AND_ENDS)
+    table = by_rule(point, rule)
+    name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
+    value, lower, upper = (table[name].sel(statistic=each).item() for each in MEAN_AND_ENDS)
     ends = (max(lower, 0.0) if lower < 0 <= value else lower), upper
-    lower, upper = _ends_of(own, "friction_known") or ends
-    test = _ends_of(own, "friction_next_test") or (math.nan, math.nan)
-    low, high, slopes = (value_of(own, each) for each in ("spread_low", "spread_high", "gentle_friction"))
+    lower, upper = _ends_of(table, "friction_known") or ends
+    test = _ends_of(table, "friction_next_test") or (math.nan, math.nan)
+    low, high, slopes = (value_of(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
     return RuleValue(rule, value, lower, upper, ends, test, low, high, slopes)
 
 
-def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
-    lower, upper = (float(own[name].sel(statistic=each)) if name in own else math.nan for each in MEAN_AND_ENDS[1:])
+def _ends_of(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
+    lower, upper = (float(table[name].sel(statistic=each)) if name in table else math.nan for each in MEAN_AND_ENDS[1:])
     return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
 
 
@@ -404,10 +404,10 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
     Friction acts at all contacts. The contribution of the inputs alone is mu0 times the contact load and, with a
     hardness H, tau0/H if all contacts yield.
     """
-    parts = _parts(point, rule)
-    if parts is None or not study.is_measured:
+    contributions = _parts(point, rule)
+    if contributions is None or not study.is_measured:
         return None
-    return rule.value - parts[0] - (plastic_adhesion(point, study) or 0.0)
+    return rule.value - contributions[0] - (plastic_adhesion(point, study) or 0.0)
 
 
 def _spoils_bracket(caveat: Caveat) -> bool:

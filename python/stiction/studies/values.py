@@ -422,8 +422,8 @@ MAX_SUGGESTIONS = 3  # largest number of suggestions for an unknown key
 def _suggestion(kind: type[Table], location: list[int | str]) -> str:
     """Return a hint with similar keys of all classes of the table, or with the command that lists the keys."""
     tables = [kind]
-    for part in location[:-1]:
-        fields = [table.model_fields[str(part)] for table in tables if str(part) in table.model_fields]
+    for parent_key in location[:-1]:
+        fields = [table.model_fields[str(parent_key)] for table in tables if str(parent_key) in table.model_fields]
         tables = [table for field in fields for table in tables_of(field.annotation)]
     keys = dict.fromkeys(name for table in tables for name in table.model_fields)
     keys |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
