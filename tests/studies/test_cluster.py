@@ -78,7 +78,10 @@ def test_worker_with_another_version_of_stiction_is_rejected(scheduler, monkeypa
 def test_absent_scheduler_is_reported_with_its_address(monkeypatch):
     monkeypatch.setattr(executors, "CONNECTION_TIMEOUT", "1s")
     for address in ("tcp://127.0.0.1:1", "", "host", "tcp://host", "tcp://host:port", "file:///etc"):
-        with pytest.raises(ClusterError, match=address or "like tcp://host:8786"), executors.connect_cluster(address):
+        with (
+            pytest.raises(ClusterError, match=address or "have the form tcp://host:8786"),
+            executors.connect_cluster(address),
+        ):
             pass
 
 

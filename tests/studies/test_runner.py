@@ -136,7 +136,7 @@ def test_run_of_a_study_with_impossible_gamma_raises_value_error():
 def test_run_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
     study_of_many_members = RUNNER_STUDY.with_changes({"ensemble.repetitions": 10_000_000})
-    with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16: give a store"):
+    with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16; give a store"):
         run(study_of_many_members)
     dimensions = {"start": 1.0, "stop": 1.9, "count": 10_000}
     study_of_large_members = RUNNER_STUDY.with_changes(
