@@ -72,10 +72,12 @@ def test_resolution_stored_for_another_hardness_is_ignored(study, tmp_path):
     rows = cut_off_rows(find_resolution(result, small_study, result.isel(tau0=[1])), 4.0)
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
-    assert plastic_limit(point, small_study) == pytest.approx(0.3 + 0.05 / 4)
-    min_area_fraction = resolution_limits(point, small_study)["area_fraction"]
-    area = result["contact_area_fraction"].sel(statistic="mean").values
+    min_friction, min_area_fraction = plastic_limit(point, small_study)
+    assert min_friction == pytest.approx(0.3 + 0.05 / 4)
     assert min_area_fraction == pytest.approx(2.0 / 4 / float(result["nominal_area"]))
+    limits = resolution_limits(point, small_study)
+    assert (limits["friction"], limits["area_fraction"]) == (min_friction, min_area_fraction)
+    area = result["contact_area_fraction"].sel(statistic="mean").values
     assert (area > min_area_fraction).all()
     # A resolution study that is stored with the result of another hardness is ignored.
     softer_folder = tmp_path / "softer"

@@ -305,13 +305,11 @@ def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
     return stored if is_equal else None
 
 
-def _load_mean_areas(result: StoredResult) -> xarray.Dataset | None:
-    """Load e A/F (1/GPa) at the nodes, averaged over the first members (loads, m, n).
+def _average_areas(solved: xarray.Dataset) -> xarray.Dataset:
+    """Return e A/F (1/GPa) at the nodes, averaged over the members (loads, m, n).
 
     e is the relative modulus of a node.
     """
-    if (solved := load_areas_over_hardness(result)) is None:
-        return None
     means = solved.mean("repetition")
     return (means * means["relative_modulus"] / means["load"]).transpose("load", "relative_modulus", "hardness")
 
@@ -386,15 +384,11 @@ class AreaInterpolator:
         """
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
-        solved, means = result.alongside(load_areas_over_hardness), result.alongside(_load_mean_areas)
+        solved = result.alongside(load_areas_over_hardness)
         # With junction growth, friction at all loads depends on the areas at the nodes.
         grows = bool(study.contact.junction_growth)
-        if (
-            solved is not None
-            and means is not None
-            and (grows or set(loads.tolist()) <= set(solved["load"].values.tolist()))
-        ):
-            over = _interpolate_loads(means, loads)
+        if solved is not None and (grows or set(loads.tolist()) <= set(solved["load"].values.tolist())):
+            over = _interpolate_loads(_average_areas(solved), loads)
             areas, node_hardnesses, moduli = (
                 over["contact_area"],
                 over["hardness"].values,
@@ -516,8 +510,6 @@ def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
     below = np.floor(position).astype(int)
     # At loads of the dataset, the areas at the next load may be NaN and must not be used.
     lower, upper = (areas.isel(load=index).drop_vars("load") for index in (below, np.ceil(position).astype(int)))
-    if (below == position).all():
-        return lower
     weight = xarray.DataArray(position - below, dims="load")
     return lower ** (1 - weight) * upper**weight
 

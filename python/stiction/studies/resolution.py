@@ -187,13 +187,16 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
 # ---- Limits of finer scans -----------------------------------------------------------------------------------------
 
 
-def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
-    """Return mu0 + tau0/H', the lower bound for finer scans with friction at all contacts.
+def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
+    """Return the lower bounds of mu_s and of the area fraction for finer scans, or None without a hardness.
 
-    Returns None without a hardness.
+    The bound of mu_s is mu0 + tau0/H' with friction at all contacts. The bound of the area fraction is p/H with the
+    nominal pressure p.
     """
-    adhesion = plastic_adhesion(point, study)
-    return None if adhesion is None else float(point["mu0"]) + adhesion
+    if (adhesion := plastic_adhesion(point, study)) is None:
+        return None
+    area_fraction = float(point["load"]) / (hardness_of(study) * float(point["nominal_area"]))
+    return float(point["mu0"]) + adhesion, area_fraction
 
 
 @dataclass(frozen=True)
@@ -257,11 +260,10 @@ def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | 
     if cutoffs is None:
         return Resolution(roughness, yielding=tuple(yielding))
     first = cutoffs.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
-    limit, area = plastic_limit(first, study), hardness_of(study) * float(first["nominal_area"])
     return Resolution(
         roughness=roughness, cutoffs=tuple(_cutoff_point(point, study) for point in points(cutoffs)),
         members=value_of(cutoffs, "members"),
-        plastic_limit=None if limit is None else (limit, float(first["load"]) / area), yielding=tuple(yielding),
+        plastic_limit=plastic_limit(first, study), yielding=tuple(yielding),
     )  # fmt: skip
 
 
@@ -303,7 +305,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     """
     limit, scan = plastic_limit(dataset, study), find_resolved_roughness(study)
     table: dict[str, Any] = {
-        "friction": limit,
+        "friction": None,
         "area_fraction": None,
         "shortest": None if scan is None else scan.shortest,
         "wavelength": np.empty(0),
@@ -311,10 +313,9 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
         "finer_friction": np.empty((0, 3)),
         "spectral": _spectral_estimate(dataset, study),
     }
-    area, load = float(dataset["nominal_area"]), float(dataset["load"])
     if limit is not None:
-        hardness = hardness_of(study)
-        return table | {"area_fraction": load / hardness / area}
+        return table | dict(zip(("friction", "area_fraction"), limit, strict=True))
+    area, load = float(dataset["nominal_area"]), float(dataset["load"])
     fraction = value_of(dataset.isel(cut_off=0), "contact_area_fraction")
     if scan is None or not fraction > 0 or not study.uses_half_space:
         return table

@@ -27,6 +27,17 @@ _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 Lines = NDArray[np.int64]
 
 
+def split_cells(line: str, separator: str | None) -> list[str]:
+    """Split a line into all of its cells, including empty cells at the end."""
+    if separator is None:
+        return line.replace('"', " ").split()
+    if '"' in line:
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    else:
+        cells = line.split(separator)
+    return [cell.strip() for cell in cells]
+
+
 @dataclass(frozen=True)
 class Dialect:
     """Separator of cells (None for white space), decimal mark and thousands separator."""
@@ -42,13 +53,7 @@ class Dialect:
 
     def cells(self, line: str) -> list[str]:
         """Split a line into cells, without the empty cells that some programs append."""
-        if self.separator is None:
-            return line.replace('"', " ").split()
-        if '"' in line:
-            cells = next(csv.reader([line], delimiter=self.separator, skipinitialspace=True), [])
-        else:
-            cells = line.split(self.separator)
-        cells = [cell.strip() for cell in cells]
+        cells = split_cells(line, self.separator)
         if self.pairs and len(cells) % 2 == 0:
             cells = [
                 f"{integer_digits}.{decimals}" for integer_digits, decimals in zip(cells[::2], cells[1::2], strict=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -12,7 +11,7 @@ import numpy as np
 
 from stiction._text import printable
 from stiction.surfaces.measured.decode import BLANK, NUMBERS, TEXT, Text
-from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs
+from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs, split_cells
 
 # The comma is last, because it may be the decimal mark in cells with another separator.
 _SEPARATORS = ("\t", ";", "|", None, ",")
@@ -91,7 +90,7 @@ class _WordTable:
 
 def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
     """Return the lines of the most frequent width that have numbers, except in columns without numbers."""
-    rows = [_split(text.line(line), separator) for line in lines]
+    rows = [split_cells(text.line(line), separator) for line in lines]
     is_number = [[_NUMBER_CELL.fullmatch(cell) is not None for cell in row] for row in rows]
     widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))
     table = _WordTable()
@@ -129,11 +128,3 @@ def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _Wor
 
 def _is_word(cell: str, dialect: Dialect, text: Text, given: set[str]) -> bool:
     return bool(cell) and (cell.casefold() in given or cell_kind(cell, dialect, text) is None)
-
-
-def _split(line: str, separator: str | None) -> list[str]:
-    """Split a line into all of its cells, including empty cells at the end."""
-    if separator is None:
-        return line.replace('"', " ").split()
-    cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), []) if '"' in line else None
-    return [cell.strip() for cell in (line.split(separator) if cells is None else cells)]
