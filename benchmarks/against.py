@@ -39,8 +39,8 @@ def compare_plain_program() -> list[tuple[str, str]]:
     # The plain program has phase errors of 4e-7 rad at the highest frequency, due to round-off.
     assert largest_difference < 1e-3, largest_difference
     return [
-        ("the straightforward NumPy/SciPy program over a pair, one thread", f"{np.mean(times) / our_time:.0f}"),
-        ("largest relative difference of any sum, equal counts", f"{largest_difference:.0e}"),
+        ("plain NumPy/SciPy program, time relative to a pair on one thread", f"{np.mean(times) / our_time:.0f}"),
+        ("largest relative difference of a sum; contact counts are equal", f"{largest_difference:.0e}"),
     ]
 
 
@@ -54,7 +54,7 @@ def compare_generators() -> list[tuple[str, str]]:
     family = weierstrass_mandelbrot_family(phases, dimensions)
     ours = seconds(lambda: weierstrass_mandelbrot_family(phases, dimensions), 5)
     naive = seconds(lambda: plain.profile(phases, 1.3, extent=PROFILE_LENGTH, points=NUM_POINTS, amplitude=0.1), 1) * 50
-    result = [("direct sum in NumPy over the family of 50 profiles", f"{naive / ours:.0f}")]
+    result = [("direct sum in NumPy, time relative to the family of 50 profiles", f"{naive / ours:.0f}")]
     import finufft
 
     # One non-uniform transform per frequency group (40 wavelengths, 150 000 points), then the matrix product.
@@ -78,8 +78,10 @@ def compare_generators() -> list[tuple[str, str]]:
     difference = np.abs(theirs - family).max() / np.ptp(family, axis=1).min()
     assert difference < 1e-8, difference
     took = seconds(generate_by_finufft, 3)
-    result.append(("FINUFFT (eps 1e-12, one thread) and a BLAS product over the same family", f"{took / ours:.0f}"))
-    result.append(("difference of the two, of the height", f"{difference:.0e}"))
+    result.append(
+        ("FINUFFT (eps 1e-12, one thread) and a BLAS product, time relative to the same family", f"{took / ours:.0f}")
+    )
+    result.append(("largest difference of the profiles, relative to their height", f"{difference:.0e}"))
     return result
 
 
@@ -112,7 +114,7 @@ def compare_boundary_elements() -> list[tuple[str, str]]:
     ours = seconds(lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20)
     return [
         (
-            "tamaas, one load of a profile of 8192 points, over our curve of 40 approaches",
+            "tamaas, one load of a profile of 8192 points, time relative to a curve of 40 approaches",
             f"{seconds(solve, 5) / ours:.0f}",
         ),
         ("our area over tamaas' at that load", f"{float(curve.contact_area[20]) / area:.2f}"),

@@ -57,15 +57,15 @@ def measure_rows() -> list[tuple[str, str]]:
             server.send_signal(signal.SIGINT)
             server.wait()
     return [
-        ("load of the machine", f"{os.getloadavg()[0]:.1f}"),
+        ("load average of the machine", f"{os.getloadavg()[0]:.1f}"),
         (
-            "until the server answers, and until the first paint of its page",
+            "time until the server responds, time until the page is drawn",
             f"{start_time:.1f} s, {paint_time / 1000:.2f} s",
         ),
-        ("until two maps of 128 x 128 points are seen, with their roughness", f"{preview_time:.1f} s"),
+        ("time until two maps of 128 x 128 points are shown with their roughness", f"{preview_time:.1f} s"),
         (
-            "from the click to a first answer by asperities, and to the exact one",
+            "time from the click to the preview, time to the final result",
             f"{first_result_time:.1f} s, {result_time:.0f} s",
         ),
-        ("memory of the server by then", f"{memory / 1e6:.0f} MB"),
+        ("memory of the server at that time", f"{memory / 1e6:.0f} MB"),
     ]

@@ -10,11 +10,9 @@ from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE, NOT_OPPOSING_COLO
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
 BAR_PATTERNS = {
-    "Lines: a pair of 150 000 points at 40 approaches": {
-        "NumPy and SciPy": r"straightforward NumPy/SciPy program over a pair.*"
-    },
+    "Lines: a pair of 150 000 points at 40 approaches": {"NumPy and SciPy": r"plain NumPy/SciPy program.*"},
     "Lines: 50 profiles of 150 000 points by Eq. 1": {
-        "NumPy, direct sum": r"direct sum in NumPy over the family.*",
+        "NumPy, direct sum": r"direct sum in NumPy.*",
         "FINUFFT and BLAS": r"FINUFFT .* and a BLAS product.*",
     },
     "Lines: 8192 points pressed at 40 approaches, theirs at one load": {

@@ -113,13 +113,16 @@ def measure_rows() -> list[tuple[str, str]]:
             rate, driver = (statistics.median(by_workers[i] for by_workers, _ in runs) for i in range(2))
             sent = statistics.median(by_driver[0] for _, by_driver in runs)
             results += [
-                (f"a repetition of {name}: time on one core", f"{cost:.3g} s"),
-                ("... its sums", f"{member_bytes(study) / 1e3:.0f} kB"),
+                (f"repetition of {name}: time on one core", f"{cost:.3g} s"),
+                ("... size of the stored sums", f"{member_bytes(study) / 1e3:.0f} kB"),
                 ("... repetitions in a block", f"{size}"),
-                ("... time to make its part of the block's file", f"{1e3 * writing:.2g} ms, {writing / cost:.2%}"),
-                ("... stored a second by two workers that compute nothing", f"{rate:.0f}"),
-                ("... sent by them, and stored by the process that hands out the work", f"{sent:.0f}"),
-                ("... time of the process that hands out the work, for one", f"{1e6 * driver:.0f} µs"),
-                ("... workers that keep it busy", f"{cost / driver:,.0f}"),
+                (
+                    "... time to encode the sums, and fraction of the computing time",
+                    f"{1e3 * writing:.2g} ms, {writing / cost:.2%}",
+                ),
+                ("... repetitions per second that two idle workers store", f"{rate:.0f}"),
+                ("... repetitions per second that the driver stores for two workers", f"{sent:.0f}"),
+                ("... processor time of the driver per repetition", f"{1e6 * driver:.0f} µs"),
+                ("... number of workers that one driver supports", f"{cost / driver:,.0f}"),
             ]
     return results

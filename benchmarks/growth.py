@@ -44,12 +44,13 @@ def measure_rows() -> list[tuple[str, str]]:
     ]
     join = "; ".join
     return [
-        ("cost of a single pair by points, U per 150 000 points",
+        ("cost of a single pair by number of points, U per 150 000 points",
          join(f"{n:.0e}: {c:.1f}" for n, c in zip(points, by_points, strict=True))),
-        ("cost of a pair by the number of dimensions, U",
+        ("cost of a pair by number of dimensions, U",
          join(f"{n}: {c:.1f}" for n, c in zip(dimensions, by_dimensions, strict=True))),
-        ("cost of a pair by the number of approaches, U",
+        ("cost of a pair by number of approaches, U",
          join(f"{n}: {c:.1f}" for n, c in zip(approaches, by_approaches, strict=True))),
         ("peak memory of figure6 on two threads", f"{peak_mebibytes(run_figure6):.0f} MiB"),
-        ("peak memory of a pair of ten million points each", f"{peak_mebibytes(run_ten_million_points):.0f} MiB"),
+        ("peak memory of a pair of profiles with ten million points each",
+         f"{peak_mebibytes(run_ten_million_points):.0f} MiB"),
     ]  # fmt: skip

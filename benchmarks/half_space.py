@@ -151,9 +151,9 @@ def measure_position(side: int = 384) -> tuple[str, str]:
             start = time.process_time()
             task()
             costs.append(time.process_time() - start)
-    alone, whole = statistics.median(costs[::2]), statistics.median(costs[1::2])
+    solution_time, total_time = statistics.median(costs[::2]), statistics.median(costs[1::2])
     return f"{side} x {side}, free, three loads: 12 directions, both rules and stiffness", (
-        f"{whole:.2f} s, {whole / alone:.2f} times the solutions alone"
+        f"{total_time:.2f} s, {total_time / solution_time:.2f} times the time of the solutions"
     )
 
 
@@ -170,7 +170,7 @@ def measure_threads(side: int = 1024) -> tuple[str, str]:
                 half_space(flat, body, [0.03 * MODULUS * RMS_SLOPE], effective_modulus=MODULUS)
                 took.append(time.perf_counter() - start)
     return (
-        f"{side} x {side}, free: two threads of transforms for one",
+        f"{side} x {side}, free: second thread for the transforms",
         f"{min(costs[1]) / min(costs[2]):.2f} times as fast",
     )
 
@@ -187,7 +187,7 @@ def measure_profile(points: int = 131_072) -> tuple[str, str]:
         start = time.process_time()
         half_space(flat, body, [0.02 * MODULUS * RMS_SLOPE], effective_modulus=MODULUS, boundary="periodic")
         costs.append((time.process_time() - start) / unit)
-    return f"a profile of {points} points, H 0.8, 0.02 E* h', in real transforms of its length", (
+    return f"a profile of {points} points, H 0.8, 0.02 E* h', in units of one real FFT of this length", (
         f"{statistics.median(costs):.0f}"
     )
 

@@ -75,10 +75,10 @@ def measure_rows() -> list[tuple[str, str]]:
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
         (f"{NUM_REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),
-        ("to compute (a stand-in) and to store them", f"{writing:.0f} s"),
-        ("files, and bytes on the disk", f"{files}, {kept.size / 1e9:.2f} GB"),
-        ("to see how far it is, to open it", f"{looking:.1f} s, {opening:.1f} s"),
+        ("compute synthetic sums, and store them", f"{writing:.0f} s"),
+        ("number of files, and size on disk", f"{files}, {kept.size / 1e9:.2f} GB"),
+        ("read the progress, open the result", f"{looking:.1f} s, {opening:.1f} s"),
         ("maps of friction, area, stiffness at 20 loads", ", ".join(f"{each:.1f}" for _, each in maps) + " s"),
-        (f"to continue with {NUM_ADDED_REPETITIONS} more; to find nothing left", f"{continuing:.1f} s, {again:.1f} s"),
-        ("most memory of all that", f"{peak:.0f} MiB"),
+        (f"add {NUM_ADDED_REPETITIONS} repetitions; find no missing repetitions", f"{continuing:.1f} s, {again:.1f} s"),
+        ("peak memory of all steps", f"{peak:.0f} MiB"),
     ]

@@ -32,7 +32,7 @@ def measure_rows() -> list[tuple[str, str]]:
     fresh = seconds(lambda: np.fft.rfft(FFT_INPUT), 40)  # No large memory block has been freed before this measurement.
     result = [
         ("U", f"{1e3 * measure_unit():.2f} ms"),
-        ("the same FFT in a process that has not freed large memory yet", f"{1e3 * fresh:.2f} ms"),
+        ("the same FFT in a process that has not yet freed a large memory block", f"{1e3 * fresh:.2f} ms"),
     ]
     for detection in ("cell", "gap-minimum"):
         study = STUDY.with_changes({"contact.detection": detection})
@@ -44,11 +44,13 @@ def measure_rows() -> list[tuple[str, str]]:
         four = 1 / (share + (1 - share) / 4)
         result += [
             (f"a pair of figure6, {detection}, one thread", f"{cost:.2f} U"),
-            (f"two threads over one, {detection}, median of {NUM_TURNS}", f"{median:.2f}"),
-            (f"four threads over one, {detection}, by Amdahl's law from these", f"{four:.1f}"),
+            (f"speed-up by a second thread, {detection}, median of {NUM_TURNS}", f"{median:.2f}"),
+            (f"speed-up by four threads, {detection}, estimated by Amdahl's law", f"{four:.1f}"),
         ]
     new = np.median([time_with_new_threads(STUDY, 1) / time_with_new_threads(STUDY, 2) for _ in range(NUM_NEW_TURNS)])
-    result.append((f"two threads over one, cell, new threads and memory, median of {NUM_NEW_TURNS}", f"{new:.2f}"))
+    result.append(
+        (f"speed-up by a second thread, cell, new threads and memory, median of {NUM_NEW_TURNS}", f"{new:.2f}")
+    )
 
     dimensions = STUDY.surfaces.fractal_dimensions()
     phases = random_phases(2016)
@@ -61,7 +63,7 @@ def measure_rows() -> list[tuple[str, str]]:
     ]
     for detection in ("cell", "gap-minimum"):
         for what, approach in (
-            ("scaling and first touch only", ["0 nm"]),
+            ("scaling and first contact only", ["0 nm"]),
             ("40 nm only", ["40 nm"]),
             ("40 approaches", None),
         ):

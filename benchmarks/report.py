@@ -84,9 +84,10 @@ def measure_rows() -> list[tuple[str, str]]:
         mu0_time, *other_times = (measure_key_press(driver, name) for name in ("mu0", "tau0", "dimension", "load"))
         size = page.stat().st_size
     return [
-        ("size of the page, of 50 dimensions, 100 repetitions and 40 approaches", f"{size / 1e6:.1f} MB"),
-        ("to make it, and to open it", f"{save_time:.1f} s, {open_time:.1f} s"),
-        ("a step of the slider of mu0, until what is in view is drawn, median", f"{mu0_time:.0f} ms"),
-        ("of tau0, fractal dimension, load", ", ".join(f"{each:.0f}" for each in other_times) + " ms"),
-        (f"median error at {NUM_RANDOM_POINTS} random points over the tolerance", f"{error:.2g}"),
+        ("size of the page for 50 dimensions, 100 repetitions and 40 approaches", f"{size / 1e6:.1f} MB"),
+        ("time to write the page, time to open it", f"{save_time:.1f} s, {open_time:.1f} s"),
+        ("median time from a step of the mu0 slider to the redrawn view", f"{mu0_time:.0f} ms"),
+        ("median times for the sliders of tau0, fractal dimension and load",
+         ", ".join(f"{each:.0f}" for each in other_times) + " ms"),
+        (f"median error at {NUM_RANDOM_POINTS} random points relative to the tolerance", f"{error:.2g}"),
     ]  # fmt: skip
