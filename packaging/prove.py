@@ -74,17 +74,20 @@ def call(
     within: Iterable[str] = (),
 ) -> str:
     """Run a command, optionally in another command, and return its output. If it fails, exit with the output."""
-    whole = [*within, *map(str, command)]
+    full_command = [*within, *map(str, command)]
     message = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
-    done = subprocess.run(whole, check=False, cwd=cwd, env=env, text=True, **message)  # type: ignore[call-overload]
-    if done.returncode != 0:
-        fail(f"{(done.stdout or '').strip()}\n{shlex.join(map(str, command))} ended with {done.returncode}".strip())
-    return done.stdout or ""
+    completed = subprocess.run(  # type: ignore[call-overload]
+        full_command, check=False, cwd=cwd, env=env, text=True, **message
+    )
+    if completed.returncode != 0:
+        text = f"{(completed.stdout or '').strip()}\n{shlex.join(map(str, command))} ended with {completed.returncode}"
+        fail(text.strip())
+    return completed.stdout or ""
 
 
-def compare(what: str, found: Iterable[str], expected: Iterable[str]) -> None:
+def compare(what: str, actual: Iterable[str], expected: Iterable[str]) -> None:
     """Exit with the difference if two sets of names differ. The message describes the names by `what`."""
-    extra, missing = sorted(set(found) - set(expected)), sorted(set(expected) - set(found))
+    extra, missing = sorted(set(actual) - set(expected)), sorted(set(expected) - set(actual))
     if extra:
         fail(f"{what}: there is also {', '.join(extra)}")
     if missing:
@@ -101,7 +104,13 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         for path in (ROOT / "python/stiction").rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     ]
-    about = ["METADATA", "WHEEL", "RECORD", "entry_points.txt", *(f"licenses/{n}" for n in PROJECT["license-files"])]
+    metadata_files = [
+        "METADATA",
+        "WHEEL",
+        "RECORD",
+        "entry_points.txt",
+        *(f"licenses/{n}" for n in PROJECT["license-files"]),
+    ]
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if not name.endswith("/")}
         extensions = [name for name in names if re.fullmatch(r"stiction/_core\.cpython-[\w-]+\.so", name)]
@@ -112,7 +121,7 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         compare(
             "the wheel, of the package and its licences",
             names - message,
-            [*package, *extensions, *(f"{ARCHIVE_STEM}.dist-info/{name}" for name in about)],
+            [*package, *extensions, *(f"{ARCHIVE_STEM}.dist-info/{name}" for name in metadata_files)],
         )
         check_metadata(archive.read(f"{ARCHIVE_STEM}.dist-info/METADATA"))
         extension = Path(archive.extract(extensions[0], folder))

@@ -80,8 +80,12 @@ def urls_are_defined() -> str | None:
 
 @register_check("links of README.md work on PyPI")
 def links_are_absolute() -> str | None:
-    found = RELATIVE_LINK.findall(read_file("README.md"))
-    return f"{len(found)} are relative, as {found[0]}: ./dev release --address URL" if found else None
+    relative_links = RELATIVE_LINK.findall(read_file("README.md"))
+    return (
+        f"{len(relative_links)} are relative, for example {relative_links[0]}: ./dev release --address URL"
+        if relative_links
+        else None
+    )
 
 
 @register_check("the conda recipe asks for what pyproject.toml does")
@@ -160,12 +164,13 @@ def write_address(url: str) -> None:
         f'Source = "{url}"', f'Documentation = "https://{name}.readthedocs.io"', f'Issues = "{url}/issues"',
         f'Changelog = "{url}/blob/main/CHANGELOG.md"',
     ]  # fmt: skip
-    whole = read_file("pyproject.toml")
-    head = re.search(r"^\[project\.urls\]\n(?:Paper = .*\n)?", whole, re.MULTILINE)
-    if head is None or tomllib.loads(whole)["project"]["urls"].keys() & set(URL_NAMES):
+    project_text = read_file("pyproject.toml")
+    head = re.search(r"^\[project\.urls\]\n(?:Paper = .*\n)?", project_text, re.MULTILINE)
+    if head is None or tomllib.loads(project_text)["project"]["urls"].keys() & set(URL_NAMES):
         fail("pyproject.toml has addresses already")
     (ROOT / "pyproject.toml").write_text(
-        whole[: head.end()] + "".join(f"{line}\n" for line in lines) + whole[head.end() :], encoding="utf-8"
+        project_text[: head.end()] + "".join(f"{line}\n" for line in lines) + project_text[head.end() :],
+        encoding="utf-8",
     )
     citation = read_file("CITATION.cff").replace("type: software\n", f"type: software\nrepository-code: {url}\n", 1)
     (ROOT / "CITATION.cff").write_text(citation, encoding="utf-8")

@@ -37,9 +37,9 @@ def find_interpreters() -> dict[str, Path]:
     result = {}
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
     for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1):
-        own = [Path(sys.executable)] if sys.version_info[:2] == (3, minor) else []
-        others = [*sorted(pyenv.glob(f"3.{minor}.*/bin/python")), Path(shutil.which(f"python3.{minor}") or "/none")]
-        for python in (*own, *others):
+        current = [Path(sys.executable)] if sys.version_info[:2] == (3, minor) else []
+        installed = [*sorted(pyenv.glob(f"3.{minor}.*/bin/python")), Path(shutil.which(f"python3.{minor}") or "/none")]
+        for python in (*current, *installed):
             if python.exists() and can_build(python, minor):
                 result[f"3.{minor}"] = python
                 break
@@ -149,7 +149,7 @@ def main() -> None:
 
 def describe_missing(found: dict[str, Path]) -> str:
     absent = [f"3.{minor}" for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1) if f"3.{minor}" not in found]
-    return f"not here: {', '.join(absent)}" if absent else "all that are supported"
+    return f"missing: {', '.join(absent)}" if absent else "all supported versions"
 
 
 if __name__ == "__main__":

@@ -278,7 +278,7 @@ def test_attraction_decreases_everywhere_as_the_load_decreases_to_pull_off():
     for fraction in (0.3, 0.6, 0.9, 0.99):
         following, holds = attraction.relax(state, -fraction * pull_off)
         assert holds
-        assert following.load == pytest.approx(-fraction * pull_off, abs=1e-4 * following.held)
+        assert following.load == pytest.approx(-fraction * pull_off, abs=1e-4 * following.mean_attraction)
         assert (following.attraction <= state.attraction + 1e-4 * attraction.max_attraction).all()
         state = following
     assert not attraction.relax(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]

@@ -105,7 +105,7 @@ class Attraction:
         """
         first = self.min_contact if near is None else -math.inf
         slowest, least, before = near, math.inf, math.inf
-        iterations = self._iterate(near, lambda held: max(load + held, first), longest)
+        iterations = self._iterate(near, lambda mean_attraction: max(load + mean_attraction, first), longest)
         for count, (state, residual) in enumerate(iterations):
             if residual <= self.max_residual:
                 return state, True
@@ -129,14 +129,14 @@ class Attraction:
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
         pressure = None if near is None else near.pressure
-        plain: Floats | None = None  # attraction after the plain step, if the last step was extrapolated
+        plain_attraction: Floats | None = None  # attraction after the plain step, if the last step was extrapolated
         residual = least = math.inf
         inexact, slow = INEXACT, 0
         for count in itertools.count():
-            held = float(attraction.mean())
-            mean = contact_load(held)
-            if mean < self.min_contact and plain is not None:
-                attraction, plain = plain, None
+            mean_attraction = float(attraction.mean())
+            mean = contact_load(mean_attraction)
+            if mean < self.min_contact and plain_attraction is not None:
+                attraction, plain_attraction = plain_attraction, None
                 continue
             if mean < self.min_contact:
                 return
@@ -149,31 +149,31 @@ class Attraction:
             if not solution.error <= max(tolerance, self.solver_tolerance):
                 raise UnsolvedError("the pressures do not converge")
             pressure = solution.pressure
-            moved = grids.displacement(pressure.reshape(gap.shape), threads=threads())
-            change = self.of(lowered + moved - solution.approach) - attraction
-            before, residual = residual, float(np.abs(change).mean()) / (mean + held)
-            known = solution.approach, solution.error, solution.iterations
+            displacement = grids.displacement(pressure.reshape(gap.shape), threads=threads())
+            change = self.of(lowered + displacement - solution.approach) - attraction
+            before, residual = residual, float(np.abs(change).mean()) / (mean + mean_attraction)
+            convergence = solution.approach, solution.error, solution.iterations
             if residual > self.max_residual or tolerance <= self.tolerance:
-                yield State(pressure, attraction, mean, mean - held, *known), residual
+                yield State(pressure, attraction, mean, mean - mean_attraction, *convergence), residual
             slow = 0 if residual < least else slow + 1
             least = min(least, residual)
             if slow > PATIENCE:  # the residual may be due to errors of the solutions
                 inexact, slow = inexact / 10, 0
             ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
-            following, plain = np.clip(attraction + change, 0.0, self.max_attraction), None
+            following, plain_attraction = np.clip(attraction + change, 0.0, self.max_attraction), None
             if count % (PLAIN + 1) == PLAIN and longest > 1:
-                plain, following = following, np.clip(attraction + length * change, 0.0, self.max_attraction)
+                plain_attraction, following = following, np.clip(attraction + length * change, 0.0, self.max_attraction)
             attraction = following
 
     def at(self, load: float, near: State | None) -> State:
         """Return the equilibrium at a mean external load (GPa). The start is `near` or, if this is None, no contact."""
         if near is None and load < 0:
             near = self.relax(None, 0.0)[0]
-        found, holds = self.relax(near, load)
-        if not holds:
-            found, holds = self.relax(near, load, longest=1.0)
-        if not holds:
+        state, is_balanced = self.relax(near, load)
+        if not is_balanced:
+            state, is_balanced = self.relax(near, load, longest=1.0)
+        if not is_balanced:
             assert near is not None
             least = f"{self.force(lowest(self.separate(near)).load):.4g} mN"
             raise UnsolvedError(
@@ -181,7 +181,7 @@ class Attraction:
                 if self.uncertain
                 else f"bodies separate at {least}"
             )
-        return found
+        return state
 
     def separate(self, start: State) -> list[State]:
         """Return states of decreasing contact load, from the start to the state of minimum load or further.
@@ -193,42 +193,46 @@ class Attraction:
         self.uncertain = ""
         opening = self.opening(start)
         states = [start] if opening is None else [start, opening]
-        first = certain = states[-1]
+        extrapolated_start = plain_start = states[-1]
         states = self.refine(self.unload(states))
         step = FIRST_STEP if states[-1] is lowest(states) else NEGLECTED
-        not_borne = -math.inf
+        unsupported_load = -math.inf
         for _ in range(MAX_TRIALS):
             least = lowest(states).load
             # Between two states, the contact load is at least the contact load of the later state.
             # The attraction is at most the attraction of the earlier state.
-            possible = min([b.contact - a.held for a, b in itertools.pairwise(states)] + [-states[-1].held])
+            possible = min(
+                [b.contact - a.mean_attraction for a, b in itertools.pairwise(states)] + [-states[-1].mean_attraction]
+            )
             if possible >= (1 + NEGLECTED) * least:
                 return states
-            load = (least + max(possible, not_borne)) / 2
+            load = (least + max(possible, unsupported_load)) / 2
             if least < 0:
                 load = min(max(load, (1 + step) * least), (1 + NEGLECTED) * least)
             try:
-                found, holds = self.relax(first, load) if load > not_borne else (first, False)
-                if not holds and load >= (1 + NEGLECTED) * least:
-                    found, holds = self.relax(certain, load, longest=1.0)
-                    if not holds:
+                trial, is_balanced = (
+                    self.relax(extrapolated_start, load) if load > unsupported_load else (extrapolated_start, False)
+                )
+                if not is_balanced and load >= (1 + NEGLECTED) * least:
+                    trial, is_balanced = self.relax(plain_start, load, longest=1.0)
+                    if not is_balanced:
                         return states
-                    certain, not_borne = found, -math.inf
+                    plain_start, unsupported_load = trial, -math.inf
             except UnsolvedError:
                 self.uncertain = f"at a load of {self.force(load):.4g} mN the attraction does not converge"
                 return states
-            if holds:
-                first, step = found, 2 * step
+            if is_balanced:
+                extrapolated_start, step = trial, 2 * step
             else:
-                not_borne = load
+                unsupported_load = load
                 try:
-                    found = self.settle(found, found.contact, before=start)
+                    trial = self.settle(trial, trial.contact, before=start)
                 except UnsolvedError:
                     continue
-                if found.load >= least:
+                if trial.load >= least:
                     continue
                 step = NEGLECTED
-            states = sorted([*states, found], key=lambda state: -state.contact)
+            states = sorted([*states, trial], key=lambda state: -state.contact)
         self.uncertain = f"{MAX_TRIALS} loads are too few"
         return states
 
@@ -250,24 +254,30 @@ class Attraction:
         if not (state.pressure.all() and (state.pressure < self.bound[0]).all()):
             return None
         grids, gap = self.problem.grids, self.problem.gap
-        unit, moved = grids.linear_response(np.ones(gap.shape, bool), threads=threads())
-        part = float((state.pressure / unit.ravel()).min())
-        pressure = np.maximum(state.pressure - part * unit.ravel(), 0)
+        unit, displacement = grids.linear_response(np.ones(gap.shape, bool), threads=threads())
+        pressure_scale = float((state.pressure / unit.ravel()).min())
+        pressure = np.maximum(state.pressure - pressure_scale * unit.ravel(), 0)
         contact = float(pressure.mean())
-        return State(pressure, state.attraction, contact, contact - state.held, state.approach - part * moved)
+        return State(
+            pressure,
+            state.attraction,
+            contact,
+            contact - state.mean_attraction,
+            state.approach - pressure_scale * displacement,
+        )
 
     def refine(self, states: list[State]) -> list[State]:
         """Add states where the interpolated load is below the minimum, and return all states."""
         states = list(states)
         for _ in range(MAX_REFINED):
-            place = min(range(len(states)), key=lambda at: states[at].load)
+            minimum_index = min(range(len(states)), key=lambda index: states[index].load)
             lower = []
-            for first in (place - 1, place):
+            for first in (minimum_index - 1, minimum_index):
                 pair = states[max(first, 0) : first + 2]
                 if len(pair) == 2 and pair[1].contact < (1 - MIN_WIDTH) * pair[0].contact:
                     lower.append((*_interpolated_minimum(states[max(first - 1, 0) : first + 3], *pair), first))
             load, contact, first = min(lower, default=(0.0, 0.0, 0))
-            if load >= (1 + MIN_GAIN) * states[place].load:
+            if load >= (1 + MIN_GAIN) * states[minimum_index].load:
                 break
             try:
                 states.insert(first + 1, self.settle(states[first], contact, before=states[0]))
@@ -290,7 +300,9 @@ def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tu
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
-    x, y = (np.array(values) for values in zip(*((math.log(s.contact), s.held) for s in states), strict=True))
+    x, y = (
+        np.array(values) for values in zip(*((math.log(s.contact), s.mean_attraction) for s in states), strict=True)
+    )
     factors = np.polyfit(x - x.mean(), y, x.size - 1)
     place = np.linspace(math.log(upper.contact), math.log(lower.contact), 41)[1:-1]
     load = np.exp(place) - np.polyval(factors, place - x.mean())
@@ -305,11 +317,11 @@ def solve_with_adhesion(
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     attraction = Attraction(problem, tolerance=tolerance, report=report)
-    whole = problem.cell * problem.gap.size
+    total_area = problem.cell * problem.gap.size
     state = None
     for load in loads.tolist():
         try:
-            state = attraction.at(load / whole, state)
+            state = attraction.at(load / total_area, state)
         except RuntimeError as error:
             raise RuntimeError(f"no solution at {load:g} mN: {error}") from None
         contacts.append(to_contact_solution(problem, state, load, state.attraction))
@@ -318,16 +330,18 @@ def solve_with_adhesion(
 
 def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
     """Return the contacts during separation down to the minimum load, and the reason if this load is uncertain."""
-    problem, whole = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
+    problem, total_area = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
-    known = float(pressure.mean()), pressed.load / whole, pressed.approach
-    start = State(pressure.ravel(), np.asarray(pressed.attraction), *known)
-    ways, least = [], start.load
+    start_values = float(pressure.mean()), pressed.load / total_area, pressed.approach
+    start = State(pressure.ravel(), np.asarray(pressed.attraction), *start_values)
+    descending_states, least = [], start.load
     # Under a decreasing load, the bodies pass only through contacts that carry less load than all earlier contacts.
     for state in attraction.separate(start)[1:]:
         if state.load < least:
-            ways.append(state)
+            descending_states.append(state)
             least = state.load
-    later = [to_contact_solution(problem, state, state.load * whole, state.attraction) for state in ways]
+    later = [
+        to_contact_solution(problem, state, state.load * total_area, state.attraction) for state in descending_states
+    ]
     return [pressed, *later], attraction.uncertain

@@ -428,7 +428,7 @@ class State:
     iterations: int = 0
 
     @property
-    def held(self) -> float:
+    def mean_attraction(self) -> float:
         """Mean attraction over the grid points, GPa."""
         return self.contact - self.load
 

@@ -71,8 +71,8 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
     roughness_text = f"{'Pq' if heights.ndim == 1 else 'Sq'} {format_with_unit(float(heights.std()), 'µm')}"
     if history and not any(step.startswith("levelled") for step in history):
         roughness_text += ", not levelled"
-    made = f"; {', '.join(history)}" if history else ""
-    return f"{kind} of {size} points, {spacing_text}, {roughness_text}{made}"
+    history_text = f"; {', '.join(history)}" if history else ""
+    return f"{kind} of {size} points, {spacing_text}, {roughness_text}{history_text}"
 
 
 def _from_topography(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:

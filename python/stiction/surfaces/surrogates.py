@@ -279,10 +279,10 @@ def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats
     density[: measured.size] = measured / np.sqrt(edges[:-2] * edges[1:-1])
     density[-1] = density[-2]
     density = _fit_densities(fraction, measured, count, density)
-    made = fraction @ density
+    predicted = fraction @ density
     # Scale the densities so that the mean square slope of the profile is reproduced exactly.
     squares = np.bincount(index, spectrum.count * k**2)
-    density *= float(squares @ measured / (squares @ made))
+    density *= float(squares @ measured / (squares @ predicted))
     return edges, density, np.append(count, 0.0)
 
 
@@ -290,9 +290,10 @@ def _fit_densities(response: Floats, measured: Floats, count: Floats, density: F
     """Fit ring densities to a section spectrum by maximum likelihood with Fisher scoring."""
 
     def cost(logarithm: Floats) -> float:
-        made = response @ np.exp(logarithm)
+        predicted = response @ np.exp(logarithm)
         return float(
-            count @ (measured / made + np.log(made)) + _SMOOTHNESS_PENALTY / 2 * np.square(bend @ logarithm).sum()
+            count @ (measured / predicted + np.log(predicted))
+            + _SMOOTHNESS_PENALTY / 2 * np.square(bend @ logarithm).sum()
         )
 
     bend = np.diff(np.eye(density.size), 2, axis=0)

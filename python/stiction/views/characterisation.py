@@ -614,10 +614,10 @@ def characterisation_csv(files: Files) -> str:
 
     rows = []
     for file, result in files:
-        about = _file_record(file, result)
-        row = {"file": file, "holds": about["holds"]}
+        file_record = _file_record(file, result)
+        row = {"file": file, "holds": file_record["holds"]}
         for title, key in (("points", "points"), ("spacing (um)", "spacing_um")):
-            row[title] = " x ".join(f"{item:.12g}" for item in about[key])
+            row[title] = " x ".join(f"{item:.12g}" for item in file_record[key])
         for value in _all_values(result):
             name = value["name"]
             row[name if value["unit"] == "1" else f"{name} ({value['unit']})"] = value["value"]

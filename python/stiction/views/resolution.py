@@ -111,12 +111,12 @@ def resolution_record(resolution: Resolution) -> dict[str, Any]:
         }
     if resolution.yielding:
         record["yielding"] = [
-            at
+            coordinates
             | {
                 "hardness": estimate.hardness, "reached_at_um": estimate.wavelength, "lower": estimate.lower,
                 "upper": estimate.upper, "friction_all_at_least": estimate.friction,
             }
-            for at, estimates in resolution.yielding
+            for coordinates, estimates in resolution.yielding
             for estimate in estimates
         ]  # fmt: skip
     if resolution.cutoffs:

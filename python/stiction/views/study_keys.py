@@ -187,8 +187,8 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
     if hasattr(annotation, "__metadata__"):  # an alias of `Annotated`
         return _allowed_phrases(annotation.__origin__, annotation.__metadata__)
     if get_origin(annotation) is not None:  # a union
-        ways = [_allowed_phrases(item) for item in get_args(annotation) if item is not type(None)]
-        return list(dict.fromkeys(phrases for way in ways for phrases in way))
+        alternatives = [_allowed_phrases(item) for item in get_args(annotation) if item is not type(None)]
+        return list(dict.fromkeys(phrases for alternative in alternatives for phrases in alternative))
     ends = {
         name: getattr(item, name)
         for item in _flatten_constraints(metadata)

@@ -115,16 +115,16 @@ def spread_labels(places: ArrayLike, min_distance: float) -> Floats:
     """Return label positions in the given order, with a minimum distance between neighbours."""
     targets = np.asarray(places, dtype=np.float64)
     order = np.argsort(targets)
-    moved = targets[order].copy()
+    spread_places = targets[order].copy()
     for _ in range(200):
-        short = min_distance - np.diff(moved)
+        short = min_distance - np.diff(spread_places)
         if not (short > 1e-9 * min_distance).any():
             break
         push = np.maximum(short, 0) / 2
-        moved[:-1] -= push
-        moved[1:] += push
-    result = np.empty_like(moved)
-    result[order] = moved
+        spread_places[:-1] -= push
+        spread_places[1:] += push
+    result = np.empty_like(spread_places)
+    result[order] = spread_places
     return result
 
 
