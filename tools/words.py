@@ -32,7 +32,7 @@ MIN_COMMENT_LENGTH = 25  # minimum length in characters; most shorter comments a
 MIN_WORDS = 7  # minimum number of words in a drawn sentence of the documentation
 MAX_COMMITS = 200  # number of newest commits whose subjects are drawn
 MAX_SAMPLE_LENGTH = 300  # maximum number of printed characters of a sentence
-MAX_FUNCTION_LINES = 40  # Longer functions are not drawn for a reader to explain.
+MAX_FUNCTION_LINES = 40  # Longer functions are excluded, because a reader could not explain them quickly.
 PYTHON_FOLDERS = ("python/stiction", "tests", "benchmarks", "docs", "examples", "packaging", "tools", "dev")
 IMPORTABLE_FOLDERS = ("python/stiction", "tests/support", "tests/reference", "packaging", "tools")
 

@@ -17,8 +17,8 @@ namespace {
 
 // Minimum number of points along an axis of the coarsest grid.
 constexpr std::size_t min_points_per_axis = 16;
-// Maximum number of points of a coarser grid whose kernels are cached,
-// and of a grid whose influence coefficients are stored.
+// Maximum number of points of a coarser grid for which kernels are cached.
+// The limit also applies to the storage of influence coefficients.
 constexpr std::size_t max_cached_points = std::size_t{1} << 20;
 // Tolerance on the coarser grids. It can be loose, because their discretisation error is larger.
 constexpr double coarse_tolerance = 3e-3;
@@ -40,12 +40,13 @@ constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose dense matrix is solved directly.
 // Up to this number, the direct solution is faster than transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
-// Deviation of displacements that counts as round-off,
-// relative to the displacement of one cell under the same pressure.
+// A smaller deviation of displacements counts as round-off.
+// It is relative to the displacement of one cell under the same pressure.
 constexpr double round_off = 1e-9;
-// Limits of the search for the load of an approach:
-// maximum number of loads (more than six are rarely needed), largest ratio of successive loads,
-// and smallest distance of a new load from the ends of the bracket, as a fraction of the bracket.
+// Limits of the search for the load of an approach.
+// The number of loads is limited, although more than six are rarely needed.
+// The ratio of successive loads is limited from above.
+// The distance of a new load from the ends of the bracket is limited from below, as a fraction of the bracket.
 constexpr int max_loads = 60;
 constexpr double max_load_step = 30.0;
 constexpr double min_bracket_fraction = 1e-3;

@@ -15,8 +15,7 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 // Tolerances in units of a cell.
-// A minimum that lies outside its cell by at most `max_overshoot` is accepted,
-// so that round-off loses no minimum between two cells.
+// A minimum may lie outside its cell by up to `max_overshoot`, so that round-off loses no minimum between cells.
 // Two minima within `merge_distance` count as one minimum.
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
@@ -52,8 +51,7 @@ void mark_low(const double* coefficients, Index cells, double max_value, unsigne
   }
 }
 
-// Ranges of a column of four coefficients, of the differences within the column (y),
-// and of the differences from the next column (x).
+// Ranges of a column of four coefficients, of its inner differences (y), and of the differences to the next column (x).
 struct Ranges {
   explicit Ranges(Index columns) : buffer(static_cast<std::size_t>(5 * columns)), size(columns) {}
   double* lowest() { return buffer.data(); }

@@ -8,8 +8,8 @@
 //
 // If the edge of the map cuts a contact ellipse, only the part inside the map counts.
 // The Hertzian pressure is integrated over this part.
-// Force and area of a contact therefore grow with the approach,
-// and a long valley contributes only the part that lies on the map.
+// Force and area of a contact therefore grow with the approach.
+// A long valley contributes only the part that lies on the map.
 //
 // Round-off would decide some cases by chance.
 // The rules below make these cases definite, so a rotated, mirrored, swapped or shifted pair gives the same result.
@@ -46,8 +46,8 @@ struct SurfacePair {
 
 /// Contact normal and relative curvature of two surfaces with the same slope p at a point.
 /// The gap has the Hessian `xx, xy, yy` [1/µm] at this point.
-/// With q = sqrt(1 + p²), the relative curvatures are the eigenvalues of the Hessian divided by q,
-/// in the metric I + p pᵀ of the tangent plane.
+/// The relative curvatures are the eigenvalues of the Hessian over q = sqrt(1 + p²).
+/// They are measured in the metric I + p pᵀ of the tangent plane.
 struct ContactGeometry {
   Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
   Radii radii;     ///< principal radii of the relative curvature, both > 0

@@ -41,11 +41,10 @@ struct ContactPoint {
 enum class Curvature { convex, signed_ };
 
 /// Two spheres, at most one of which is concave (Eq. 4).
-/// The two surface points penetrate by p = δ - gap,
-/// so the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
+/// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap is R_u + R_l minus the signed length of X.
-/// It is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|),
-/// because the direct difference cancels for a nearly flat surface.
+/// The direct difference cancels for a nearly flat surface.
+/// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
 /// For the same reason, the contact centre is measured from the smaller sphere.
 struct SpherePair {
   Vector3 separation;      ///< X at p = 0 [µm]

@@ -48,8 +48,7 @@ struct Candidate {
 };
 
 /// Call visit(candidate) from left to right for every candidate of a pair with a gap of at most `deepest` [µm] >= 0.
-/// With Detection::cell, the function may skip candidates
-/// that cannot touch in their cell at any approach up to `deepest`.
+/// With Detection::cell, candidates that cannot touch in their cell up to `deepest` may be skipped.
 /// Both profiles must have the same number of heights, at least 4, all finite. The spacing [µm] must be positive.
 /// Throws std::invalid_argument.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,

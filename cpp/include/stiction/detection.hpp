@@ -13,8 +13,7 @@
 
 namespace stiction {
 
-/// Results of one pass over a pair of profiles:
-/// the smallest gap on the grid, and the smallest gap of each block of points.
+/// Smallest gap of a pair of profiles on the grid, and smallest gap of each block of points, from one pass.
 /// The smallest gap of a block shows whether this block can come into contact.
 struct Prefilter {
   static constexpr std::size_t block = 64;
@@ -46,8 +45,8 @@ std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilte
 
 /// Return an upper bound [µm] of the depth by which the splined gap dips below its values on the grid.
 /// The bound is 3/8 of the largest second difference.
-/// For a natural spline, |f''| is at most 3 second differences per Δx²,
-/// and a cubic dips below its end points by at most |f''| Δx² / 8.
+/// For a natural spline, |f''| is at most 3 second differences per Δx².
+/// A cubic dips below its end points by at most |f''| Δx² / 8.
 double max_dip(Values upper, Values lower);
 
 /// Return whether the points of a profile lie on a straight line, except for round-off.

@@ -13,8 +13,8 @@ struct Ellipse {
   double force_radius;  ///< radius [µm] of the sphere with the same force at the same overlap
 };
 
-/// Compute the contact ellipse of two elastic bodies
-/// with principal relative radii of curvature `longer` >= `shorter` > 0 [µm].
+/// Compute the contact ellipse of two elastic bodies.
+/// `longer` >= `shorter` > 0 are the principal relative radii of curvature [µm].
 /// Hertz 1882; Johnson, Contact Mechanics (1985), section 4.2.
 /// Let k = b/a and e² = 1 - k², with the complete elliptic integrals K and E of modulus e.
 /// Then shorter/longer = k² (K - E) / (E - k² K), a² = 2 d longer (K - E) / (e² K) and F = 2/3 π a d E*/K.

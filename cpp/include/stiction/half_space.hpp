@@ -82,8 +82,8 @@ class HalfSpaceSolver {
                   const ThreadPool& pool = ThreadPool());
 
   /// Return the length [µm] to which errors are relative.
-  /// It is the root-mean-square deviation of the gap,
-  /// or of the displacements under the mean pressure [GPa] if that is larger.
+  /// It is the larger of two root-mean-square deviations.
+  /// One is that of the gap, the other is that of the displacements under the mean pressure [GPa].
   double scale(double mean_pressure) const;
 
   /// Solve for a mean pressure over the grid [GPa].

@@ -22,8 +22,7 @@ using BatchFunction = std::function<std::vector<double>(Values)>;
 /// If the function jumps over the level, the result is the argument just behind the jump.
 /// The method combines inverse quadratic interpolation and bisection.
 /// Chandrupatla, Advances in Engineering Software 28 (1997) 145.
-/// All levels advance together,
-/// because one call with many arguments may cost little more than one with a single argument.
+/// All levels advance together, because a call with many arguments may cost little more than a single evaluation.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 

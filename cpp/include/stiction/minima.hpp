@@ -35,10 +35,10 @@ struct CellRange {
 /// This cell may be a neighbour of the given range.
 ///
 /// The search is exhaustive. A cell is subdivided until the signs of the Bernstein coefficients decide for each part.
-/// The signs exclude a minimum, or show that the spline is convex;
-/// Newton's method then finds the only possible minimum.
-/// Newton's method also decides in parts of 1/64 of a cell that remain undecided,
-/// for example where a minimum is about to vanish.
+/// The signs either exclude a minimum or show that the spline is convex.
+/// In the second case, Newton's method finds the only possible minimum.
+/// Parts of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
+/// In these parts, Newton's method decides.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});
 

@@ -42,9 +42,8 @@ struct PatchSums {
 };
 
 /// Sum over the grid points of each patch.
-/// Takes forces [mN], projected contact areas [µm²],
-/// and slopes of the deformed interface along y (empty for profiles) and x.
-/// Also takes patch numbers from 1, and directions as horizontal unit vectors (x, y).
+/// Forces are in mN, and projected contact areas in µm². The slopes are those of the deformed interface.
+/// `slope_y` is empty for profiles. Patch numbers start at 1. Directions are horizontal unit vectors (x, y).
 /// Throws std::invalid_argument if lengths differ or a patch number is below 1.
 PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, std::span<const std::int32_t> patch,
                      std::span<const std::array<double, 2>> directions);

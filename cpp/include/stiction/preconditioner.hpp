@@ -13,8 +13,7 @@
 
 namespace stiction {
 
-/// Approximate inverse of the elastic kernel:
-/// pressures at the free points that produce roughly the given displacements.
+/// Approximate inverse of the elastic kernel. Its pressures at the free points roughly produce the given displacements.
 ///
 /// A 3 x 3 stencil S on the free points describes the short range, as if there were no other contact.
 /// At long range, the rest of the area adds a slowly varying displacement.
@@ -31,8 +30,8 @@ class Preconditioner {
   /// Return the periodic grid of the blocks of an area.
   static Grid block_grid(const Grid& area);
 
-  /// Create the preconditioner from the stencil of an area and the kernel of its blocks,
-  /// which must outlive this object.
+  /// Create the preconditioner from the stencil of an area and the kernel of its blocks.
+  /// The kernel must outlive this object.
   /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
   Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks);
 

@@ -24,8 +24,8 @@ namespace stiction {
 ///     restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
 ///     ->  advance(K step)
 ///
-/// The inverse of K on the free points is the minimum
-/// of r·Mr over all continuations of the residual r to the other points.
+/// Let the residual r be continued from the free points to the other points.
+/// The inverse of K on the free points is the minimum of r·Mr over all continuations.
 /// On areas, continuation by zero is close to that minimum. On lines with short contacts, it is far from the minimum.
 /// On lines, the residual is therefore interpolated linearly between free points.
 /// M r is collected with the transpose of the interpolation.

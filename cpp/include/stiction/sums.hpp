@@ -97,8 +97,8 @@ struct SlidingFactors {
 /// Compute the force components for a contact normal and a direction of motion.
 SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 
-/// Return F_N [mN], upwards on the upper surface, and F_T [mN],
-/// the force that starts sliding, for mu0 [-] and tau0 [GPa].
+/// Return the load F_N or F_T [mN] for mu0 [-] and tau0 [GPa].
+/// F_N acts upwards on the upper surface. F_T starts sliding.
 double normal_load(const Sums& sums, double mu0, double tau0 = 0.0);
 double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
 

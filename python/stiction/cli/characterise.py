@@ -235,7 +235,7 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
 
 
 def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
-    """Return the files to write. A file that is not a figure or a report must not be replaced."""
+    """Return the files to write. Existing files other than figures and reports are rejected."""
     from stiction.views.report.page import REPORT_MARK
     from stiction.views.style import FIGURE_FILE_MARKS
 

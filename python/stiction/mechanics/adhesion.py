@@ -141,7 +141,7 @@ class Attraction:
             if mean < self.min_contact:
                 return
             if not mean < self.bound[0]:
-                raise UnsolvedError("the attraction brings all points to the hardness")
+                raise UnsolvedError("the attraction raises the pressure to the hardness at all points")
             tolerance = min(max(self.tolerance, inexact * self.relative_range * residual), MAX_TOLERANCE)
             lowered = gap - grids.displacement(attraction, threads=threads())
             solver = _core.HalfSpaceSolver(lowered, grids, bound=self.bound, tolerance=tolerance, threads=threads())

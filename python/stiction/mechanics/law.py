@@ -34,7 +34,7 @@ class Law:
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__).lower()
 
     def parameters(self, effective_modulus: float) -> dict[str, float]:
-        """Return the parameters of the law in the core, including E* in GPa."""
+        """Return the parameters that the core requires for this law, including E* (GPa)."""
         parameters = {item.name: number(item.name, getattr(self, item.name)) for item in fields(self)}
         return {"effective_modulus": number("effective_modulus", effective_modulus, unit="GPa", above=0), **parameters}
 

@@ -234,7 +234,7 @@ def reject_missing_modulus(*sources: str) -> None:
     """Raise a `ValueError` for a surface from a file, because its modulus must be given."""
     for source in filter(None, sources):
         raise ValueError(
-            f"effective_modulus (GPa) must be given, because a body was {source}: the default "
+            f"effective_modulus (GPa) must be given, because a body was {source}; the default "
             f"{DEFAULT_EFFECTIVE_MODULUS:g} GPa is for generated bodies"
         )
 

@@ -43,8 +43,7 @@ def find_period(density: Floats) -> tuple[float, float]:
     rising, falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, rising] & np.r_[falling, True])
     peaks = peaks[(peaks > _MIN_PERIODS) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= size)]
-    # Peaks are sorted by their contribution to the slope variance,
-    # because the first harmonics of a texture contribute most.
+    # Sort peaks by their contribution to the slope variance. The first harmonics of a texture contribute most.
     order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_CANDIDATES]
     best_score, result = 0.0, (math.nan, math.nan)
     for peak in peaks[order].tolist():

@@ -362,7 +362,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
             for piece in pieces:
                 if not 1 < exponents[piece] < steepest:
                     continue
-                # indices of the first harmonic and after the last harmonic
+                # index of the first harmonic, and index after the last harmonic
                 start, end = int(starts[piece]), int(ends[piece])
                 if bins.part(start, end).deviance(exponents[piece], weight[start:end]) > _MAX_DEVIANCE:
                     continue

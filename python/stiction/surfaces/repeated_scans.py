@@ -200,8 +200,8 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
             columns = np.stack([function.ravel() for function in basis], axis=1)
             step, residual = np.linalg.lstsq(columns, (item[above] - second_heights).ravel())[:2]
             shift_found = shift_found + np.clip(step[: second_heights.ndim], -2 - width, 2 + width)
-        # The variance of the shift depends on the residual,
-        # which the filter correlates, and on the slopes of both scans.
+        # The variance of the shift depends on the slopes of both scans, and on the residual.
+        # The filter correlates the residual.
         variances = [float((actual * slope).mean()) for actual, slope in zip(_slopes(item[above]), slopes, strict=True)]
         spread = sum(
             float(np.square(slope).mean()) / variance**2 if variance**2 > 0 else math.inf

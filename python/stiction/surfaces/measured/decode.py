@@ -186,7 +186,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
     else:
         return "utf-8", data
     start = data[:100_000]
-    start = start[: start.rfind(b"\n") + 1] or start  # the sample then ends between two characters
+    start = start[: start.rfind(b"\n") + 1] or start  # the sample may end between two characters
     candidates = []
     for encoding in _LEGACY_ENCODINGS:
         try:

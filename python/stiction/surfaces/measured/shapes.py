@@ -32,9 +32,9 @@ Such a deviation has no visible effect on the heights. It occurs in positions th
 """
 
 MIN_COLUMNS = 4  # minimum number of columns of a height matrix in a text
-MAX_GRID_POINTS = 100_000_000  # largest number of points of a map
-MAX_LISTED_NAMES = 12  # largest number of names that a message lists
-MAX_PROFILE_COLUMNS = 3  # largest number of columns that a caller can choose: x, y and z
+MAX_GRID_POINTS = 100_000_000  # maximum number of points of a map
+MAX_LISTED_NAMES = 12  # maximum number of names in a message
+MAX_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
 MIN_JITTERED_POSITIONS = 8  # minimum number of positions for recognising slightly uneven, measured positions
 MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
 # a surface counts as tilted above this correlation between heights and their index

@@ -62,7 +62,7 @@ def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
 
 
 def height_scale_panels(result: Result, title: str) -> str:
-    """Return panels of results for the stored factors of the heights as markup; empty without factors.
+    """Return panels (markup) of the results for all stored height factors; empty without factors.
 
     The panels show the first load, mu0 and tau0.
     """
