@@ -465,8 +465,8 @@ def resampled(profile: Profile, spacing: float) -> Profile:
     points = _count_points((len(profile) - 1) * profile.spacing, spacing)
     if points > MAX_POINTS:
         raise ValueError(
-            f"{profile.extent:g} µm at a spacing of {spacing:g} µm require {points} points, but at most {MAX_POINTS} "
-            "are allowed"
+            f"spacing must give at most {MAX_POINTS} points over {profile.extent:g} µm, got {points} points at "
+            f"{spacing:g} µm"
         )
     resampled: Profile = _resample_to_grid(profile, (spacing,), (points,), "start")
     return resampled

@@ -154,7 +154,7 @@ _KEYS_WITHOUT_NAME = ("conditions", "source")
 
 
 def calibration_figure(interface: Interface) -> Figure:
-    """Draw tests and fit against A/F, and the joint distribution of mu0 and tau0; 170 mm wide.
+    """Draw tests and fit against A/F, and the joint distribution of mu0 and tau0 (170 mm wide).
 
     Parameters
     ----------
