@@ -114,7 +114,7 @@ def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
 
 
 def set_log_ticks(axes: Axes) -> None:
-    """Label logarithmic axes with plain numbers over up to three decades, and with powers of ten beyond."""
+    """Label logarithmic axes with plain numbers over up to three decades, and with powers of ten over wider ranges."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for axis in (axes.xaxis, axes.yaxis):

@@ -53,7 +53,8 @@ def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> Non
     with _translate_errors(path, failure):
         if os.path.lexists(path) and not _has_mark(path, mark):
             raise failure(
-                f"{printable_path(path)}: already exists and is not replaceable; remove it, or choose another name"
+                f"{printable_path(path)}: already exists and was not written by stiction; remove it, or choose "
+                "another name"
             )
 
 

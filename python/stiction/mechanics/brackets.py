@@ -83,7 +83,7 @@ def extrapolated_gradients(
 
 
 def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Return projected area fractions from the area fractions at a gradient of 1 (wavelength, load, statistic)."""
+    """Scale the projected area fractions at a gradient of 1 to other gradients (wavelength, load, statistic)."""
     within = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * within / gradients[:, np.newaxis, [0, 2, 1]]
 

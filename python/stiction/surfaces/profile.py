@@ -192,7 +192,7 @@ class Profile(Body):
 
 
 def index_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return a part of a mask by an index, or None if the mask is None."""
+    """Return the indexed part of a mask, or None if the mask is None."""
     return None if mask is None else mask[index]
 
 

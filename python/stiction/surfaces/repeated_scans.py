@@ -224,7 +224,7 @@ def _slopes(heights: Floats) -> list[Floats]:
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the integer shift with the largest correlation, for overlaps of more than half."""
+    """Return the integer shift with the largest correlation, among shifts that overlap by more than half."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]

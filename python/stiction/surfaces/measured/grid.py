@@ -35,8 +35,8 @@ def to_grid(
     nodes = shape[0] * shape[1]
     if nodes > MAX_NODES_PER_POINT * z.size + 10:
         raise FormatError(
-            f"lists {z.size} points that are not on a grid, because it would have {shape[0]} × {shape[1]} nodes; "
-            "interpolate them onto a grid, or export a matrix"
+            f"lists {z.size} points that are not on a grid, because the grid would have {shape[0]} × {shape[1]} "
+            "nodes; interpolate them onto a grid, or export a matrix"
         )
     node = rows * shape[1] + columns
     if np.unique(node).size < node.size:

@@ -145,7 +145,7 @@ def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
 
 
 def _find_tall_scans(scan: Scan) -> Iterator[str]:
-    """Find heights with a range larger than the scan."""
+    """Find scans whose range of heights exceeds their size."""
     length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
     if scan.span > length:
         yield f"heights span {format_with_unit(scan.span, 'µm')} over a scan of {format_with_unit(length, 'µm')}"
