@@ -32,7 +32,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
 
 // Let h be the distance of a side from the centre of the unit circle.
 // The sector between the angles φ₁ and φ₂ contributes (1/2π) ∫ h²/cos²φ dφ of the area inside.
-// It contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ of the force, since the pressure varies as (1 - r²)^(1/2).
+// The pressure varies as (1 - r²)^(1/2), so the sector contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ of the force.
 // Where the circle is closer than the side, |tan φ| > (1 - h²)^(1/2)/h, the whole sector counts.
 // The closed forms below avoid cancellation if the map is a small part of the ellipse.
 // Check: a single side leaves (2 + 3 h - h³)/4 of the force.

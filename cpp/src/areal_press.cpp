@@ -51,7 +51,7 @@ void reject_cylinders(const Law& law) {
 // ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
 // Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, where c is the lateral direction.
-// All five multiply the force. The three factors with the tangent t also multiply the area.
+// All five factors multiply the force. The three factors with the tangent t also multiply the area.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;

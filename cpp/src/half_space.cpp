@@ -41,7 +41,7 @@ constexpr double difference_tolerance = 0.03;
 // Up to this number, the direct solution is faster than transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
 // A smaller deviation of displacements counts as round-off.
-// It is relative to the displacement of one cell under the same pressure.
+// The deviation is relative to the displacement of one cell under the same pressure.
 constexpr double round_off = 1e-9;
 // Limits of the search for the load of an approach.
 // The number of loads is limited, although more than six are rarely needed.

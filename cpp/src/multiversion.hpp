@@ -7,7 +7,7 @@
 #include <cstddef>
 
 // Multiversioning is disabled if the loader does not support it (other platforms and C libraries).
-// It is also disabled under sanitizers, whose start-up is incompatible with resolver functions.
+// Multiversioning is also disabled under sanitizers, whose start-up is incompatible with resolver functions.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define STICTION_SANITIZED
 #elif defined(__has_feature)
@@ -28,7 +28,7 @@
 #endif
 
 /// The macro goes before a function of plain loops.
-/// It is not used with Clang, because some versions of Clang drop functions that such a function calls.
+/// The macro is empty for Clang, because some versions of Clang drop functions that such a function calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
 #else

@@ -2,7 +2,7 @@
 //
 // x runs along the columns of a map and y along its rows; both maps share one grid.
 // The approach [µm] is the displacement of the upper surface towards the lower one.
-// It is measured from the first contact of grid points.
+// The approach is measured from the first contact of grid points.
 // At a minimum of the gap, both surfaces have the same slope, so a contact has the same normal at every approach.
 // As the overlap increases, the normal rotates only by a term of second order in overlap/radius, which is neglected.
 //
@@ -14,7 +14,7 @@
 // Round-off would decide some cases by chance.
 // The rules below make these cases definite, so a rotated, mirrored, swapped or shifted pair gives the same result.
 // Curvatures and slopes are expressed in units of the grid spacing.
-// They count as zero below 2^-26 of the range of the gap.
+// Values below 2^-26 of the range of the gap count as zero.
 // - A minimum that is not curved upwards in every direction is a level valley or plateau.
 //   It is not a contact, because it has no lowest point.
 //   The grid points of a level plateau count as grid minima without a spline minimum.
@@ -47,7 +47,7 @@ struct SurfacePair {
 /// Contact normal and relative curvature of two surfaces with the same slope p at a point.
 /// The gap has the Hessian `xx, xy, yy` [1/µm] at this point.
 /// The relative curvatures are the eigenvalues of the Hessian over q = sqrt(1 + p²).
-/// They are measured in the metric I + p pᵀ of the tangent plane.
+/// The eigenvalues are measured in the metric I + p pᵀ of the tangent plane.
 struct ContactGeometry {
   Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
   Radii radii;     ///< principal radii of the relative curvature, both > 0
@@ -63,7 +63,7 @@ struct ArealCandidate {
   Index column;      ///< column of the first grid point of the cell that contains the minimum
   Vector3 position;  ///< position of the minimum on the lower surface [µm]
   /// Gap at the minimum, relative to first contact of grid points [µm].
-  /// It is slightly negative if the spline dips below the grid points.
+  /// The gap is slightly negative if the spline dips below the grid points.
   double gap;
   double edge_overlap;  ///< overlap [µm] at which the elastic ellipse reaches the edge of the map
   Vector3 normal;

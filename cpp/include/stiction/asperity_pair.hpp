@@ -127,7 +127,7 @@ inline bool SpherePair::is_separated(double approach) const { return !(overlap_n
 inline ContactPoint SphereOnFlat::contact_at(double approach) const {
   const double penetration = approach - gap;
   // Height of the sphere's pole above its surface point, plus the penetration of the two surface points.
-  // Both are measured along the normal.
+  // Both lengths are measured along the normal.
   const double overlap = radius + (sphere_is_lower ? 1.0 : -1.0) * centre.dot(normal) + penetration * normal.z();
   const double depth = radius - 0.5 * overlap;
   if (sphere_is_lower) {

@@ -1,7 +1,7 @@
 // Contact candidates of two profiles: the points where the profiles may touch, for any contact law.
 //
 // Both profiles share one grid. The approach is the displacement of the upper surface towards the lower surface.
-// It is measured from the first contact of grid points.
+// The approach is measured from the first contact of grid points.
 // A profile counts as a flat of infinite radius if its points lie on a straight line, except for round-off.
 // The normal of the flat is the normal of this line.
 #pragma once
@@ -41,7 +41,7 @@ struct Candidate {
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
   /// Gap at the candidate, relative to first contact of grid points [µm].
-  /// It is negative if a minimum between grid points lies lower.
+  /// The gap is negative if a minimum between grid points lies lower.
   double gap;
   Radii radii;                 ///< principal radii of the relative curvature
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`

@@ -72,7 +72,7 @@ class ElasticKernel {
                        const ThreadPool& pool = ThreadPool()) const;
 
   /// Apply (E*|k|/2 + foundation)⁻¹ to loads.
-  /// This gives the displacements of an elastic half-space on a uniform elastic foundation.
+  /// The result is the displacement of an elastic half-space on a uniform elastic foundation.
   /// `foundation` [GPa/µm] > 0 is the stiffness of the foundation.
   void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
@@ -89,7 +89,7 @@ class ElasticKernel {
 };
 
 /// Return the root-mean-square deviation [µm/GPa] of the displacements under uniform pressure on a free grid.
-/// It is zero on a periodic grid.
+/// The deviation is zero on a periodic grid.
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus);
 
 }  // namespace stiction

@@ -65,10 +65,10 @@ struct HalfSpaceSolution {
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
 /// Solver for the contact of one gap at successive loads.
-/// It minimises the energy at a given total load, with 0 <= p <= bound.
+/// The solver minimises the energy at a given total load, with 0 <= p <= bound.
 ///
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
-/// It starts from the solution on every second point.
+/// The iteration starts from the solution on every second point.
 /// The preconditioner is an approximate inverse on the free points: E*|k|/2 on lines, Preconditioner on areas.
 /// The error is the largest remaining distance relative to `scale`: a gap under pressure, or an overlap.
 class HalfSpaceSolver {
@@ -82,8 +82,8 @@ class HalfSpaceSolver {
                   const ThreadPool& pool = ThreadPool());
 
   /// Return the length [µm] to which errors are relative.
-  /// It is the larger of two root-mean-square deviations.
-  /// One is that of the gap, the other is that of the displacements under the mean pressure [GPa].
+  /// This length is the larger of two root-mean-square deviations: of the gap, and of the displacements.
+  /// The displacements are those under the mean pressure [GPa].
   double scale(double mean_pressure) const;
 
   /// Solve for a mean pressure over the grid [GPa].
@@ -120,7 +120,7 @@ struct LinearResponse {
 };
 
 /// Compute the linear response of the contact area `in_contact`. The relative error of the compliance is about 1e-7.
-/// It is the square of the error of the pressures, because the compliance is an energy.
+/// This error is the square of the error of the pressures, because the compliance is an energy.
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact,
                                const ThreadPool& pool = ThreadPool());
 

@@ -1,7 +1,7 @@
 // Contact laws: normal force and area of one asperity contact.
 //
 // A law is one struct. Its members are its parameters, its name and the list of its parameters.
-// It computes the force and area from overlap and radii, and the semi-axes of the contact patch.
+// A law computes the force and area from overlap and radii, and the semi-axes of the contact patch.
 // A new struct becomes available everywhere when it is added to the variant `Law` below.
 #pragma once
 
@@ -99,7 +99,7 @@ Law law(std::string_view name, const std::map<std::string, double>& parameters);
 void check(const Law& law);
 
 // The call operator runs for every contact and approach.
-// It is inline, because an out-of-line call costs 6 % of the total time.
+// The operator is inline, because an out-of-line call costs 6 % of the total time.
 inline ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
   const double radius = radii.mean();
   return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, std::numbers::pi * radius * overlap};

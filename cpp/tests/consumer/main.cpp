@@ -1,5 +1,5 @@
 // Example program. It computes the load and the coefficient of static friction of two rough profiles.
-// It also computes the Hertzian contact of two smooth arcs.
+// The program also computes the Hertzian contact of two smooth arcs.
 #include <stiction/amplitude.hpp>
 #include <stiction/asperity.hpp>
 #include <stiction/contact.hpp>
