@@ -735,7 +735,7 @@ def test_pair_command_in_two_parts_completes_the_result(scans_folder):
         check_stiction(*arguments, "--part", part, cwd=scans_folder)
     assert store.open_stored(scans_folder / "parts").finished.size == 4
     completed = check_stiction(*arguments, cwd=scans_folder)
-    assert "not in per cent" in completed.stdout  # mu0 = 30 gives a caveat.
+    assert "not in per cent" in completed.stdout  # mu0 = 30 causes a caveat.
 
 
 @pytest.mark.usefixtures("undrawn")

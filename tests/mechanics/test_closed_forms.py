@@ -121,7 +121,7 @@ class TestFractalMoments:
             curvature = np.gradient(slope, profile.spacing)
             measured += [profile.heights.var(), np.square(slope).mean(), np.square(curvature[2:-2]).mean()]
         # Directions m and M - m interfere, so the power of one profile scatters by about 30 %, and a mean of 400
-        # profiles by 1.5 %. Long waves (small |cos|) do not have a whole number of periods.
+        # profiles by 1.5 %. Long wavelengths (small |cos|) do not have a whole number of periods.
         assert np.allclose(measured / count, [exact.height, exact.slope, exact.curvature], rtol=0.05)
 
     def test_exact_spectral_moments_depend_on_convention_and_band_limit(self):

@@ -22,7 +22,7 @@ REPEATED_SOLUTION_TOLERANCE = 1e-9
 """Relative tolerance between two solutions of one contact that start from different initial pressures."""
 
 LOAD_PATH_TOLERANCE = 1e-3
-"""Relative tolerance between two solutions at one load that follow solutions at different loads."""
+"""Relative tolerance between two solutions at one load that start from solutions at different loads."""
 
 MAX_ESTIMATE_RATIO = 2.0
 """Largest ratio between the estimated and the computed increase of the load by adhesion, near the limit of 5 %."""

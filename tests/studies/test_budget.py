@@ -1,4 +1,4 @@
-"""Test the combined uncertainty against simple limits, direct solutions over hardness and E*, and known truths."""
+"""Test the combined uncertainty against simple limits, direct solutions over hardness and E*, and true values."""
 
 from __future__ import annotations
 

@@ -443,7 +443,7 @@ def test_prediction_warns_if_result_and_tests_have_different_junction_growth() -
     interface = calibrate(simulate_tests_with_growth(9.0, 9.0), sliding="all")
     with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
         interface.predict(plastic_pair(0), "20 MPa")
-    interface.predict(STEEL_BALL, 50.0)  # This prediction gives no warning, because the ball does not yield.
+    interface.predict(STEEL_BALL, 50.0)  # This prediction causes no warning, because the ball does not yield.
 
 
 def test_calibration_below_yield_has_no_junction_growth() -> None:

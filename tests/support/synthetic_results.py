@@ -42,7 +42,7 @@ QUANTITIES_AT_LOAD = {
     "normal_stiffness": 800.0, "approach": 0.05, "share_on_largest": 0.1, "share_at_edge": 0.05,
     "fraction_on_small": 0.05, "share_opposing": 0.5, "load_share_at_hardness": 0.0, "error": 1e-7,
 }  # fmt: skip
-"""Values of the quantities at a load that give no caveat."""
+"""Values of the quantities at a load that cause no caveat."""
 
 
 def measured_result(

@@ -73,7 +73,7 @@ class TestParameters:
             roughness_parameters(rough_profile(), derivative="spline")
 
 
-# SurfaceTopography gives warnings about its own names and imports.
+# SurfaceTopography issues warnings about its own names and imports.
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 class TestAgainstSurfaceTopography:
     TRANSFORM_TOLERANCE = 1e-9  # relative round-off of two successive Fourier transforms

@@ -47,7 +47,7 @@ class TestSinusoid:
         assert found.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
 
     def test_s_filter_halves_a_sinusoid_at_its_nesting_index(self):
-        # A sinusoid whose wavelength is λs keeps half of its amplitude.
+        # A sinusoid whose wavelength is λs retains half of its amplitude.
         found = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
         assert found.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
 
