@@ -557,7 +557,7 @@ REJECTED_ARGUMENTS = [
     ({"upper": "steel"}, "not both effective_modulus and upper and lower"),
     ({"mechanics": "fem"}, "mechanics must be half-space or asperities, got 'fem'"),
     ({"lines": 3}, "shifts is for the areas of two maps, without lines"),
-    ({"unit": "nm"}, "unit is for files"),
+    ({"unit": "nm"}, "unit must not be given for a body in memory"),
     ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or an object of .* got float"),
     ({"second": "nowhere.npy"}, "nowhere.npy"),
 ]

@@ -227,7 +227,7 @@ def test_run_rejects_the_store_of_another_study_and_names_the_changed_key(folder
 def test_edited_study_file_that_contradicts_its_blocks_is_rejected(folder_copy):
     text = (folder_copy / STUDY_FILE).read_text()
     (folder_copy / STUDY_FILE).write_text(text.replace("seed = 2_016", "seed = 2_017"))
-    with pytest.raises(StoreError, match=r"another study than study\.toml: ensemble\.seed"):
+    with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
         store.read(folder_copy)
     with pytest.raises(StoreError, match=r"ensemble\.seed"):
         run(TINY_STUDY.with_changes({"ensemble.seed": 2017}), store=folder_copy)
