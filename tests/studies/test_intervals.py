@@ -88,7 +88,7 @@ def test_neighbors_mean_interval_of_independent_values_is_a_student_t_interval()
     assert upper - lower == pytest.approx(2 * half_width, rel=0.05)
 
 
-def test_neighbors_mean_interval_stays_within_the_values():
+def test_neighbors_mean_interval_lies_within_the_range_of_the_values():
     random = np.random.default_rng(6)
     for quantity in ("half zeros", "bounded", "lognormal 1"):
         for values in simulate_traverses(quantity, 50, MIN_NEIGHBORS, 0.6, random):
