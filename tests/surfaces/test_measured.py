@@ -244,7 +244,7 @@ def test_matrix_in_a_text_file_is_read_as_a_surface(file):
         assert "may be positions and several heights" in error_message(
             file(table), read_surface, unit="um", spacing="1 um"
         )
-    assert "read_profile() reads profiles" in error_message(file(TEXT_FORMATS["comma"]), read_surface)
+    assert "read profiles with read_profile()" in error_message(file(TEXT_FORMATS["comma"]), read_surface)
 
 
 def test_reading_a_measurement_returns_a_profile_or_a_surface(file):

@@ -100,7 +100,7 @@ def test_gap_at_an_edge_is_masked_in_maps_and_cropped_in_profiles(tmp_path):
 
 
 def test_cropping_ignores_missing_points_outside_the_range(complete_surface, scan_path):
-    with pytest.raises(ValueError, match="480 of 4096 points"):
+    with pytest.raises(ValueError, match="480 of 4096 heights"):
         read_surface(scan_path, **READ_OPTIONS)
     piece = read_surface(scan_path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ_OPTIONS)
     assert np.array_equal(piece.heights, complete_surface.heights[10:, :25])
@@ -205,7 +205,7 @@ def test_invalid_mask_is_rejected(mask):
 def test_pair_rejects_maps_without_points_measured_in_both(complete_surface):
     rows = np.broadcast_to((np.arange(64) % 2 == 0)[:, np.newaxis], (64, 64))
     scan = Surface(complete_surface.heights, spacing=0.1, missing=rows)
-    with pytest.raises(ValueError, match="measured in both"):
+    with pytest.raises(ValueError, match="share at least one measured position"):
         pair(scan, scan, shifts=4, **PAIR_OPTIONS)  # Some of the shifts are an odd number of rows.
 
 
