@@ -100,7 +100,7 @@ def main() -> None:
             label="closed form",
         )  # fmt: skip
     titles = (
-        "1  exponent of area against load", "2  $\\mu_s$, $\\tau_0$ = 0", "3  $\\mu_s$ due to $\\tau_0$ = 200 MPa",
+        "1  exponent of area", "2  $\\mu_s$, $\\tau_0$ = 0", "3  $\\mu_s$ due to $\\tau_0$ = 200 MPa",
         "4  $\\mu_s$, $\\tau_0$ = 200 MPa",
         "5  $\\mu_s$, light / heavy load", "6  $\\mu_s/\\mu_0$", "7  $\\mu_s$, height 0.2 / 0.05 µm",
         "8  change of area by friction",
@@ -118,7 +118,7 @@ def main() -> None:
         ax.axhline(1, color="0.6", lw=0.6, zorder=0)
     for ax in axes[4:]:
         ax.set_xlabel("D", fontsize=7.5)
-    axes[1].legend(fontsize=6, frameon=False)
+    axes[1].legend(fontsize=5.6, frameon=False, loc="upper left", handlelength=1.4, borderaxespad=0.2)
     figure.savefig(DOCS / "images/friction.png")
 
 
