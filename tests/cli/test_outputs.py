@@ -82,7 +82,7 @@ def test_pair_output_files_use_the_currently_stored_study(scans_folder):
 def test_pair_command_does_not_overwrite_its_input_scan(scans_folder, scan_name):
     content = (scans_folder / "upper.csv").rename(scans_folder / scan_name).read_bytes()
     assert_rejected(
-        call_stiction("pair", scan_name, *PAIR_COMMAND[2:], "-o", ".", cwd=scans_folder), f"{scan_name}: exists"
+        call_stiction("pair", scan_name, *PAIR_COMMAND[2:], "-o", ".", cwd=scans_folder), f"{scan_name}: already exists"
     )
     assert (scans_folder / scan_name).read_bytes() == content
 
