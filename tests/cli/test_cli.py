@@ -171,7 +171,7 @@ def test_shell_completion_offers_commands_and_options(monkeypatch, tmp_path):
         (["run", "quick", "--set", "surfaces.extent=200 parrots"], ["surfaces.extent", "parrots"]),
         (["run", "quick", "--set", "ensemble.seed"], ["KEY=VALUE"]),
         (["run", "quick", "--workers", "0"], ["stiction: ", "--workers"]),
-        (["run", "quick", "--output", "file"], ["file is a file"]),
+        (["run", "quick", "--output", "file"], ["file must be a directory"]),
         (["run", "quick", "--output", "file/deeper"], ["cannot be written"]),
         (["plot", "nowhere"], ["stiction: nowhere: no such directory"]),
         (["info", "."], ["is not a result"]),
