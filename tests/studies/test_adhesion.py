@@ -107,6 +107,13 @@ def test_pull_off_force_is_shown_in_rows_text_report_and_figure(adhesive_result,
     assert len(adhesive_result.figure("adhesion").axes) == 2
 
 
+def test_contribution_of_roughness_is_unknown_with_adhesion(adhesive_result):
+    """The attraction, which depends on the roughness, raises the contribution of mu0 above mu0."""
+    for point in adhesive_result.summary().points:
+        assert point.parts[0] > 1.02 * point.at["mu0"]
+        assert point.from_roughness is None
+
+
 def test_pair_at_zero_load_assesses_whether_the_surfaces_stick(adhesive_result):
     unloaded_result, two_load_result = (run_pair(load=load, **ADHESION_OPTIONS) for load in (0, ["0", "20 MPa"]))
     (unloaded_point,) = unloaded_result.summary().points

@@ -399,13 +399,13 @@ def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
 
 
 def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
-    """Return the fraction of the coefficient that depends on the scans, or None if unknown.
+    """Return the part of the coefficient that depends on the scans, or None if unknown.
 
-    Friction acts at all contacts. The contribution of the inputs alone is mu0 times the contact load and, with a
-    hardness H, tau0/H if all contacts yield.
+    Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
+    contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans.
     """
     contributions = _parts(point, rule)
-    if contributions is None or not study.is_measured:
+    if contributions is None or not study.is_measured or study.contact.adheres:
         return None
     return rule.value - contributions[0] - (plastic_adhesion(point, study) or 0.0)
 
