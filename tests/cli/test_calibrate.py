@@ -135,7 +135,7 @@ def test_calibrate_command_rejects_contradictory_table(tmp_path, header, row, ex
         (("forces.csv",), "--pair DIR or --ball"),
         (BALL_OPTIONS, "FORCES.csv must be given, or --load and --measured"),
         ((*BALL_OPTIONS, "--load", "1 mN"), "--load and --measured"),
-        ((*BALL_OPTIONS, "--load", "1 mN", "--measured", "0.25"), "uncertainty must be given for fewer"),
+        ((*BALL_OPTIONS, "--load", "1 mN", "--measured", "0.25"), "uncertainty must be given if there are fewer"),
         ((*BALL_OPTIONS, "--load", "1 mN", "--measured", "red"), "--measured must be a number"),
         (("forces.csv", *BALL_OPTIONS, "--load", "1 mN"), "cannot be combined with FORCES.csv"),
         (("forces.csv", "--ball", "5 mm"), "--effective-modulus"),

@@ -101,7 +101,8 @@ def calibrate(
         raise ValueError("uncertainty must be given for all tests or for none")
     if True in has_no_error and sum(test.slid for test in tests) < MIN_TESTS:
         raise ValueError(
-            f"uncertainty must be given for fewer than {MIN_TESTS} tests, because their scatter is a poor estimate"
+            f"uncertainty must be given if there are fewer than {MIN_TESTS} tests, "
+            "because it cannot be estimated from so few tests"
         )
     known = (
         None if mu0 is None else number("mu0", mu0),

@@ -781,7 +781,7 @@ class AreaMembers:
     surrogates: int | None = None
 
     def member(self, index: int) -> Member:
-        """Return a member: a pair of surrogates, or pieces of the maps at a relative position."""
+        """Return one member: two surrogates, or the overlapping pieces of both maps at one position."""
         pairs, count = self.pairs, self.surrogates
         if count is None or index < count:
             return Member(pairs.surrogates(index), np.nan, np.nan, surrogate=True)

@@ -214,7 +214,7 @@ class Pair:
 
     @property
     def has_spectrum(self) -> bool:
-        """True if a body is a spectrum of several scans."""
+        """True if a body is given as a spectrum that joins several scans."""
         return any(isinstance(body, JoinedSpectrum) for body in self.bodies)
 
     @property
@@ -285,7 +285,9 @@ class Pair:
             if not any(isinstance(text, str) and UNCERTAINTY_PATTERN.search(text) for text in texts):
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
-                raise ArgumentError(f"{{{name}}} must be one value if it is a range, got {{got}}", got=repr(texts))
+                raise ArgumentError(
+                    f"{{{name}}} must not be a list if it contains a range, got {{got}}", got=repr(texts)
+                )
             inputs[name] = self._parse_inputs(name)
         return inputs
 

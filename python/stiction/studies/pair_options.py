@@ -152,7 +152,7 @@ class PairFacts(Protocol):
 
     @property
     def has_spectrum(self) -> bool:
-        """True if a body is a spectrum of several scans."""
+        """True if a body is given as a spectrum that joins several scans."""
 
     @property
     def has_missing(self) -> bool:
@@ -240,7 +240,7 @@ def has_whole_scans(pair: PairFacts) -> bool:
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
 def has_no_spectrum(pair: PairFacts) -> bool:
-    """Return whether no body is a spectrum of several scans."""
+    """Return whether no body is given as a spectrum that joins several scans."""
     return not pair.has_spectrum
 
 

@@ -463,7 +463,7 @@ class Study(Table):
         return "\n".join(tables)
 
     def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the tables before the changes, converted to the classes that the changes require."""
+        """Return the tables of the unchanged study, converted to the classes that the changes require."""
         data = self._to_tables()
         selectors = {
             key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS

@@ -100,11 +100,12 @@ def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
             raise ValueError('uncertainty with a force needs a unit, as in "uncertainty (mN)" or "uncertainty (%)"')
         if unit == "%" and columns.get("coefficient", (0, ""))[1] == "%":
             raise ValueError(
-                "uncertainty (%) is ambiguous with coefficient (%); write coefficients as numbers, such as 0.25"
+                "uncertainty (%) is ambiguous if coefficients are in %, because it could be absolute or relative; "
+                "write coefficients as numbers, such as 0.25"
             )
         if not unit and columns.get("coefficient", (0, ""))[1] == "%":
             raise ValueError(
-                "uncertainty without a unit is ambiguous with coefficient (%); "
+                "uncertainty without a unit is ambiguous if coefficients are in %; "
                 "write coefficients as numbers, such as 0.25"
             )
     return columns
