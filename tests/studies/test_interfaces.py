@@ -170,6 +170,7 @@ def test_calibration_functions_reject_wrong_types(film_file) -> None:
         (lambda: calibrate([5]), "tests must be a sequence of FrictionTest"),
         (lambda: read_interface(film_file).predict(3, 5.0), "result must be"),
         (lambda: write_interface("x", "y"), "interface must be an Interface"),
+        (lambda: read_interface(3), "path must be a path, got int"),
         (lambda: interface(3), "interface must be a name or a path"),
         (lambda: Ball("5 mm", "0 GPa"), "effective_modulus must be above 0"),
         (lambda: FrictionTest(Ball("5 mm", "3 GPa"), 1.0, coefficient=1e300), "coefficient must be"),

@@ -750,6 +750,7 @@ def read_interface(path: str | Path) -> Interface:
     ...
     ValueError: no such file: cannot be read as an interface: No such file or directory
     """
+    check_instance("path", path, (str, Path), "a path")
     try:
         lines = read_content(Path(path), MAX_INTERFACE_BYTES, FILE_HEADER.encode()).decode("utf-8").splitlines()
     except NotReadableError as error:
