@@ -554,12 +554,12 @@ class MeasuredLines(MeasuredSurfaceKeys):
     """Keys of `[surfaces]` for lines of two measured files, where the upper line slides along the lower line."""
 
     place: ClassVar[str] = "lines of measured files"
-    pressed: ClassVar[str] = "Lines"
+    pressed: ClassVar[str] = "Profiles"
     bodies: ClassVar[str] = "measured lines"
     is_areal: ClassVar[bool] = False
 
     press: Literal["lines"] = Field(
-        default="lines", description="Lines of both bodies, the upper line sliding along the lower."
+        default="lines", description="Profiles, or lines of height maps; the upper one slides along the lower one."
     )
     level: Literal["line", "quadratic", "mean", "none"] = Field(
         default="line", description="Form to remove from each line."
@@ -671,9 +671,9 @@ class MeasuredAreas(MeasuredSurfaceKeys):
     """Keys of `[surfaces]` for two measured height maps at several relative positions."""
 
     place: ClassVar[str] = "areas of measured maps"
-    pressed: ClassVar[str] = "Areas"
+    pressed: ClassVar[str] = "Height maps"
 
-    press: Literal["areas"] = Field(default="areas", description="Areas at several relative positions.")
+    press: Literal["areas"] = Field(default="areas", description="Height maps at several relative positions.")
     level: Literal["plane", "quadratic", "mean"] = Field(
         default="plane", description="Form to remove from each map and from each pressed piece."
     )
@@ -724,9 +724,11 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
     """Keys of `[surfaces]` for surrogates: random height maps with the spectra of two scans."""
 
     place: ClassVar[str] = "surrogates of measured files"
-    pressed: ClassVar[str] = "Surfaces with the spectra of both"
+    pressed: ClassVar[str] = "Random height maps with the spectra of the two scans"
 
-    press: Literal["surrogates"] = Field(default="surrogates", description="Random areas with the same spectra.")
+    press: Literal["surrogates"] = Field(
+        default="surrogates", description="Random height maps with the spectra of the two scans."
+    )
     level: Literal["plane", "quadratic", "mean"] = Field(
         default="plane", description="Form to remove from each file; a plane is a straight line for a profile."
     )

@@ -308,12 +308,12 @@ def _head(study: Study) -> list[str]:
     surfaces: Any = study.surfaces
     contact: Any = study.contact
     lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)
-    model = "the elastic half-space" if study.uses_half_space else "asperities"
+    model = "half-space" if study.uses_half_space else "asperity"
     law = "" if study.uses_half_space else f", law {contact.model(rules[0]).law}"
     return [
         f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
-        f"pressed by {model}{law}; E* = {format_with_unit(float(contact.effective_modulus), 'GPa')}; contacts with "
-        f"friction: {' and '.join(rules)}; motion {', '.join(map(motion_text, angles))}."
+        f"pressed with the {model} model{law}; E* = {format_with_unit(float(contact.effective_modulus), 'GPa')}; "
+        f"contacts with friction: {' and '.join(rules)}; motion {', '.join(map(motion_text, angles))}."
     ]
 
 

@@ -237,7 +237,7 @@ def _pull_off_lines(result: Result, study: Study) -> list[str]:
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
     hardness = study.contact.hardness
-    model = "the elastic half-space" if study.uses_half_space else "asperities"
+    model = "half-space" if study.uses_half_space else "asperity"
     plasticity = "" if hardness is None else f", hardness {format_with_unit(hardness, 'GPa')}"
     if study.contact.junction_growth:
         plasticity += (
@@ -245,8 +245,8 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
         )
     modulus = format_with_unit(facts["modulus"], "GPa")
     materials = f"{materials_text(study).capitalize()}. " if materials_text(study) else ""
-    size = f"{facts['area']:.4g} µm²" if study.is_areal else f"{facts['area']:.4g} µm, 1 µm wide"
-    return [f"{materials}{surfaces.pressed} of {size}, pressed by {model}; E* = {modulus}{plasticity}."]
+    size = f"nominal area {facts['area']:.4g} µm²" if study.is_areal else f"length {facts['area']:.4g} µm, width 1 µm"
+    return [f"{materials}{surfaces.pressed}, {size}, pressed with the {model} model; E* = {modulus}{plasticity}."]
 
 
 def _history(side: str, history: str, study: Study) -> str:
