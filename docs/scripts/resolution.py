@@ -265,12 +265,12 @@ def bracket_widths(rows, name, limit, most):
 def bracket_rows(groups):
     """Return the fractions of pairs inside their brackets and narrower ones, and the widths of the brackets."""
     lines = [
-        "| bracket: from the plastic limit to | A/A0: pairs inside | A/A0: upper end above the limit (%) "
-        "| μ_s, friction at all contacts: pairs inside | μ_s: upper end above the limit (%) |",
+        "| bracket: from the plastic limit to | A/A0: pairs inside | A/A0: upper bound above the plastic limit (%) "
+        "| μ_s, friction at all contacts: pairs inside | μ_s: upper bound above the plastic limit (%) |",
         "|---|---|---|---|---|",
     ]
     for words, rows in groups.items():
-        for said, prefix in (("the upper end of the bracket", "most_"), ("the result at the coarser cutoff", "")):
+        for said, prefix in (("the upper bound of the bracket", "most_"), ("the result at the coarser cutoff", "")):
             parts = [
                 item
                 for limit, name in enumerate(("area", "all"))
@@ -394,7 +394,7 @@ def write_page():
         ),
         "",
         "A pair is inside the bracket if all finer results are inside, apart from a factor of 1 + h'²/8 for their "
-        "slopes. Upper ends are medians, one for each cutoff except the first.",
+        "slopes. Upper bounds are medians, one for each cutoff except the first.",
         "",
         *extrapolation_rows(ahead),
         "",

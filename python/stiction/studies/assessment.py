@@ -59,7 +59,7 @@ MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated scan points above w
 MAX_SPACING_RATIO = 3.0  # ratio of the grid spacings of two scans above which a caveat is issued
 
 NEARLY_BULK_STRENGTH = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
-MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above which the interval has no upper end
+MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above which the interval has no upper limit
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
@@ -464,7 +464,7 @@ def _find_seizure_caveats(
     if seizing > 0:
         text = (
             f"{format_percent(seizing)} of the samples of the inputs seize: τ0 is at least H/√α, and junctions grow "
-            "without limit" + ("; the interval has no upper end" if seizing > MAX_SEIZING_FRACTION else "")
+            "without limit" + ("; the interval has no upper limit" if seizing > MAX_SEIZING_FRACTION else "")
         )
         yield Caveat(text, "measure the hardness and τ0", "fault" if seizing > MAX_SEIZING_FRACTION else "caution")
     elif tau0 > NEARLY_BULK_STRENGTH * strength:

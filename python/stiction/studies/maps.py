@@ -320,8 +320,8 @@ class _EnsembleQuantity:
         unit, title = QUANTITIES[self.what].unit, QUANTITIES[self.what].words
         variables: dict[str, Any] = {
             self.what: (dims, mean, {"units": unit, "long_name": title}),
-            "lower": (dims, lower, {"units": unit, "long_name": f"lower end of the 95 % interval of the {title}"}),
-            "upper": (dims, upper, {"units": unit, "long_name": f"upper end of the 95 % interval of the {title}"}),
+            "lower": (dims, lower, {"units": unit, "long_name": f"lower limit of the 95 % interval of the {title}"}),
+            "upper": (dims, upper, {"units": unit, "long_name": f"upper limit of the 95 % interval of the {title}"}),
             "status": (dims, status, attributes_of("status")),
             **{name: (dims, values, attributes_of(name)) for name, values in validity.items()},
         }
