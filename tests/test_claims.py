@@ -197,7 +197,7 @@ TRUE_AND_FALSE_DATA = {
 
 
 @pytest.mark.parametrize("name", TRUE_AND_FALSE_DATA)
-def test_verdict_on_a_part_is_true_for_true_data_and_false_for_false_data(name):
+def test_verdict_on_a_part_of_a_claim_is_true_only_if_the_data_support_it(name):
     computed = [judge_part(name, create_result(**world)) for world in TRUE_AND_FALSE_DATA[name]]
     assert [(judge_values.verdict, judge_values.left_out) for judge_values in computed] == [("true", ()), ("false", ())]
 

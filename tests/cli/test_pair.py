@@ -539,7 +539,7 @@ RUBBER_OPTIONS = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--ta
     ],
     ids=["lapped", "ground", "rubber", "maps", "honed"],
 )
-def test_pair_command_output_fits_on_24_lines(scans_folder, arguments, tmp_path):
+def test_pair_command_output_fits_in_24_lines(scans_folder, arguments, tmp_path):
     completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", cwd=scans_folder, columns=80)
     # The paths are not counted: they are longer here than in the current directory.
     text_before_paths, _, paths = (completed.stderr + completed.stdout).partition("wrote ")

@@ -405,7 +405,7 @@ def test_zero_work_of_adhesion_gives_bit_identical_results():
     assert little.contact_area == pytest.approx(plain.contact_area, rel=1e-6)
 
 
-def test_pull_off_force_is_computed_if_two_iterations_change_nothing():
+def test_pull_off_force_is_computed_even_if_two_iterations_change_nothing():
     """Solve a case in which two consecutive iterations change nothing, so that the ratio of their changes is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
     heights = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]

@@ -232,7 +232,7 @@ def test_calibration_infers_the_true_modulus_within_its_range() -> None:
     assert interface.tau0[1] < TAU0 < interface.tau0[2]
 
 
-def test_calibration_over_a_range_of_modulus_agrees_with_brute_force() -> None:
+def test_calibration_over_a_range_of_moduli_agrees_with_brute_force() -> None:
     low, high = 2.0, 4.5
     body = Ball("5 mm", f"{low}..{high} GPa")
     tests = [

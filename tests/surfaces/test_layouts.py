@@ -731,7 +731,7 @@ def test_counts_of_missing_points_are_not_read_as_missing_value_codes(tmp_path):
     assert np.array_equal(read_or_none(path, **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
 
 
-def test_column_of_flags_without_a_meaning_is_rejected(tmp_path):
+def test_column_of_undefined_flags_is_rejected(tmp_path):
     path, flagged = tmp_path / "a.txt", (4, 5, 33)
     for name, flag, is_read in (
         ("flag", 1, False), ("status", 0, False), ("z ok [0/1]", 1, False), ("invalid", 1, True), ("valid", 0, True),

@@ -112,7 +112,7 @@ def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
     assert [path.read_bytes() for path in paths] == contents  # Drawing again writes identical files.
 
 
-def test_figures_do_not_overwrite_foreign_files_and_reject_empty_results(tmp_path):
+def test_figures_do_not_overwrite_files_of_other_programs_and_reject_empty_results(tmp_path):
     from matplotlib.figure import Figure
 
     for ending in FORMATS:

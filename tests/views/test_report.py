@@ -84,7 +84,7 @@ def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset
     assert sorted(item.name for item in tmp_path.iterdir()) == ["pipe", "report.html", "thesis.html"]
 
 
-def test_report_of_a_scan_lists_caveats_and_escapes_texts():
+def test_report_of_a_scan_lists_caveats_and_escapes_text():
     profile = levelled(self_affine(1, hurst_exponent=0.7, rms=0.05, points=6001, spacing=0.01), "line")
     file_and_command = {"name": "<b>.npy", "command": "<i>"}
     curved_heights = profile.heights + np.linspace(-1, 1, len(profile)) ** 2
