@@ -275,7 +275,7 @@ def _check_members(members: int | Sequence[int], available: list[int]) -> list[i
     if not indices or not set(indices) <= set(available):
         raise ValueError(
             f"members must be indices of the {len(available)} members "
-            f"of the result, from {min(available)}, got {members!r}"
+            f"of the result, which start at {min(available)}, got {members!r}"
         )
     return indices
 

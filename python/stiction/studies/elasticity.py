@@ -65,7 +65,7 @@ def find_elasticity(
     if modulus is not None:
         if ratios is not None and len(ratios) > 1:
             raise ArgumentError(
-                "{poisson} must be one number (of the softer body) with {effective_modulus}, got {got}",
+                "{poisson} must be one number, for the softer body, if {effective_modulus} is given, got {got}",
                 got=repr(poisson),
             )
         value = float(parse_quantity("effective_modulus", modulus, "pressure"))

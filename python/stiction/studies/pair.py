@@ -59,7 +59,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
 
-# default number of positions of a pair of profiles (some seconds of computing time)
+# default number of positions of a pair of profiles (a few seconds of computing time)
 DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4  # number of loads below the requested loads for adhesive contacts (two decades)
 PRELOAD_FRACTION = 1e-3  # load that replaces zero, relative to the attraction of a grid cell
@@ -355,7 +355,8 @@ class Pair:
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        # A load of zero becomes a small fraction of the attraction of a grid cell, a lower bound of the pull-off force.
+        # Zero load is replaced by a small fraction of the attraction of a grid cell.
+        # This attraction is a lower bound on the pull-off force.
         if 0.0 in forces:
             forces = {force or float(f"{PRELOAD_FRACTION * self._cell_attraction:.3g}") for force in forces}
         return [quantity(exact_text(force, "mN"), "force") for force in sorted(forces)]
@@ -387,7 +388,7 @@ class Pair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Given loads in mN, or in GPa with True for a pressure."""
+        """Given loads: (value in mN, False) for a force, or (value in GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -550,7 +551,9 @@ class Pair:
         if self._listed_positions is not None:
             offsets = len(self._listed_positions)
         elif (offsets or 1) > 1 and self.options.travel is None:
-            raise ArgumentError(f"{{offsets}} {offsets} needs {{travel}} LENGTH, by which the slider is shorter")
+            raise ArgumentError(
+                f"{{offsets}} {offsets} needs {{travel}} LENGTH, by which the slider is shorter than the counterface"
+            )
         return lines, offsets or 1
 
     def _parse_num_surrogates(self, default: int) -> int:
@@ -737,7 +740,7 @@ def study_from_options(options: PairOptions) -> Study:
 
 
 def _split_commas(value: Any) -> Any:
-    """Split a text at commas, and return other values unchanged."""
+    """Split a string at commas, and return other values unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
@@ -761,7 +764,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
-    """Find wavelengths in a scan that may not belong to the surface, or noise that may be hidden.
+    """Find wavelengths in a scan that may not belong to the surface, or noise that the spectrum may hide.
 
     Returns None if they affect the slope only slightly.
     """

@@ -51,7 +51,7 @@ def _read_value(value: object) -> object:
     if isinstance(value, (list, tuple, range, np.ndarray)):
         raise ValueError(f"must be one value, got {short_repr(value)}")
     if not isinstance(value, (str, int, float)):
-        raise ValueError(f"must be a number or a text, got {short_repr(value)}")
+        raise ValueError(f"must be a number or a string, got {short_repr(value)}")
     return value
 
 
@@ -86,7 +86,7 @@ def _read_degrees(value: object) -> float:
 
 
 def _read_positions(value: object) -> object:
-    """Parse lengths, or pairs (x, y) of lengths in a flat list."""
+    """Parse a list of lengths, or a flat list of (x, y) pairs of lengths."""
     value = scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
@@ -306,7 +306,7 @@ def presses_half_space(pair: PairFacts) -> bool:
 
 @make_condition("is for {mechanics} half-space")
 def has_result_by_half_space(pair: PairFacts) -> bool:
-    """Return whether the result is computed with the half-space."""
+    """Return whether the result is computed with the half-space model."""
     return pair.contact_models[0] == "half-space"
 
 
@@ -348,7 +348,7 @@ def has_plastic_contacts(pair: PairFacts) -> bool:
 
 @make_condition("needs {creep}, the exponent of indentation creep")
 def has_creep(pair: PairFacts) -> bool:
-    """Return whether an exponent of creep is given."""
+    """Return whether a creep exponent is given."""
     return pair.options.creep is not None
 
 

@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
-STUDY_FILE_MARK = "# Written by stiction"  # first words of each study file that stiction wrote
+STUDY_FILE_MARK = "# Written by stiction"  # first words of each study file written by stiction
 MAX_RESULT_BYTES = 2**31  # largest result (bytes) that is read into memory as a whole
 MAX_COMPANION_BYTES = 2**26  # largest companion file (bytes) that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
@@ -425,8 +425,8 @@ def _check_resumable(stored: StoredResult) -> None:
         )
     if not content.is_exact:
         raise StoreError(
-            f"{printable_path(path)}: was created with another machine or NumPy, with slightly different steps; "
-            "finish the result there, or choose another directory"
+            f"{printable_path(path)}: was created on another machine or with another version of NumPy, so its "
+            "steps differ slightly; finish the result there, or choose another directory"
         )
 
 
@@ -462,7 +462,7 @@ class OtherStudyError(StoreError):
         self.path, self.stored, self.differ = path, stored, differ
 
     def with_remedy(self, advice: str) -> OtherStudyError:
-        """Return a copy of the error that suggests another remedy."""
+        """Return a copy of the error with another remedy in its message."""
         return OtherStudyError(self.path, self.stored, self.differ, advice)
 
 
@@ -554,7 +554,7 @@ def _template(study: Study, count: int) -> bytes:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file like xarray, but without locks.
+    """Write a dataset to a netCDF file as xarray does, but without locks.
 
     The locks of xarray would require a Dask scheduler in Dask workers.
     """
@@ -580,7 +580,7 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
 
 
 def append_seal(file: io.BytesIO) -> None:
-    """Append a seal with the checksum of the file to the file."""
+    """Append a seal to the file: the checksum of its previous content."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
 

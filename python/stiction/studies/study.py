@@ -329,7 +329,9 @@ class Study(Table):
             )
         count = len(friction.load) * len(friction.mu0) * len(friction.tau0)
         if count > MAX_COMBINATIONS:
-            raise ValueError(f"friction: loads times mu0 times tau0 must be at most {MAX_COMBINATIONS}, got {count}")
+            raise ValueError(
+                f"friction: there must be at most {MAX_COMBINATIONS} combinations of load, mu0 and tau0, got {count}"
+            )
         return self
 
     @property
@@ -595,7 +597,7 @@ def format_differences(differ: list[StudyDifference]) -> str:
 
 
 def parse_study(text: str, source: str) -> Study:
-    """Parse a study from a TOML text.
+    """Parse a study from TOML text.
 
     Error messages start with the name of the source.
     """
