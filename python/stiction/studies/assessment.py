@@ -420,7 +420,7 @@ def find_verdict(reasons: Iterable[Caveat | Check]) -> str:
 
 
 def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:
-    """Yield caveats about an interface as strong as the softer body, and about a coefficient that equals mu0."""
+    """Yield a caveat if the interface is as strong as the softer body, and another if the coefficient equals mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)

@@ -270,16 +270,16 @@ class _CoefficientSamples:
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # range of the coefficient in finer scans, extended by the sampling interval
+        # range of the coefficient for finer scans, extended by the sampling interval
         self.bracket: tuple[float, float] | None = None
-        # The first entry has joint samples of mu0 and tau0, the others have mu0 or tau0 at its bound.
+        # The first entry has joint samples of mu0 and tau0; the other entries have mu0 or tau0 at its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
         self.growth = find_junction_growth(study)  # α of junction growth
         # ratio of true areas with and without junction growth
         self.own_growth = float(point.get("area_growth", 1.0))
         hardness = study.contact.hardness
-        self.finest: tuple[float, float] | None = None  # range of the coefficient in finer scans
+        self.finest: tuple[float, float] | None = None  # range of the coefficient for finer scans
         free = study.uses_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
             contacts = float(point["contact_count"][0]) * float(point["members"])
@@ -289,7 +289,7 @@ class _CoefficientSamples:
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         error, members = width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
-        # relative standard deviation of a member in one direction from the mean
+        # relative standard deviation from the mean, for a single member in a single direction
         self.scatter = spread / (DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
         places = {POSITIONS_INPUT: error}  # relative standard error of the mean from each source
@@ -332,7 +332,7 @@ class _CoefficientSamples:
         return self._ends(fixed)
 
     def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
-        """Return the limits of the 95 % interval of the samples times a factor.
+        """Return the limits of the 95 % interval of the samples, multiplied by a factor.
 
         The interval is extended to the samples with mu0 or tau0 at its bound.
         """
@@ -411,7 +411,7 @@ class _CoefficientSamples:
         area = self._area_samples(fixed, wait)
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
-        # Sorted by the coefficient, a quantile of the interface is also a quantile of the coefficient.
+        # The samples of the interface are sorted by coefficient, so their quantiles are quantiles of the coefficient.
         if strength is not None:
             hardness_samples, growth = strength[2:]
             with_own = 1.0 if hardness_samples is None else self.areas.area_ratio(self.load, hardness_samples, 1.0)
@@ -458,7 +458,7 @@ class _CoefficientSamples:
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
-        """Return uniform samples and normal scores by name, inputs, hardness and modulus ratio.
+        """Return samples: uniform samples and normal scores by name, values of the inputs, hardness and modulus ratio.
 
         The samples are cached, because they depend neither on the load nor on exact values of mu0 and tau0.
         """
@@ -487,7 +487,7 @@ class _CoefficientSamples:
         return np.asarray(self.areas.cache[key])
 
     def _pressure_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
-        """Return the contact pressure H' (GPa) under shear; only the last samples are cached, for the next load."""
+        """Return the contact pressure H' (GPa) under shear. The last samples are cached for the next load."""
         assert self.growth is not None, "contacts grow under shear"
         key = self.names, tuple(fixed.items()), wait, self.mu0, self.tau0
         if self.areas.cache.get("pressure", (None,))[0] != key:

@@ -28,7 +28,7 @@ from stiction.studies.interfaces import (
     list_sliding_rules,
 )
 
-MIN_TESTS = 3  # smallest number of tests with sliding whose scatter gives an estimate of the errors
+MIN_TESTS = 3  # smallest number of tests with sliding from which the errors can be estimated
 
 
 def calibrate(

@@ -63,7 +63,7 @@ class _Best:
     residuals: Floats  # (tests with sliding,), in units of the errors
     slope: Floats  # Jacobian of weighted residuals and scores (free strengths and scores)
     robust: Floats  # (tests,) square roots of weights, smaller for outliers
-    scale: float  # factor of the assumed errors if no errors are given
+    scale: float  # factor that multiplies the assumed errors if no errors are given
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class _Grid:
 
 
 class CalibrationProblem:
-    """Equations rub · mu0 + stick · tau0 = right of all tests, with errors and nuisance parameters.
+    """Equations rub · mu0 + stick · tau0 = right, one for each test, with errors and nuisance parameters.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ class CalibrationProblem:
         return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
 
     def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return directions and sizes of the relative offsets of runs in units of the errors (runs, tests), (runs,).
+        """Return directions (runs, tests) and sizes (runs,) of the relative offsets of runs, in units of the errors.
 
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
         the fit low.
@@ -236,12 +236,12 @@ class CalibrationProblem:
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return decorrelated equations in units of the errors (points, slid tests, 3) and log norms (points,)."""
+        """Return decorrelated equations (points, tests with sliding, 3) in units of errors, and log norms (points,)."""
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
         return self._independent(rows, scale, spread)
 
     def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return rows decorrelated within runs, and their log norms (points, slid tests, k), (points,)."""
+        """Return rows (points, tests with sliding, k) decorrelated within runs, and their log norms (points,)."""
         norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
             unit = self._offsets[:, self.slid]
@@ -254,7 +254,7 @@ class CalibrationProblem:
     def _residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return residuals in units of the errors (points, slid tests, ...), and the columns with junction growth.
+        """Return residuals (points, tests with sliding, ...) in units of the errors, and columns with junction growth.
 
         mu0 and tau0 (GPa) have the shape (points, ...). Residuals are infinite at seizure.
         """
@@ -303,7 +303,7 @@ class CalibrationProblem:
             return strength
 
         def grown(points: Floats) -> Floats:
-            """Return the residuals with junction growth (points, slid tests)."""
+            """Return the residuals (points, tests with sliding) with junction growth."""
             mu0, tau0 = np.transpose([values(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._residuals(to_scores(points[:, len(free) :]), scales, 1e6 * scales, mu0, tau0)
@@ -528,7 +528,7 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, the slope is smaller than above, but at least the slope without growth.
+        # Below the best mu0, the slope is smaller than above it, but not smaller than without growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 
@@ -618,7 +618,7 @@ class CalibrationProblem:
         return points, grid, np.where(np.isfinite(log), log, -np.inf)
 
     def _resample(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
-        """Draw samples of mu0, tau0 (GPa) and scores from the grid cells of all nuisance points by weight."""
+        """Draw samples of mu0, tau0 (GPa) and scores from all grid cells, in proportion to their weights."""
         random = np.random.default_rng(0)
         inside = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):

@@ -194,7 +194,7 @@ def _is_requested(name: str, names: Collection[str] | None) -> bool:
 def _evaluate_ensemble(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Return the ensemble means at the given loads like `friction_map`, with the dimension statistic."""
+    """Return the ensemble means at the given loads as `friction_map` does, with the dimension `statistic`."""
     import xarray
 
     def read(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
@@ -410,7 +410,7 @@ class OverMembers:
 
 
 def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
-    """Return the mean of values and the limits of its interval, above 0 if no value is negative."""
+    """Return the mean of values and the limits of its interval, which are above 0 if no value is negative."""
     if found is None:
         finite = values[np.isfinite(values)]
         return float(finite.mean()) if finite.size else np.nan, np.nan, np.nan
@@ -664,7 +664,7 @@ def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading,
     names: Collection[str] | None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate the members of a piece in memory like `member_values`.
+    """Evaluate the members of a piece in memory as `member_values` does.
 
     If the steps are loads, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate
     besides `_FRICTION`; None stands for all.
@@ -751,7 +751,7 @@ def _curves(
     """Return the contact sums of the members, and the crossings of their elastic loads with the given loads."""
     step = find_step_dimension(piece)
     lead = (*cells_of(piece), "repetition")
-    # Variables without coordinates are much faster than arrays with coordinates.
+    # Access to variables without coordinates is much faster than to arrays with coordinates.
     tables = piece.variables
     elastic = _over(tables["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)

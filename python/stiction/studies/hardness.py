@@ -359,7 +359,7 @@ class AreaInterpolator:
     elastic_areas: Floats  # (loads, m) e A/F of elastic bodies, 1/GPa
     moduli: Floats  # (m,) relative moduli e at the nodes
     growth: Floats  # (loads,) logarithmic derivative d ln(A/F) / d ln F
-    errors: Floats  # (loads, n) relative standard error of A at the nodes relative to A in the study
+    errors: Floats  # (loads, n) relative standard error of the ratio of A at the nodes to A in the study
     pressures: Floats  # (loads,) nominal pressures, GPa
     opposing_areas: Floats | None = None  # (loads, n) A/F of contacts that oppose the motion
     cache: dict[Any, Any] = field(default_factory=dict)  # samples that several points share
@@ -437,13 +437,13 @@ class AreaInterpolator:
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
-        """Return the relative standard error of the area ratio at hardnesses divided by the relative modulus (GPa)."""
+        """Return the relative standard error of the area ratio, given hardness divided by relative modulus (GPa)."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.node_hardnesses), self.errors[load]))
 
     def growth_ratio(
         self, load: int, rule: str, hardness: Floats, under_shear: Floats, modulus: Floats | float = 1.0
     ) -> Floats:
-        """Return the ratio of the true area of sheared contacts at the onset of sliding to their area before shear.
+        """Return the ratio of the true area of the contacts at the onset of sliding to their area before shear.
 
         Parameters
         ----------
@@ -488,7 +488,7 @@ class AreaInterpolator:
         return np.asarray(cache[2])
 
     def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return the true area of the sheared contacts before shear, in the units of `_sheared_area`.
+        """Return the true area that the contacts had before shear, in the units of `_sheared_area`.
 
         The area is cached, because many values of mu0 and tau0 have the same hardnesses.
         """
@@ -515,7 +515,7 @@ def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:
-    """Estimate the relative standard error of the areas at the nodes divided by the area in the study (loads, n)."""
+    """Estimate the relative standard error (loads, n) of the ratio of areas at the nodes to the area in the study."""
     area = solved["contact_area"].sel(relative_modulus=1.0, method="nearest")
     area = area.transpose("load", "hardness", "repetition")
     count = area.sizes["repetition"]

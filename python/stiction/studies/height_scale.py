@@ -108,7 +108,7 @@ def parse_factors(factors: Any) -> Floats:
 
 
 def _parse_factor_text(text: str) -> Floats:
-    """Parse a list or a range of factors from a text."""
+    """Parse a list or a range of factors from a string."""
     try:
         if ".." not in text:
             if text.count(",") == 1:

@@ -90,7 +90,7 @@ class UncertainInput:
         return f"{self.value:g}" if self.is_exact else self.text
 
     def agrees_with(self, text: str) -> bool:
-        """Return whether a text describes the same hardness distribution, possibly in another unit."""
+        """Return whether a string describes the same hardness distribution, possibly in another unit."""
         try:
             other_input = self if text == self.text else parse_input("", text, "hardness")
         except ValueError:
@@ -119,7 +119,7 @@ class UncertainInput:
 
 
 def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
-    """Parse a number in core units, or a text such as "0.2±0.02", "20..80 MPa", "150 HV" or "150 ± 10 % HV".
+    """Parse a number in core units, or a string such as "0.2±0.02", "20..80 MPa", "150 HV" or "150 ± 10 % HV".
 
     Raises
     ------
@@ -141,7 +141,7 @@ def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
 
 
 def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Parse a distribution from a text with single blanks between words."""
+    """Parse a distribution from a string with single spaces between words."""
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first, last = match.groups()
@@ -208,7 +208,7 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, source: Any, kind: str) -> float:
-    """Parse a nonnegative number or, if a kind of quantity is given, a text with a unit."""
+    """Parse a nonnegative number or, if a kind of quantity is given, a string with a unit."""
     if isinstance(source, str) and not kind:
         return _parse_number(name, source)
     scale = _TRAILING_UNIT_PATTERN.search(source) if kind == "hardness" and isinstance(source, str) else None
@@ -237,7 +237,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Return two texts with units, completing a missing unit from the other text."""
+    """Return two strings with units, taking a missing unit from the other string."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text
@@ -301,7 +301,7 @@ _BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1
 
 
 class UncertainInputsTable(Table):
-    """Ranges and uncertainties of the inputs of a study, whose contacts are computed at the central values."""
+    """Ranges and uncertainties of the inputs of a study. Contacts are computed at the central values."""
 
     mu0: _InputText | None = Field(
         default=None, description="Molecular friction coefficient as a range, or as value ± standard uncertainty."

@@ -103,7 +103,7 @@ def member_bytes(study: Study) -> int:
 
 
 def piece_length(size: int) -> int:
-    """Return the number of members of `size` bytes that form a piece, a power of two."""
+    """Return the number of members of `size` bytes in a piece, which is a power of two."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 

@@ -210,7 +210,7 @@ def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate a quantity of the ensemble like `friction_map`, after applying `change` to each piece."""
+    """Evaluate a quantity of the ensemble as `friction_map` does, after applying `change` to each piece."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")

@@ -342,7 +342,7 @@ class MeasuredFile(Table):
         """
         path = Path(self.file)
         try:
-            check_is_file(path)  # the checksum of a device or a pipe may never be complete
+            check_is_file(path)  # reading a device or a pipe may never end
             with path.open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
         except NotReadableError as error:
@@ -452,7 +452,7 @@ class BodyAttributes:
 
 
 class Members(Protocol):
-    """Members of a study of two bodies, each of which is determined by its index."""
+    """Members of a study of two bodies; the index of a member determines its pair."""
 
     def member(self, index: int) -> Member:
         """Return the member with the given index.
@@ -526,14 +526,14 @@ class MeasuredSurfaceKeys(Case):
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
-        """Return the members of two scans after low-pass filtering, each at its own cutoff (µm, 0 for none).
+        """Return the members of two scans after low-pass filtering each scan at its own cutoff (µm, 0 for none).
 
         Raises a `ValueError` if there are no members.
         """
         raise NotImplementedError
 
     def filtered(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
-        """Yield both scans after low-pass filtering, each at its own cutoff (µm, 0 for none)."""
+        """Yield both scans after low-pass filtering each scan at its own cutoff (µm, 0 for none)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default

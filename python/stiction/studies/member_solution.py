@@ -284,7 +284,7 @@ class PressedPair:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE = 64  # bytes
-SLIP_LOAD_FRACTION = 0.5  # fraction of the sliding load at which a result contains the slipped fraction
+SLIP_LOAD_FRACTION = 0.5  # fraction of the sliding load at which the slipped fraction is stored
 
 MEMBER_COSTS = {
     "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,

@@ -126,7 +126,7 @@ class Axis:
         return self._lagrange_weights(value, np.arange(first, first + number))
 
     def corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
-        """Return changes of the weights (n,) by one more node: by the node before, and by the node after.
+        """Return two changes of the weights (n,): if the preceding node is added, and if the following node is added.
 
         A change is 0 at a node, and NaN if there is no such node.
         """
@@ -437,7 +437,7 @@ def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple
 
 
 def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
-    """Return the geometric mean of two changes of an interpolated number, or the change that is defined."""
+    """Return the geometric mean of two changes of an interpolated number, or the only change that is defined."""
     before, after = np.abs(by_node_before), np.abs(by_node_after)
     return np.where(np.isnan(before), after, np.where(np.isnan(after), before, np.sqrt(before * after)))
 

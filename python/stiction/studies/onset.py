@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from stiction.studies.store import StoredResult
 
 ONSET_FILE = "onset.nc"  # file name in a result folder
-ONSET_TABLE_FILE = "onset.csv"  # table of the mean curve, such as the backbone of a Masing model
+ONSET_TABLE_FILE = "onset.csv"  # table of the mean curve, for example for a Masing model
 ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes that identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members with a computed onset: in general (first), and for half-spaces of maps (second)."""
@@ -205,7 +205,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
 
 
 def format_backbone(onset: xarray.Dataset) -> str:
-    """Format the mean curve from zero load as CSV with units, such as the backbone of a Masing model."""
+    """Format the mean curve from zero load (the backbone of a Masing model) as CSV with units."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}

@@ -131,7 +131,7 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(wavelength))
 
     def find_plastic_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Return the shortest wavelength (µm) with which the roughness multiplies the elastic pressure by `ratio`.
+        """Return the cutoff (µm) at which the elastic pressure reaches `ratio` times its value, with its interval.
 
         The ratio is relative to the mean contact pressure at the resolution of the scans.
         """

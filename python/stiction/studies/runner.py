@@ -222,7 +222,7 @@ def _create_token(path: Path) -> Iterator[SharedFolder]:
 
 @contextlib.contextmanager
 def _count_finished_on_error(stored: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to errors about storage or ended workers."""
+    """Add the number of finished members to errors about storage or about workers that died."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -254,7 +254,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(missing.total), arrays, body_attributes(study))
 
 
-LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice for a shorter run is printed
+LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice on shortening the run is printed
 
 
 def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:

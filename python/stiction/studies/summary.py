@@ -250,7 +250,7 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 
 
 def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Return the points with intervals at the quoted cutoff that also cover the other cutoff."""
+    """Return the points at the quoted cutoff with intervals that also cover the other cutoff, then the other points."""
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
     others = {_place(point): point for point in points if point.at["cut_off"] != cut_off}
     quoted = [point for point in points if point.at["cut_off"] == cut_off]

@@ -51,7 +51,7 @@ read_length = _reader("length")
 
 
 def written(value: Any) -> Any:
-    """Format quantities (also in tuples) as texts with six digits, and return other values unchanged."""
+    """Format quantities (also in tuples) as text with six digits, and return other values unchanged."""
     if isinstance(value, tuple):
         return tuple(map(written, value))
     if isinstance(value, Quantity):
@@ -169,7 +169,7 @@ class Case(Table):
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys that have a single possible value, which selects the class, with these values."""
+        """Return the keys that select the class, with their values: the keys with a single possible value."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -313,7 +313,7 @@ MAX_LISTED_FAULTS = 5  # largest number of errors in a message about a study
 
 
 class StudyError(ValueError):
-    """Error raised for an invalid study, with a line per fault that names the key.
+    """Error raised for an invalid study, with one line per fault, which names the key.
 
     Attributes
     ----------
@@ -349,7 +349,7 @@ def as_toml(value: Any) -> str:
 
 
 def toml(text: str) -> dict[str, Any]:
-    """Parse a TOML text.
+    """Parse TOML text.
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
