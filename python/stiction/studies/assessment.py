@@ -73,7 +73,7 @@ docs/explanation/adhesion.md describes the fit.
 """
 
 MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
-ROUND_UP_FACTOR = 1 + 1e-12  # rounds ties such as 2.25 up, as the report does
+ROUND_UP_FACTOR = 1 + 1e-12  # rounds up ties such as 2.25, as the report does
 MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which a caveat is issued
 
 

@@ -115,7 +115,7 @@ def add_uncertainty(
     six = _columns(member_sums(result, at["load"].values).mean(("repetition", "direction")))
     read = _columns(at[[name for name in _NEEDED_VARIABLES if name in at]]) | _sheared_contacts(at, study, areas)
     pressures = at["load"].values / float(at["nominal_area"])
-    # Consecutive coefficients have the same mu0 and tau0, so that they share samples.
+    # Consecutive coefficients have the same mu0 and tau0 and therefore share samples.
     interface = [dims.index(name) for name in ("mu0", "tau0")]
     for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface]):
         indices = dict(zip(dims, position, strict=True))
@@ -342,7 +342,7 @@ class _CoefficientSamples:
 
     @property
     def fraction_seizing(self) -> float:
-        """Fraction of the input samples with seizure."""
+        """Fraction of the input samples for which the contacts seize."""
         if self.growth is None:
             return 0.0
         samples = self._friction_samples({}, strength=self.strengths[0] if self.strengths else None)

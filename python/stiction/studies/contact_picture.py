@@ -149,7 +149,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 
 
 def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:
-    """Return the first pair of measured profiles that touch at a load (mN), with approach and offset (µm).
+    """Return the first two measured profiles that touch at a load (mN), and their approach and offset (µm).
 
     Returns None if no pair touches.
     """

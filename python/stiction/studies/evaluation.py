@@ -261,7 +261,7 @@ def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
 
 
 def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
-    """Return loads (mN) in equal ratios that cover the loads of a result."""
+    """Return a geometric series of loads (mN) that covers the loads of a result."""
     elastic = Result.of(result).means(["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
     if not highest > 0:

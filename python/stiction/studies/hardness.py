@@ -203,7 +203,7 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
 
 
 def _choose_shear_nodes(study: Study, softest: float) -> Floats:
-    """Return the additional nodes (GPa) below the smallest hardness that junction growth requires."""
+    """Return the additional nodes (GPa), below the smallest hardness, that junction growth requires."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
     return np.asarray(softest * np.exp(-SHEAR_NODE_STEP * np.arange(1, NUM_SHEAR_NODES + 1)))

@@ -30,7 +30,7 @@ Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribu
 NUM_SAMPLES = 2**14
 MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
-"""Pattern that matches texts with a range, an uncertainty or a hardness scale, but no plain quantities."""
+"""Pattern that matches a string with a range, an uncertainty or a hardness scale, but not a plain quantity."""
 
 _VICKERS_BY_ROCKWELL = {
     20: 238,

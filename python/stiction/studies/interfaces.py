@@ -812,7 +812,7 @@ def interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
-    """Return an interface file, or the interface files in a folder, with the same entries as `interfaces`.
+    """Read an interface file, or all interface files in a folder, and return their entries as `interfaces` does.
 
     Other files in the folder are ignored.
     """

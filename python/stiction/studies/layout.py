@@ -173,7 +173,7 @@ _DIVISORS = {
     "um^2": (0, 2, "L²"),
     "um": (0, 1, "L"),
 }
-"""Divisors by unit: powers of E* and L, and a text."""
+"""Divisor for each unit: its powers of E* and L, and its text."""
 
 
 def nondimensional(

@@ -231,7 +231,7 @@ class MeasuredFile(Table):
 
     @classmethod
     def from_body(cls, body: Any, name: str) -> MeasuredFile:
-        """Create an entry for a body in memory, possibly an object of another library.
+        """Create an entry for a body in memory, which may be an object of another library.
 
         Raises an `ArgumentError` if the body is invalid.
         """

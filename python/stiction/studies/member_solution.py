@@ -65,14 +65,14 @@ STIFFNESS_STEP = 0.02
 MPA_OVER_MM = 1e6  # MPa/mm per GPa/µm, for lines with a width of 1 µm
 
 JUMP_DISTANCE = 1e-11
-"""Relative distance of an approach just before a jump of the load from the jump.
+"""Relative distance from a jump of the load to an approach just before the jump.
 
 The distance exceeds the tolerance of `find_crossings`.
 """
 
 
 UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
-"""Numbers of members and of cutoffs per member with an unloading stiffness, for plastic bodies."""
+"""Numbers of members and of cutoffs per member for which the unloading stiffness of plastic bodies is computed."""
 
 
 def solve_at_loads(

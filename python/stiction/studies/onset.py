@@ -33,7 +33,7 @@ ONSET_FILE = "onset.nc"  # file name in a result folder
 ONSET_TABLE_FILE = "onset.csv"  # table of the mean curve, for example for a Masing model
 ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes that identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
-"""Default numbers of members with a computed onset: in general (first), and for half-spaces of maps (second)."""
+"""Default numbers of members whose onset is computed: in general, and for maps with the half-space model (second)."""
 
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
@@ -89,7 +89,7 @@ def compute_onset(
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """Compute the onset curve of a member with its index and position, or return None if the solver fails."""
+    """Compute the onset curve of a member, including its index and position, or return None if the solver fails."""
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:

@@ -111,11 +111,11 @@ Part: TypeAlias = Annotated[Scan | Sequence[Scan], SkipValidation]
 Gap: TypeAlias = Annotated[HeightMap, SkipValidation]
 InterfaceName: TypeAlias = Annotated[str | Path | Interface, SkipValidation]
 Value: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
-"""Number in the unit of the option, or text with a unit."""
+"""Number in the unit of the option, or string with a unit."""
 Values: TypeAlias = Annotated[
     str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_read_values)
 ]  # fmt: skip
-"""Single value or several values; a text separates the values by commas."""
+"""Single value or several values; in a string, commas separate the values."""
 Positions: TypeAlias = Annotated[
     str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_read_positions)
 ]  # fmt: skip

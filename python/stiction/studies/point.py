@@ -46,7 +46,7 @@ def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 RULE_ORDER = ("all", "opposing")
 """Sliding rules, starting with the quoted rule for measured bodies.
 
-With this rule friction acts at all contacts, because mu0 is measured on smooth faces.
+Under the quoted rule, friction acts at all contacts, because mu0 is measured on smooth faces.
 """
 
 CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of the cells of any kind of study

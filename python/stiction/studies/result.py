@@ -206,7 +206,7 @@ class Result:
         return coming_and_going(self)
 
     def find_touching_profiles(self, load: float) -> tuple[Profile, Profile, float, float] | None:
-        """Return the first pair of measured profiles that touch at a load, with approach and offset (µm), or None."""
+        """Return the first two measured profiles that touch at a load, their approach and offset (µm), or None."""
         from stiction.studies.contact_picture import find_touching_profiles
 
         return find_touching_profiles(self, load)
@@ -238,7 +238,7 @@ class Result:
     # ---- At a load ---------------------------------------------------------------------------------------------------
 
     def reached_loads(self, steps: int = 80) -> NDArray[np.float64]:
-        """Return loads (mN) in equal ratios up to the largest mean load.
+        """Return a geometric series of loads (mN) up to the largest mean load.
 
         Raises a `ValueError` if there is no contact.
         """

@@ -484,7 +484,7 @@ class Study(Table):
         return data
 
     def _reset_loads(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
-        """Remove loads of generated surfaces that the changes invalidate, or that depend on changed loads."""
+        """For generated surfaces, remove loads that the changes invalidate, or that depend on changed loads."""
         if "contact.load" in changes or not is_allowed:
             data["friction"].pop("load", None)
         elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
@@ -573,7 +573,7 @@ def find_differences(first: Table, second: Table, prefix: str = "") -> list[Stud
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """Find the differences between two studies that change their members.
+    """Find differences between two studies that lead to different members.
 
     Members do not depend on the table `[friction]`, on figures, or on file paths.
     """

@@ -374,7 +374,7 @@ def _waited(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, of tau0 on the true area, and of slopes to friction at all contacts."""
+    """Return the contributions of mu0, tau0 and slopes to a coefficient with friction at all contacts."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
