@@ -90,7 +90,7 @@ def test_uncertain_input_is_also_a_pair_option(name):
         ({"rotate": float("nan")}, "--rotate must be a finite number of degrees, got nan"),
         ({"hardness": [1, 2]}, "--hardness must be one value, got [1, 2]"),
         ({"work_of_adhesion": {}}, "--adhesion must be a number or a string, got {}"),
-        ({"upper_material": 3}, "--upper must be a text, got 3"),
+        ({"upper_material": 3}, "--upper must be a string, got 3"),
         ({"surrogates": 2.5}, "--surrogates must be a number of pairs, or one of none, upper, lower, both, got 2.5"),
         ({"load": None}, "--load must be a number or a string, got None"),
         ({"hardnes": 1}, "--hardnes is no option of a pair; is it hardness?"),

@@ -334,7 +334,7 @@ class _CoefficientSamples:
     def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
         """Return the limits of the 95 % interval of the samples, multiplied by a factor.
 
-        The interval is extended to the samples with mu0 or tau0 at its bound.
+        The interval is extended to include the samples with mu0 or tau0 at its bound.
         """
         strengths = self.strengths[:1] if INTERFACE_INPUT in fixed else self.strengths
         ends = [_ends(self._friction_samples(fixed, wait, strength) * factor) for strength in strengths or (None,)]

@@ -57,7 +57,7 @@ def range_of_strength(squares: Callable[[Floats], Floats], highest: Floats, dept
     squares : callable
         Function from tau0 (points, n) to the sums of squares (points, n) at the best mu0.
     highest : (points,) array of float, GPa
-        Upper bound of tau0.
+        Upper bound on tau0.
     depth : float
     """
     low, high = np.zeros(highest.shape), highest

@@ -35,7 +35,7 @@ def find_elasticity(
 ) -> Elasticity:  # fmt: skip
     """Return the elasticity of a pair of bodies from E*, from Young's moduli and Poisson's ratios, or from materials.
 
-    Raises a `ValueError` if not exactly one of these alternatives is given, or if a value is invalid.
+    Raises a `ValueError` if none or several of these alternatives are given, or if a value is invalid.
     """
     modulus, upper, lower = effective_modulus, upper_material, lower_material
     for side, name in (("upper", upper), ("lower", lower)):

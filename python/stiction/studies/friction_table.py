@@ -59,13 +59,13 @@ def table_study(
     rms : (r,) sequence of float, µm
         Root-mean-square height Sq of each of the two surfaces.
     pressures : (p,) sequence of float, GPa
-        Loads over the nominal area.
+        Loads divided by the nominal area.
     mu0 : (m,) sequence of float
         Molecular friction coefficients.
     tau0 : (t,) sequence of float, GPa
         Adhesive shear strengths.
     effective_modulus : float, GPa
-        E*, see `effective_modulus`.
+        E*; see `effective_modulus`.
     extent : float, µm
         Side of the square nominal area, and period of the surfaces.
     points : int

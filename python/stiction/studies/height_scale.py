@@ -91,8 +91,8 @@ def parse_factors(factors: Any) -> Floats:
     Parameters
     ----------
     factors : float, array_like or str
-        Factors from 0.01 to 100. A text is a list, as in "0.5,1,2", or a range, as in "0.25..4", which stands for its
-        two limits and all powers of √2 between them.
+        Factors from 0.01 to 100. A string is a list, as in "0.5,1,2", or a range, as in "0.25..4", which stands for
+        its two limits and all powers of √2 between them.
 
     Raises
     ------

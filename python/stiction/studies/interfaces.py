@@ -290,9 +290,9 @@ class FrictionTest:
     force : float or str, mN, optional
         Tangential force at the onset of sliding (the first peak), instead of the coefficient.
     uncertainty : float or str, optional
-        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. A text is an uncertainty of
-        the force, as in "20 mN", or a relative uncertainty, as in "3 %". By default the uncertainty is estimated from
-        the scatter of the tests.
+        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. A string is an uncertainty
+        of the force, as in "20 mN", or a relative uncertainty, as in "3 %". By default the uncertainty is estimated
+        from the scatter of the tests.
     slid : bool
         True if the pair slid; otherwise the coefficient is a lower bound.
     run : str or int, optional

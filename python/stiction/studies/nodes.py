@@ -403,10 +403,10 @@ def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_
     """Return True for panels (..., m, t) in which points (..., m, t, 3) at the nodes may be interpolated.
 
     A panel has the indices of its first corner. Along a ranged node, only the other axis is interpolated. The error in
-    the middle of a panel is estimated as the change by one more node along mu0, plus the change by one more node along
-    tau0. Each change is the geometric mean of the changes by the node before and by the node after. The error of a
-    value and of the ends of its interval must be within `PRINTED_TOLERANCE` of the width, or `VALUE_TOLERANCE` of the
-    value, at every corner. A number that is defined at only some corners is not interpolated.
+    the middle of a panel is estimated as the change due to one more node along mu0, plus the change due to one more
+    node along tau0. Each is the geometric mean of the changes due to the preceding and the following node. The error of
+    a value and of the ends of its interval must be within `PRINTED_TOLERANCE` of the width, or `VALUE_TOLERANCE` of
+    the value, at every corner. A number that is defined at only some corners is not interpolated.
     """
     table = np.moveaxis(points, -1, 0)
     (cubic, cubic_error), (linear, linear_error) = (_at_middles(axes, table, cubic=each) for each in (True, False))

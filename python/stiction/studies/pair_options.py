@@ -819,7 +819,7 @@ def argument_errors() -> Iterator[None]:
                 hint = f"; did you mean {suggestions[0]}?" if suggestions else ""
                 reason = f"must be {' or '.join(allowed)}, got {short_repr(value)}{hint}"
             case "string_type":
-                reason = f"must be a text, got {short_repr(value)}"
+                reason = f"must be a string, got {short_repr(value)}"
             case "bool_type":
                 reason = f"must be True or False, got {short_repr(value)}"
             case "missing":

@@ -188,10 +188,10 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return the lower bounds of mu_s and of the area fraction for finer scans, or None without a hardness.
+    """Return the lower bounds on mu_s and on the area fraction for finer scans, or None without a hardness.
 
-    The bound of mu_s is mu0 + tau0/H' with friction at all contacts. The bound of the area fraction is p/H with the
-    nominal pressure p.
+    The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
+    is the nominal pressure.
     """
     if (adhesion := plastic_adhesion(point, study)) is None:
         return None
@@ -231,8 +231,8 @@ class Resolution:
     members : float
         Number of members of the cutoff study.
     plastic_limit : (float, float), optional
-        Lower bound of the coefficient of finer scans with friction at all contacts, and area fraction, at the first
-        load, mu0 and tau0. It requires a hardness.
+        Lower bounds for finer scans, at the first load, mu0 and tau0: coefficient with friction at all contacts, and
+        area fraction. None without a hardness.
     yielding : tuple of (dict, tuple of YieldEstimate)
         Estimates for typical hardnesses at the load, mu0 and tau0 of each point; empty with a hardness.
     """

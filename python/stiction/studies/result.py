@@ -323,8 +323,8 @@ class Result:
         Raises
         ------
         ValueError
-            If an argument is outside its range, or if a factor of the heights is not computed. The message then
-            contains the time that it takes.
+            If an argument is outside its range, or if a factor of the heights has not been computed. The message
+            then states how long the computation would take.
 
         Examples
         --------

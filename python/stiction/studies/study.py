@@ -231,7 +231,7 @@ def _empty_table() -> Any:
 class Study(Table):
     """Description of a computation: pairs of surfaces, contact model and parameters.
 
-    Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is a text with a unit, as in
+    Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
     "10 GPa". In Python, a quantity may also be a number in core units (µm, GPa, mN). Some keys exist only for a single
     kind of surfaces or a single contact model, and are rejected in other studies.
 

@@ -83,7 +83,7 @@ class PointSummary:
     bracket : (float, float), optional
         Range that contains the coefficient of any finer scan if friction acts at all contacts. The range extends from
         mu0 + tau0/H to the upper limit of the interval of this scan, with an allowance for a small number of contacts.
-        It exists only with a hardness and for a value that may be quoted.
+        None without a hardness, or if the value may not be quoted.
     from_roughness : float, optional
         Fraction of the value that depends on the scans rather than on the inputs alone.
     budget : tuple of RemainingInterval
@@ -416,7 +416,7 @@ def _spoils_bracket(caveat: Caveat) -> bool:
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
-    """Return bounds of the coefficient of any finer scan, accurate to second order in the slopes.
+    """Return bounds on the coefficient of any finer scan, accurate to second order in the slopes.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. The bounds may be equal.
