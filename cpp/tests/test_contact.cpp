@@ -79,7 +79,7 @@ TEST_CASE("press: invalid arrays, approaches and models throw with the name of t
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<double> good{0.0, 0.1};
   CHECK(message(heights, heights, 1.0, good, hertz).empty());
-  CHECK(mentions(message(heights, {0.0, 1.0, 0.0, 1.0}, 1.0, good, hertz), "equally many"));
+  CHECK(mentions(message(heights, {0.0, 1.0, 0.0, 1.0}, 1.0, good, hertz), "equal numbers of points"));
   CHECK(mentions(message({0.0, 1.0, 0.0}, {0.0, 1.0, 0.0}, 1.0, good, hertz), "at least 4"));
   CHECK(mentions(message({0.0, nan, 0.0, 1.0, 0.0}, heights, 1.0, good, hertz), "upper"));
   CHECK(mentions(message(heights, {0.0, 1.0, 0.0, 1.0, infinity}, 1.0, good, hertz), "lower"));
