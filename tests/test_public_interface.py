@@ -373,7 +373,7 @@ def test_public_functions_accept_texts_with_units(upper, lower):
     np.testing.assert_allclose(half_space(upper, lower, ["1 MPa", "3 mN"]).load, [0.001 * area, 3.0], rtol=1e-12)
     assert len(contacts(upper, lower, "20 nm")) == len(contacts(upper, lower, 0.02))
     for call, words in (
-        (lambda: press(upper, lower, "5 mN"), "approaches has the unit 'mN', which is not one of length"),
+        (lambda: press(upper, lower, "5 mN"), "approaches has the unit 'mN', which is not a unit of length"),
         (lambda: half_space(upper, lower, "5 nm"), "loads must be a force or a pressure with its unit"),
     ):
         with pytest.raises(ValueError, match=words):
@@ -551,7 +551,7 @@ def test_result_of_pair_draws_every_figure(function_result):
 REJECTED_ARGUMENTS = [
     ({"load": "10 nm"}, "load must be a force or a pressure with its unit"),
     ({"load": []}, "load must have at least one value"),
-    ({"tau0": "3 mN"}, "tau0 has the unit 'mN', which is not one of pressure"),
+    ({"tau0": "3 mN"}, "tau0 has the unit 'mN', which is not a unit of pressure"),
     ({"mu0": "x"}, "mu0 must be one or several numbers"),
     ({"effective_modulus": None}, "give effective_modulus, or young and poisson, or upper and lower"),
     ({"upper": "steel"}, "not both effective_modulus and upper and lower"),

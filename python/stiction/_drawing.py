@@ -18,7 +18,7 @@ HEIGHT_MAP = "gray"
 _MAX_NM_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
 _MAX_BAR_FRACTION = 0.25  # maximum length of the scale bar, relative to the width of the map
 PRESSURE_MAP = "inferno"
-MAX_LEGEND_LINES = 12  # maximum number of lines with a legend
+MAX_LEGEND_LINES = 12  # maximum number of lines for which a legend is drawn
 
 
 def to_readable_unit(heights: Floats) -> tuple[Floats, str]:
@@ -48,7 +48,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     wave_number, density = harmonics
     positive = density > 0
     if not positive.any():
-        raise ValueError("the spectrum must not be 0 everywhere, because there is nothing to draw")
+        raise ValueError("the spectrum must not be 0 everywhere, because there would be nothing to draw")
     ax.loglog(wave_number[positive], density[positive], color="0.75", linewidth=0.6)
     middle, mean = bins
     filled = mean > 0
@@ -80,7 +80,7 @@ def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar of a round length in the lower right corner of a map with an extent (µm)."""
+    """Draw a scale bar of a round length in the lower right corner of a map of the given extent (µm)."""
     from matplotlib.patheffects import withStroke
 
     left, right, bottom, top = box
@@ -137,7 +137,7 @@ def set_log_ticks(axes: Axes) -> None:
 def draw_area(ax: Axes, load: Floats, area: Floats) -> Axes:
     """Draw the true contact area (µm²) against the normal load (mN)."""
     if not ((load > 0) & (area > 0)).any():
-        raise ValueError("no load has contact, so there is nothing to draw")
+        raise ValueError("the surfaces do not touch at any load, so there is nothing to draw")
     ax.set(xscale="log", yscale="log", xlabel="normal load (mN)")
     ax.plot(load, area, color="#009e73", marker="o", markersize=3)
     set_log_ticks(ax)

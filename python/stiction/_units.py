@@ -78,7 +78,9 @@ def quantity(text: object, kind: str) -> Quantity:
     if unit not in units:
         similar = [name for name in units if name.lower() == unit.lower()]
         hint = f"; did you mean {' or '.join(similar)}?" if similar else ""
-        raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {short_repr(text)}{hint}")
+        raise ValueError(
+            f"has the unit {unit!r}, which is not a unit of {kind} ({allowed}), got {short_repr(text)}{hint}"
+        )
     # Decimal arithmetic ensures that "100 nm" and "0.1 um" give the same number.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
     if value != 0 and not lowest <= abs(value) <= highest:

@@ -74,7 +74,7 @@ def test_approach_at_load_is_nan_for_unreachable_loads(circular_arc):
         ({"loads": 0.0}, "loads must be above 0"),
         ({"loads": [1.0, -1.0]}, "loads must be above 0"),
         ({"loads": np.nan}, "loads must be finite"),
-        ({"loads": "1 nm"}, "loads has the unit 'nm', which is not one of force"),
+        ({"loads": "1 nm"}, "loads has the unit 'nm', which is not a unit of force"),
         ({"mu0": -0.1}, "mu0 must not be negative"),
         ({"mu0": [0.1, 0.2]}, "mu0 must be a finite number"),
         ({"tau0": np.inf}, "tau0 must be a finite number"),

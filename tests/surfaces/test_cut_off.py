@@ -114,7 +114,7 @@ def test_low_pass_filter_adds_history_and_preserves_the_grid():
         ),
         (rough_profile(), 3.4, "wavelength must be between half a point"),
         (rough_profile(), 0.0, "wavelength must be a finite number above 0"),
-        (rough_profile(), "1 mN", "wavelength has the unit .mN., which is not one of length"),
+        (rough_profile(), "1 mN", "wavelength has the unit .mN., which is not a unit of length"),
         (Surface(np.eye(20), spacing=(1.0, 0.1)), 0.7, "a third of the shortest side, 0.666667 µm"),
         ([1.0, 2.0], 1.0, "body must be a Profile or a Surface, got list"),
     ],

@@ -400,7 +400,7 @@ def _body_length(request: Request, max_length: int) -> int:
     if int(length) > max_length:
         raise HTTPException(
             413,
-            f"a scan must have at most {MAX_SCAN_BYTES / 1e6:.0f} MB, and all scans together "
+            f"a scan must not exceed {MAX_SCAN_BYTES / 1e6:.0f} MB, and all scans together must not exceed "
             f"{MAX_TOTAL_BYTES / 1e6:.0f} MB",
         )
     return int(length)

@@ -145,7 +145,7 @@ def _print_scaled_heights(
     stored: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result for several factors of its heights, after computing missing factors on request."""
+    """Print a result for several factors of its heights. On request, compute the missing factors first."""
     from stiction.studies.executors import thread_executor
     from stiction.studies.height_scale import compute_factors, evaluate_height_scale, parse_factors
     from stiction.views.height_scale import height_scale_record, height_scale_text
@@ -157,7 +157,9 @@ def _print_scaled_heights(
             with thread_executor(workers) as executor:
                 compute_factors(stored, factors, scaled_bodies, executor, progress=True, announce=show_status)
         except KeyboardInterrupt:
-            raise report_interruption("; finished factors are stored; run the same command again to resume") from None
+            raise report_interruption(
+                "; results of finished factors are stored; run the same command again to resume"
+            ) from None
     values = evaluate_height_scale(stored, factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     print_output((height_scale_record if as_json else height_scale_text)(values, stored.study))
 
@@ -167,7 +169,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
     width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":
-            raise ArgumentError("{width} applies to two profiles, got {got}", got=repr(width))
+            raise ArgumentError("{width} applies only to two profiles; got {got}", got=repr(width))
         width_factor = THICKNESS / float(parse_quantity("width", width, "length"))
     if not texts:
         if not result.study.friction.load:
@@ -200,7 +202,8 @@ def _select_nearest(
         if values is not None:
             if name not in dataset.dims:
                 raise ValueError(
-                    f"{flag} applies to studies of generated surfaces, got {', '.join(f'{v:g}' for v in values)}"
+                    f"{flag} applies only to studies of generated surfaces; got {flag} "
+                    f"{', '.join(f'{v:g}' for v in values)}"
                 )
             dataset = dataset.sel({name: values}, method="nearest").drop_duplicates(name)
     return dataset.isel(amplitude=[0]) if "amplitude" in dataset.dims and amplitudes is None else dataset

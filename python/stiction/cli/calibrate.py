@@ -104,7 +104,7 @@ def calibrate(
         reject_options(context, "cannot be combined with FORCES.csv", "load", "measured")
         tests = parse_friction_tests(forces, bodies)
     elif load is None or measured is None:
-        raise ValueError("FORCES.csv must be given, or --load and --measured of a single test")
+        raise ValueError("FORCES.csv must be given, or --load and --measured for a single test")
     elif len(bodies) > 1:
         raise ValueError("--measured requires exactly one --pair or --ball, because it describes a single test")
     else:

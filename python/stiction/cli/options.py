@@ -48,8 +48,8 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[P
 
     if is_spectrum(file):
         raise ValueError(
-            f"{printable_path(file)}: is a spectrum of several scans, which only stiction pair accepts instead of a "
-            "scan"
+            f"{printable_path(file)}: is a spectrum of several scans; only stiction pair accepts a spectrum instead of "
+            "a scan"
         )
     show_reader_import(file)
     values: dict[str, Any] = {name: split_list(name, text) for name, text in options.items() if text is not None}
@@ -65,7 +65,7 @@ def show_reader_import(file: Path) -> None:
 
 
 def reject_options(context: typer.Context, reason: str, *names: str) -> None:
-    """Raise a `ValueError` if the command line contains one of these options, which do not apply."""
+    """Raise a `ValueError` with a reason if the command line contains one of the named options."""
     for name in names:
         if option_was_given(context, name):
             option = f"--{name.replace('_', '-')}"

@@ -38,10 +38,10 @@ MAX_INCREASE = 1e-3
 MIN_CONTACT = 1e-3
 STRIDE = 0.6  # ratio of successive contact loads during separation
 NEGLECTED = 0.01  # accepted relative error of the minimum load
-FIRST_STEP = 0.05  # relative step below the minimum load to the first lower load that is tried
-# Minimum gain of an additional solution: relative difference by which an interpolated load is below the minimum.
+FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower load that is tried
+# An additional solution requires an interpolated load that is below the minimum load by this relative difference.
 MIN_GAIN = 0.003
-MIN_WIDTH = 0.01  # smallest relative difference of two contact loads for interpolation
+MIN_WIDTH = 0.01  # smallest relative difference between two contact loads for interpolation between them
 MAX_REFINED = 6  # maximum number of additional solutions at interpolated loads
 MAX_TRIALS = 24  # maximum number of external loads that are tried during separation
 
@@ -92,14 +92,14 @@ class Attraction:
                 least, best = residual, count
             if count - best > PATIENCE or count == MAX_SETTLING:
                 break
-        raise UnsolvedError("the attraction does not converge")
+        raise UnsolvedError("the computation of the attraction does not converge")
 
     def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
-        """Return the equilibrium under an external load per area (GPa) and True, or a state on the way and False.
+        """Return the equilibrium under an external load per area (GPa) and True, or the best approximation and False.
 
         The iteration starts from `near`, or without contact if `near` is None.
 
-        If the bodies separate, the state with the smallest change on the way and False are returned. Separation is
+        If the bodies separate, the iterated state with the smallest change is returned with False. Separation is
         certain only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium.
         `UnsolvedError` is raised if `MAX_SOLUTIONS` solutions do not decide.
         """
@@ -110,7 +110,7 @@ class Attraction:
             if residual <= self.max_residual:
                 return state, True
             if count == MAX_SOLUTIONS:
-                raise UnsolvedError("the attraction does not converge")
+                raise UnsolvedError("the computation of the attraction does not converge")
             # skip the first states, which may be near an equilibrium by chance
             if residual < min(before, least) and count > 1:
                 slowest, least = state, residual
@@ -147,7 +147,7 @@ class Attraction:
             solver = _core.HalfSpaceSolver(lowered, grids, bound=self.bound, tolerance=tolerance, threads=threads())
             solution = solver.at(mean, near=pressure, threads=threads(), progress=self.report)
             if not solution.error <= max(tolerance, self.solver_tolerance):
-                raise UnsolvedError("the pressures do not converge")
+                raise UnsolvedError("the computation of the pressures does not converge")
             pressure = solution.pressure
             displacement = grids.displacement(pressure.reshape(gap.shape), threads=threads())
             change = self.of(lowered + displacement - solution.approach) - attraction
@@ -219,7 +219,9 @@ class Attraction:
                         return states
                     plain_start, unsupported_load = trial, -math.inf
             except UnsolvedError:
-                self.uncertain = f"at a load of {self.force(load):.4g} mN the attraction does not converge"
+                self.uncertain = (
+                    f"at a load of {self.force(load):.4g} mN, the computation of the attraction does not converge"
+                )
                 return states
             if is_balanced:
                 extrapolated_start, step = trial, 2 * step

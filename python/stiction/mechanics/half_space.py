@@ -179,7 +179,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off(self) -> float:
-        """Largest tension (mN) that the surfaces support when they are pulled apart from the smallest load.
+        """Largest tension (mN) that the surfaces support during separation, which starts from the smallest load.
 
         The force is computed on first use. The surfaces separate under a tension that is 1 % larger. If separation is
         not certain, a warning contains "at least", and `pull_off_is_bound` is True.
@@ -208,7 +208,7 @@ class HalfSpaceCurve(FrictionCurve):
         Raises a `ValueError` without adhesion.
         """
         if self.work_of_adhesion == 0:
-            raise ValueError("parting requires adhesion; pass half_space a work_of_adhesion above 0")
+            raise ValueError("parting requires adhesion; call half_space with a work_of_adhesion above 0")
         return _make_curve(self._problem, self._model, self._apart[0], self._tolerance)
 
     @cached_property
@@ -331,7 +331,7 @@ class HalfSpaceCurve(FrictionCurve):
         poisson: float | Sequence[float] = 0.3,
         tolerance: float = 1e-6,
     ) -> Onset:
-        """Compute the onset of sliding at `load[index]`, see `Onset`.
+        """Compute the onset of sliding at `load[index]`; see `Onset`.
 
         Parameters
         ----------
@@ -555,7 +555,7 @@ def _with_adhesion(problem: Problem, work: float, length: float, effective_modul
     if problem.hardness is not None and not work / length < problem.hardness:
         raise ValueError(
             f"hardness must be above {work / length:.3g} GPa, the attraction in contact (work_of_adhesion over "
-            f"adhesion_range), got {problem.hardness!r}, because the surfaces would otherwise yield without a load"
+            f"adhesion_range), because the surfaces would otherwise yield without a load; got {problem.hardness!r}"
         )
     return replace(problem, work_of_adhesion=work, adhesion_range=length)
 

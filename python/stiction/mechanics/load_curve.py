@@ -47,8 +47,8 @@ class CurveInputs:
         """Return all contacts at an approach. They do not depend on the direction."""
         if not self.bodies:
             raise ValueError(
-                "the curve must have candidates for an onset, got a curve from another process; press the candidates "
-                "again"
+                "the curve comes from another process and has lost its contact candidates, which an onset requires; "
+                "press the candidates again"
             )
         all_contacts: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
         return all_contacts

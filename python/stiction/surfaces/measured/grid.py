@@ -9,7 +9,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FormatError
 
-EXACT_TOLERANCE = 1e-3  # largest deviation from a grid of nominally exact positions, in steps
+EXACT_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in steps
 # Largest deviation of a point from the grid in steps, beyond the rounding of the printed position.
 MAX_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
@@ -57,7 +57,9 @@ def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats
         raise FormatError(f"lists a point without {name}")
     step = _rounded_step(positions, digits) or estimate_step(positions)
     if step is None:
-        raise FormatError(f"lists points with a single {name}, which form a profile; choose columns (--columns)")
+        raise FormatError(
+            f"lists points that all have the same {name}, so they form a profile; choose other columns (--columns)"
+        )
     nodes = np.round((positions - positions.min()) / step)
     count = int(nodes.max())
     step = float(positions.max() - positions.min()) / count

@@ -501,7 +501,7 @@ def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
         point, deviations = worst
         raise FormatError(
             f"is not uniform: point {point}, counted from 0, is at {x[point]:.7g} µm, {abs(deviations):.3g} µm from "
-            f"its position at a spacing of {abs(measured):.6g} µm; resample the profile first"
+            f"where a uniform spacing of {abs(measured):.6g} µm would place it; resample the profile first"
         )
     is_uniform = np.abs(np.diff(x) - measured).max() <= MAX_UNEVENNESS * abs(measured)
     if not is_uniform and abs(x[-1] - x[0]) < MIN_LENGTH_DIGITS * digit.values.max():
