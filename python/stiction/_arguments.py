@@ -39,7 +39,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 
 
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Return one or more quantities of a kind."""
+    """Parse one or more quantities of a given kind."""
     reject_decimal_commas(name, value)
     return [parse_quantity(name, item, kind) for item in _split_required(name, value)]
 
@@ -78,7 +78,7 @@ MAX_NUMBER = 1e6
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
-    """Return one or more numbers between 0 and `MAX_NUMBER`."""
+    """Parse one or more numbers between 0 and `MAX_NUMBER`."""
     numbers = parse_numbers(name, value)
     if any(item < 0 for item in numbers):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(value))
@@ -97,7 +97,7 @@ def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load (a plain number is a force in mN), and return True as well if it is a pressure on the slider.
+    """Parse a load, and return also whether it is a pressure on the slider. A plain number is a force in mN.
 
     The load must be above 0, or at least 0 with `or_zero`.
     """

@@ -18,12 +18,12 @@ class _MessageValues(dict[str, Any]):
 
 
 class ArgumentError(ValueError):
-    """Error for an invalid argument. The placeholder `{name}` in its message is the argument; others have values."""
+    """Error for an invalid argument. Placeholders in its message stand for values or, like `{name}`, for arguments."""
 
     def __init__(self, message: str, **values: Any) -> None:
         super().__init__(message.format_map(_MessageValues(values, str)))
         self._message, self._values = message, values
 
     def with_names(self, translate: Callable[[str], str]) -> str:
-        """Return the message with translated argument names, for example command-line options."""
+        """Return the message with argument names translated, for example to command-line options."""
         return self._message.format_map(_MessageValues(self._values, translate))

@@ -1,4 +1,4 @@
-"""Formatting of numbers, with digits that depend on the interval, in the unit with the fewest zeros."""
+"""Formatting of numbers: the interval sets the number of digits, and the unit is chosen for the fewest zeros."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 MAX_DIGITS = 4  # maximum number of significant digits of a value, even with a narrow interval
 UNBOUNDED_END = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-MAX_PRECISE_END_RATIO = 100.0  # the upper end is printed with one digit above this ratio to the value
+MAX_PRECISE_END_RATIO = 100.0  # above this ratio of upper end to value, the end is printed with one digit
 
 _PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),

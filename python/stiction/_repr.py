@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 NOTEBOOK_DPI = 110  # resolution of a notebook image, dots per inch
 NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of a notebook image, inches
 MAX_COLUMN_WIDTH = 4.0  # maximum width (inches) of one-column figures, which get a higher resolution
-PNG_COMPRESSION = 4  # takes half the time of the default level 6, for 10 % larger images of maps
+PNG_COMPRESSION = 4  # half the time of the default level 6, but images of maps are 10 % larger
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
 """Next smaller unit and its factor, for values below 0.1."""
@@ -147,7 +147,7 @@ def plot_html(draw: Callable[[Axes], object]) -> str:
 
 
 def figure_html(figure: Any) -> str:
-    """Return a Matplotlib figure as an inline image, with a text for screen readers."""
+    """Return a Matplotlib figure as an inline image, with a description for screen readers."""
     encoded = base64.b64encode(render_png(figure)).decode("ascii")
     return f'<img alt="picture" style="max-width:100%" src="data:image/png;base64,{encoded}"/>'
 

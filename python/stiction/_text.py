@@ -8,14 +8,14 @@ import unicodedata
 
 MAX_PATH_LENGTH = 300  # maximum number of characters of a path in a message
 MAX_WORD_LENGTH = 80  # maximum number of characters of a key, version or name in a message
-MAX_LINE_LENGTH = 1000  # maximum number of characters of a line in a message
+MAX_LINE_LENGTH = 1000  # maximum number of characters of a line that is quoted in a message
 
 # Escaped Unicode categories: control and format characters, surrogates, line and paragraph separators.
 _UNPRINTABLE = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def printable(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
-    r"""Return text on one line, with escaped control characters, and dots in the middle of a long text.
+    r"""Return text on one line, with control characters escaped, and the middle of a long text replaced by dots.
 
     Examples
     --------

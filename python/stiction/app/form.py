@@ -40,7 +40,7 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def page_facts() -> str:
-    """Return facts for the script of the page, as a JSON text for an attribute.
+    """Return the facts that the script of the page needs, as JSON for an HTML attribute.
 
     The facts are units of plain numbers, options with commas, and descriptions of the sliding rules.
     """
@@ -57,7 +57,7 @@ _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
 
 
 def find_first_option(message: str) -> str:
-    """Return the option at the start of an error message if the form has a field for it, or else an empty text."""
+    """Return the option at the start of an error message if the form has a field for it, or else an empty string."""
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FIELDS else ""
 

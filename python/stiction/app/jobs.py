@@ -59,7 +59,7 @@ class Job:
     preview: tuple[list[str], Any] | None = None  # scans and options of a preview with the asperity model
     state: str = "waiting"  # waiting, running, done, stopped or failed
     activity: str = "waiting for the previous job"
-    scope: str = ""  # members of an intermediate result as a text; empty for the final result
+    scope: str = ""  # description of the members of an intermediate result; empty for the final result
     finished: int = 0
     total: int = 0
     versions: int = 0
@@ -96,7 +96,7 @@ class Jobs:
         self._reader_slots = asyncio.Semaphore(2)
 
     def add(self, title: str, arguments: list[str], *, folder: Path | None = None, preview: Any = None) -> Job:
-        """Add a command to the queue. A command with an existing result resumes it."""
+        """Add a command to the queue. If the command already has a result, its computation is resumed."""
         if sum(job.state == "waiting" for job in self.all.values()) >= MAX_WAITING_JOBS:
             raise RejectedError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
         stored_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]

@@ -1,4 +1,4 @@
-"""Start of the server in a private directory: opens a browser, and exits when no window is open."""
+"""Start of the server in a private directory. The server opens a browser, and exits when no window is open."""
 
 from __future__ import annotations
 

@@ -205,7 +205,7 @@ class _Commands(TyperGroup):
             raise report_interruption() from None
 
 
-# Rich markup is disabled, because importing rich would take half of the time for printing help.
+# Rich markup is disabled, because importing rich would take half of the time needed to print the help.
 _TYPER_OPTIONS: dict[str, Any] = {
     "rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False,
     "context_settings": {"help_option_names": ["-h", "--help"]},

@@ -170,7 +170,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the candidates, if given instead of two surfaces, and the contact model."""
+    """Return the candidates (None if two surfaces were given instead), and the contact model."""
     if not isinstance(upper, Candidates):
         return None, model_for_pair(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

@@ -31,7 +31,7 @@ Computing the kernels takes a quarter of the time of a free solution.
 # Displacement of an edge due to the tilt in a linear response, relative to the displacement under the load.
 TILT_FRACTION = 0.01
 RESPONSE_TOLERANCE = 1e-7  # tolerance of linear responses
-# Upper bound of the pressure in linear responses to a mean pressure of 1. It is large enough for coarse grids.
+# Upper bound on the pressure in linear responses to a mean pressure of 1. It is large enough for coarse grids.
 RESPONSE_BOUND = 1e9
 MAX_CELL_RATIO = 1e6  # largest ratio of the sides of a grid cell
 
@@ -45,7 +45,7 @@ _uniform: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.Weak
 def get_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    """Return the grids of a problem with their kernels. Problems share the grids as long as one of them uses them."""
+    """Return the grids of a problem with their kernels. Problems share these grids as long as any problem uses them."""
     key = shape, spacing, effective_modulus, periodic
     grids = _grids_by_key.get(key)
     if grids is None:

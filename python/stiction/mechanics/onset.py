@@ -229,7 +229,7 @@ class Onset(PlotRepr):
         return draw_onset(axes_for(ax), self.tangential_load, self.displacement, self.slipped_area, **of_curve)
 
     def iwan(self) -> FourParameterIwan:
-        """Fit Segalman's four-parameter Iwan model to the curve, see `FourParameterIwan`.
+        """Fit Segalman's four-parameter Iwan model to the curve; see `FourParameterIwan`.
 
         Raises
         ------
@@ -242,7 +242,7 @@ class Onset(PlotRepr):
         return fit_iwan(self.displacement, self.tangential_load, **of_curve)
 
     def lugre(self) -> LuGre:
-        """Fit the bristle stiffness of the LuGre model to the curve, see `LuGre`.
+        """Fit the bristle stiffness of the LuGre model to the curve; see `LuGre`.
 
         Raises
         ------

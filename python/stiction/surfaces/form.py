@@ -58,7 +58,7 @@ def round_form(
 
 
 def _arc_heights(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Return the heights of an arc from squared distances from the middle and products of slope and distance."""
+    """Compute the heights of an arc from squared distances to the middle and from products of slope and distance."""
     rise = curvature * square + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))

@@ -1,4 +1,4 @@
-"""White instrument noise under the spectrum of a rougher surface that has no flat end."""
+"""White instrument noise that is hidden in a spectrum without a flat end, below the spectrum of the surface."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
 
 
 def _shortest_waves_variance(surface: Surface, periodic: bool) -> float:
-    """Return the variance (µm²) of white noise with the median density of wavelengths below four points on both axes.
+    """Return the variance (µm²) of white noise with the median density at wavelengths below four points on both axes.
 
     The densities of noise are exponentially distributed, so their median is ln 2 of their mean.
     """

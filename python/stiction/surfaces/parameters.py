@@ -191,7 +191,7 @@ class ParameterSet(TextRepr):
         return {"levelled": self.levelled}
 
     def __repr__(self) -> str:
-        """Return a text with one line per parameter, including its unit."""
+        """Return one line per parameter, with its unit."""
         lines = {name: f"{value} {unit}".strip() for name, value, unit in self._formatted_values()} | self._extra_rows()
         width = max(map(len, lines))
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in lines.items())])

@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# a hill counts above this fraction of Rp, and a dale above this fraction of Rv
+# a hill counts if it is higher than this fraction of Rp, and a dale if it is deeper than this fraction of Rv
 DISCRIMINATION_FRACTION = 0.1
 
 

@@ -38,7 +38,8 @@ _MIN_TRUSTED_RATIO = 4.0
 _MIN_RISE_RATIO = 3.0
 # Largest fraction of the mean square slope at unattributed wavelengths for which a result may be quoted.
 MAX_UNKNOWN_FRACTION = 0.1
-# Ratio of a cutoff to the wavelength to be removed. The Gaussian filter transmits 8 % of its amplitude.
+# Ratio of a cutoff to the wavelength to be removed.
+# At this ratio, the Gaussian filter transmits 8 % of the amplitude of that wavelength.
 CUTOFF_MARGIN = 1.9
 _MIN_SLOPE_FRACTION = 1e-4  # a smaller fraction of the mean square slope may be round-off
 # Smallest exponent of a rough surface in its last octave, including the effect of aliasing.
@@ -53,7 +54,7 @@ _NOISE_WAVELENGTH_RATIO = 0.7
 # reasons that are always due to the instrument, never to the surface
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_NOISE_RATIO = 2.0  # noise along two axes counts as equal up to this ratio of densities
-# smallest ratio of a density to the noise density that it may hide; below 1 to allow for scatter
+# smallest ratio of a density to a noise density that may be hidden in it; below 1 to allow for scatter
 _MIN_HIDDEN_RATIO = 0.8
 _MIN_NOISE_LINES = 8.0  # minimum number of independent lines for noise that differs from line to line
 # Shortest wavelength of an extrapolation as a fraction of the shortest wavelength of the scan.
@@ -101,14 +102,14 @@ class ScaleDependentRoughness(TextRepr):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h'_rms of all wavelengths at or above the given wavelengths (µm) of any shape.
+        """Return h'_rms of all wavelengths at or above given wavelengths (µm; an array of any shape).
 
         The result is constant below the shortest wavelength of the body.
         """
         return _interpolate_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h''_rms (1/µm) of all wavelengths at or above the given wavelengths (µm) of any shape."""
+        """Return h''_rms (1/µm) of all wavelengths at or above given wavelengths (µm; an array of any shape)."""
         return _interpolate_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
@@ -136,7 +137,7 @@ class ScaleDependentRoughness(TextRepr):
         return np.asarray(np.sqrt(np.square(measured) + extrapolated_slope(estimate, finer)))
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
-        """Find the wavelength (µm) down to which all wavelengths together have a given rms gradient.
+        """Find the wavelength (µm) at which the rms gradient of all longer wavelengths reaches a given value.
 
         The power law of `estimate`, if given, extrapolates the spectrum.
 

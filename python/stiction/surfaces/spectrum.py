@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off in ratios of lengths
 _PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
-_PEAK_WINDOW_BINS = 6  # number of bins on each side for the median level at a bin
+_PEAK_WINDOW_BINS = 6  # number of bins on each side of a bin that determine its median level
 
 HANN_CORRELATION = 35 / 18
 """Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""

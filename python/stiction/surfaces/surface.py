@@ -120,7 +120,7 @@ def parse_lengths(name: str, value: Any) -> tuple[float, float]:
 
 
 def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit: str = "um") -> Any:
-    """Return a profile or a surface unchanged, or convert an array to one.
+    """Return a profile or a surface unchanged, or convert an array to a profile or a surface.
 
     Parameters
     ----------

@@ -71,7 +71,7 @@ def _not_separated_lines(interface: Interface) -> Iterator[str]:
 
 
 def _growth_line(interface: Interface) -> str:
-    """Return a line about α of junction growth in the calibration, with the interval of a range."""
+    """Return a line on α of junction growth in the calibration, with its fitted interval if α is a range."""
     assert interface.growth is not None, "tests have α"
     text = f"Junction growth: the tests have α = {interface.growth.short_text}"
     if interface.growth.is_exact:

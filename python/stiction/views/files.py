@@ -29,7 +29,7 @@ def check_files(folder: Path, file_marks: Mapping[str, bytes]) -> None:
 
 
 def replace_text(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file. It may replace an older file with the mark; any other existing file raises a `ValueError`."""
+    """Write a text file, replacing an older file with the mark. Raise a `ValueError` if another file exists."""
     with replaced_file(path, file_mark, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
 

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-# The script packaging/pair_options.py writes the parameters, their descriptions and the call of `PairOptions`.
+# The script packaging/pair_options.py generates the parameters, their descriptions and the call to `PairOptions`.
 def pair(
     first: Part | None = None,
     second: Part | None = None,

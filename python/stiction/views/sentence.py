@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-# the text states the definition of the load above this relative difference between definitions
+# the definition of the load is stated if the definitions differ by more than this fraction
 MIN_STATED_READING_DIFFERENCE = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Relative difference of A E* h'/F from its usual value above which the small-slope estimate does not apply."""

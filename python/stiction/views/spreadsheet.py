@@ -12,7 +12,7 @@ FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 
 
 def frame_to_csv(frame: pandas.DataFrame, *, float_format: str = "%.9g") -> str:
-    """Return a table as CSV. An apostrophe precedes texts that a spreadsheet program would evaluate as formulas."""
+    """Return a table as CSV. Cells that a spreadsheet program would evaluate as formulas get an apostrophe."""
     frame = frame.rename(columns=_escape_formula)
     for name in frame.columns[[not _is_numeric(kind) for kind in frame.dtypes]]:
         frame[name] = frame[name].map(_escape_formula)

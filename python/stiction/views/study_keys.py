@@ -165,7 +165,7 @@ def markdown_row(cells: Sequence[str]) -> str:
 
 
 def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
-    """Return the allowed values of a type, with one phrase per alternative."""
+    """Return the allowed values of a type as phrases, one per alternative."""
     for kind, phrases in _QUANTITY_RANGES:
         if annotation is kind or any(item in metadata for item in kind.__metadata__[:1]):
             return [phrases]

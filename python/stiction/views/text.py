@@ -200,7 +200,7 @@ def values_text(
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return the cutoff study and the onset of sliding as a text after an empty line; empty without both."""
+    """Return an empty line, the cutoff study and the onset of sliding as text; empty without both."""
     onset = summary.onset
     paragraphs = []
     if any(math.isfinite(point.value) for point in summary.points):
@@ -451,7 +451,7 @@ def _first_cell(headlines: Sequence[PointSummary]) -> str:
 
 
 def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool = False, cell: str = "") -> str:
-    """Format means and 95 % intervals for the quoted rule, with one row per quantity and one column per load."""
+    """Format the means and 95 % intervals of the quoted sliding rule, one row per quantity and one column per load."""
     dataset = all_points.isel({name: 0 for name in ("mu0", "tau0") if name in all_points.dims})
     dataset = dataset.sel(sliding=rules_of(study)[0]) if "sliding" in dataset.dims else dataset
     loads = list(points(dataset))
@@ -548,7 +548,7 @@ def _cell(estimate: xarray.DataArray, factor: float) -> str:
 
 
 def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
-    """Return a text on the dependence of friction on the axis; `verbose` or grooves add the values along each axis."""
+    """Describe how friction depends on the axis; `verbose` or grooves add the values along each axis."""
     if "friction_by_axis" not in values or values.sizes.get("axis", 0) < 2:
         return ""
     table = values["friction_by_axis"]

@@ -16,7 +16,7 @@ MAX_LINES, MAX_CELLS = 25_000_000, 4_000_000
 
 # maximum number of lines, and of characters per line, in the search for a layout
 HEAD_LINES, HEAD_WIDTH = 200, 1000
-_MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line in a message
+_MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that is quoted in a message
 
 BLANK, NUMBERS, TEXT = 0, 1, 2
 """Kinds of lines. A NUMBERS line contains only numbers, separators and marks of missing points."""

@@ -28,7 +28,7 @@ not in words.
 """
 
 MAX_BYTES = 2_000_000_000
-MAX_TEXT_BYTES = 300_000_000  # parsing a text needs about ten times its size in memory
+MAX_TEXT_BYTES = 300_000_000  # parsing text needs about ten times its size in memory
 _CHUNK = 1 << 16
 # Compression methods that can be read in pieces of limited size.
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)

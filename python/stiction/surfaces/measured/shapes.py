@@ -31,7 +31,7 @@ MAX_UNEVENNESS = 1e-3
 Such a deviation has no visible effect on the heights. It occurs in positions that were stored in single precision.
 """
 
-MIN_COLUMNS = 4  # minimum number of columns of a height matrix in a text
+MIN_COLUMNS = 4  # minimum number of columns of a height matrix in a text file
 MAX_GRID_POINTS = 100_000_000  # maximum number of points of a map
 MAX_LISTED_NAMES = 12  # maximum number of names in a message
 MAX_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
@@ -111,7 +111,7 @@ def _remove_unit(name: str) -> str:
 
 
 def list_names(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
-    """Return a list of the first names with their numbers as a text."""
+    """Format a list of the first names with their numbers."""
     numbers = range(len(names)) if numbers is None else numbers
     pairs = list(zip(numbers, names, strict=True))
     shown = ", ".join(f"{index} ({printable(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
@@ -518,7 +518,7 @@ def _read_labelled(table: ColumnTable) -> Raw:
 
 
 def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
-    """Return the columns of x, y and z in a list of points, from their names or their number of three."""
+    """Return the columns of x, y and z in a list of points, if their names identify them or there are three columns."""
     columns = table.values.shape[1]
     if not any(table.names):
         return (0, 1, 2) if columns == 3 else None
@@ -581,7 +581,7 @@ def _reject_columns(table: ColumnTable) -> Raw:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return the further information that a table lacks, as the end of a sentence."""
+    """Return the end of a sentence that lists the further information that a table lacks."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

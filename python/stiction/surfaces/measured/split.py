@@ -1,4 +1,4 @@
-"""Parsing of numeric lines into a matrix: separators, decimal marks and quotes of a text."""
+"""Parsing of numeric lines into a matrix: detection of separators, decimal marks and quotes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SAMPLE_LINES = 60  # maximum number of lines for detecting the separator and th
 _SAMPLE_SIZE = 10_000  # maximum number of characters in these lines
 _LONG_LINE = 200  # mean line length above which cells are counted line by line
 MAX_SAMPLED = 20_000  # maximum number of rows for determining the printed digits of a column
-MAX_COUNT_CELLS = 2  # maximum number of cells of a line above the numbers that contains counts or sizes
+MAX_COUNT_CELLS = 2  # maximum number of cells in a line of counts or sizes above the numbers
 _QUOTED_SEPARATOR = "\x1f"  # character that replaces the separator in quoted cells
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 

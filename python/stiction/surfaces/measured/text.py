@@ -33,7 +33,7 @@ MIN_BLOCK_ROWS = 2
 
 
 def read_text(data: bytes, words: tuple[str, ...] = ()) -> Content:
-    """Parse a text. `words` are additional words that mark missing points."""
+    """Parse the text of a file. `words` are additional words that mark missing points."""
     return parse_content(decode(data, words))
 
 
@@ -51,7 +51,7 @@ def find_layout(text: Text) -> Layout | None:
 
 
 def with_source(content: Content, text: Text, layout: str) -> Content:
-    """Add a layout and an encoding to the source of content, and return the content."""
+    """Record the layout and the encoding of a text in the source of its content, and return the content."""
     if isinstance(content, Channels):
         read_channel = content.read
         return replace(content, read=lambda line: with_source(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]

@@ -89,7 +89,7 @@ class _WordTable:
 
 
 def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
-    """Return the lines of the most frequent width that have numbers, except in columns without numbers."""
+    """Return the lines of the most frequent width whose cells are numbers, except in the columns of words."""
     rows = [split_cells(text.line(line), separator) for line in lines]
     is_number = [[_NUMBER_CELL.fullmatch(cell) is not None for cell in row] for row in rows]
     widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))

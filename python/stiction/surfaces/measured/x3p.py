@@ -206,7 +206,7 @@ def _read_columns(
 
 
 def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
-    """Parse points listed as text. Semicolons separate axes, and empty texts are missing points."""
+    """Parse points listed as text. Semicolons separate axes, and empty strings are missing points."""
     if len(rows) != points:
         raise FormatError(f"declares {points} points, but lists {len(rows)}")
     columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute}

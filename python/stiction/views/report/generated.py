@@ -270,7 +270,7 @@ def _reason_record(reason: Caveat | Check) -> dict[str, Any]:
 
 
 def _number_format(check: Check) -> dict[str, Any]:
-    """Return table, factor, decimals and unit of the number in a check's text."""
+    """Return the table, factor, decimals and unit of the number in the text of a check."""
     name, format_name = check.shown_name, check.shown
     if format_name == "percent":
         return {"table": name, "factor": 100, "decimals": 0, "unit": " %"}

@@ -61,7 +61,7 @@ class Page:
         )
 
     def save(self, path: Path) -> None:
-        """Write the page. It may replace an older report; for any other existing file, raise a `ReportError`."""
+        """Write the page, replacing an older report if there is one. Raise a `ReportError` if another file exists."""
         with replaced_file(path, REPORT_MARK.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
@@ -73,7 +73,7 @@ def part(name: str) -> str:
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
     """Return the markup of scripts with a result, its facts, and packed numbers."""
-    # Without "<", a text cannot end the element or start another one.
+    # Without "<", the JSON text cannot end its element or start another element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(element.format(*item) for item in numbers.items())
@@ -83,11 +83,11 @@ def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
     )
 
 
-MAX_TEXT_LENGTH = 400  # maximum number of characters shown of a line from a file
+MAX_TEXT_LENGTH = 400  # maximum number of characters of a line from a file that are shown
 
 
 def escaped(text: object) -> str:
-    """Return a text as markup: a single line of limited length without control characters."""
+    """Return text as markup: a single line of limited length without control characters."""
     return html.escape(printable(str(text), MAX_TEXT_LENGTH))
 
 

@@ -19,7 +19,7 @@ NO_INTERVAL = -128  # value stored as the decimals of the upper end if the inter
 MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded digits before the decimal point
 
 
-_COMPRESSION = 7  # takes a sixth of the time of level 9, for 0.5 % more bytes
+_COMPRESSION = 7  # a sixth of the time of level 9, with 0.5 % more bytes
 
 
 def packed(values: ArrayLike, leading: int) -> str:
