@@ -552,7 +552,7 @@ REJECTED_ARGUMENTS = [
     ({"load": "10 nm"}, "load must be a force or a pressure with its unit"),
     ({"load": []}, "load must have at least one value"),
     ({"tau0": "3 mN"}, "tau0 has the unit 'mN', which is not a unit of pressure"),
-    ({"mu0": "x"}, "mu0 must be one or several numbers"),
+    ({"mu0": "x"}, "mu0 must be one or more numbers"),
     ({"effective_modulus": None}, "give effective_modulus, or young and poisson, or upper and lower"),
     ({"upper": "steel"}, "not both effective_modulus and upper and lower"),
     ({"mechanics": "fem"}, "mechanics must be half-space or asperities, got 'fem'"),

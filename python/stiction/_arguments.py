@@ -69,7 +69,7 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
         raise
     except ValueError:
         raise ArgumentError(
-            f'{{{name}}} must be one or several numbers, as in "0.3,0.4", got {{got}}', got=repr(value)
+            f'{{{name}}} must be one or more numbers, as in "0.3,0.4", got {{got}}', got=repr(value)
         ) from None
 
 

@@ -156,7 +156,7 @@ def test_at_command_accepts_comma_separated_and_repeated_options(results_folder)
         (("maps", "--load", "3,5 MPa"), ['"3.5"']),
         (("maps", "--load", "0"), ["--load must be above 0", "adhere"]),
         (("lines", "--load", "1 mN", "--d", "1.3"), ["--d applies only to studies"]),
-        (("study", "--load", "1 mN", "--d", "flat"), ["--d must be one or several numbers"]),
+        (("study", "--load", "1 mN", "--d", "flat"), ["--d must be one or more numbers"]),
         (("maps", "--load", "1 mN", "--amplitude", "1 um"), ["--amplitude applies only to studies"]),
         (("maps", "--load", "1 mN", "--direction", "31"), ["--direction must be a direction of"]),
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),

@@ -232,7 +232,7 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
         (["scan.csv", "--lc", "1 m"], "one section length is"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be between half a point"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--form", "circle"], "'sphere', 'cylinder', got 'circle'"),
-        (["scan.csv", "--row", "3"], "--row is for surfaces"),
+        (["scan.csv", "--row", "3"], "--row applies only to surfaces"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--level", "line"], "one of 'none', 'mean', 'plane'"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "60"], "--row must be at most 59, got 60"),
         (

@@ -155,7 +155,7 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     [
         (["--load", "1 mN"], "--load must be a pressure"),
         (["--wavelengths", "1 um"], "--wavelengths must be two lengths"),
-        (["--hurst", "rough"], "--hurst must be one or several numbers"),
+        (["--hurst", "rough"], "--hurst must be one or more numbers"),
     ],
 )
 def test_table_command_rejects_bad_options(tmp_path, changes, message):

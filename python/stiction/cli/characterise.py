@@ -278,7 +278,7 @@ def _select_line(body: Profile | Surface, row: int | None, column: int | None) -
             continue
         if isinstance(body, Profile) or other is not None:
             raise ValueError(
-                f"--{name} " + ("is for surfaces" if other is None else "cannot be combined with --column")
+                f"--{name} " + ("applies only to surfaces" if other is None else "cannot be combined with --column")
             )
         count = body.heights.shape[name == "column"]
         if index >= count:

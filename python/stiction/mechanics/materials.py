@@ -257,7 +257,7 @@ def softer_material(*bodies: Material) -> Material | None:
 
 
 def is_name_of(text: str, name: str) -> bool:
-    """Return True if a text is the name of a material in any spelling, excluding aliases."""
+    """Return True if a string is the name of a material in any spelling, excluding aliases."""
     return _normalise_name(text) == _normalise_name(name)
 
 

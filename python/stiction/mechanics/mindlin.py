@@ -53,7 +53,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def load_across(axes: Floats, angle: Floats) -> Floats:
-    """Return the mean of sin² for elliptic contacts: the argument `across` of `compliance_ratio`.
+    """Return the mean of sin² over elliptic contacts, for the argument `across` of `compliance_ratio`.
 
     The angles (rad) are between the motion and the larger axis.
     """

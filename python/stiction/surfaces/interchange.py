@@ -126,7 +126,7 @@ def _unit_factor(name: str, unit: Any, kind: str) -> float:
     if unit not in LENGTH_UNITS:
         allowed = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(
-            f"{name} must have a unit of length ({allowed}), as an attribute or by the argument unit, "
+            f"{name} must have a unit of length ({allowed}), given as an attribute or by the argument unit, "
             f"got {unit!r} of a {kind}"
         )
     return float(LENGTH_UNITS[unit])

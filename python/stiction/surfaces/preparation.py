@@ -337,7 +337,7 @@ def resample_piece(
 
 
 def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
-    """Return a mask at positions between points. A position is missing if either adjacent point is."""
+    """Return a mask at positions between points. A position is missing if either adjacent point is missing."""
     if missing is None:
         return None
     below, above = (np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _NEIGHBOUR_ROUNDING)

@@ -234,7 +234,7 @@ def _assessment_table(
 
 
 def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> str:
-    """Return a record as a JSON text."""
+    """Return a record as a JSON string."""
     record = {"schema": SCHEMA_VERSION, "stiction": __version__, "command": command, **fields, "values": values}
     return to_json(record, ensure_ascii=False, indent=1)
 

@@ -100,7 +100,7 @@ def dimension_colours(dimensions: ArrayLike) -> Floats:
 
 
 def direction_text(degrees: float) -> str:
-    """Return the direction of motion of the upper body (degrees from +x towards +y) as a text for figures."""
+    """Return the direction of motion of the upper body (degrees from +x towards +y) as text for figures."""
     axes = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
     return axes.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
 

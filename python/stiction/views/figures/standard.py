@@ -116,7 +116,7 @@ def _generated_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[
             case "area":
                 for suffix, motion_dataset in iterate_motions(dataset):
                     yield f"area{suffix}", partial(area_figure, motion_dataset)
-            case "onset":  # the onset is stored only for one direction with friction at all contacts
+            case "onset":  # the onset is stored only for a single direction and for friction at all contacts
                 yield "onset", partial(dimension_onset_figure, next(iterate_motions(dataset))[1])
 
 

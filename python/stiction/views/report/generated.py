@@ -196,7 +196,7 @@ def to_leading_order(table: xarray.DataArray) -> Floats:
 def _statuses(
     names: NDArray[Any], validity: dict[str, Floats], figures: Sequence[dict[str, Any]]
 ) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
-    """Return the statuses by code, and the code of each point: 0 for a trusted value, 1 for one beyond the model."""
+    """Return the statuses by code, and the code of each point: 0 if trusted, 1 if outside the limits of the model."""
     statuses = [{"name": friction.STATUS_OK, "isOk": True, "isTrusted": is_trusted} for is_trusted in (True, False)]
     is_invalid = np.zeros(names.shape, bool)
     for figure, values in zip(figures, validity.values(), strict=True):

@@ -36,7 +36,7 @@ def packed(values: ArrayLike, leading: int) -> str:
 
 
 def packed_bytes(values: NDArray[np.int8]) -> str:
-    """Return small whole numbers as a text."""
+    """Return small whole numbers as text."""
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION)).decode("ascii")
 
 
@@ -69,7 +69,7 @@ class Tables:
         self.add(f"{name}_upper_decimals", upper_decimals)
 
     def packed(self) -> dict[str, str]:
-        """Return all numbers as a text."""
+        """Return all numbers as text."""
         floats = np.concatenate(self.floats) if self.floats else np.zeros(0)
         small = np.concatenate(self.small) if self.small else np.zeros(0, np.int8)
         return {"floats": packed(floats, FLOAT_BYTES), "small": packed_bytes(small)}

@@ -49,7 +49,9 @@ def _read(text: Text) -> Raw:
     block = parse_block(text, *runs[0], detect_dialect(text, *runs[0]))
     shape = (integer(header, "nrows"), integer(header, "ncols"))
     if len(runs) > 1 or block.values.size != shape[0] * shape[1]:
-        raise FormatError(f"declares {shape[0]} rows of {shape[1]} heights, but has {block.values.shape}")
+        raise FormatError(
+            f"declares {shape[0]} rows of {shape[1]} heights, but has numbers of shape {block.values.shape}"
+        )
     dx = values.get("cellsize", values.get("dx"))
     dy = values.get("cellsize", values.get("dy"))
     heights = np.ascontiguousarray(block.values.reshape(shape)[::-1])

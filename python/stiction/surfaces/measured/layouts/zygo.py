@@ -44,7 +44,9 @@ def _read(text: Text) -> Raw:
     except (ValueError, IndexError):
         raise FormatError("lacks the map size in line 4, or the pixel size in line 8") from None
     if not (columns > 0 and rows > 0 and rows * columns <= MAX_GRID_POINTS):
-        raise FormatError(f"declares a map of {rows} rows of {columns} points")
+        raise FormatError(
+            f"declares a map of {rows} rows of {columns} points; a map must have from 1 to {MAX_GRID_POINTS} points"
+        )
     block = parse_block(text, first, last, Dialect(None, "."))
     if block.values.shape[1] != 3:
         raise FormatError(f"{text.describe_line(first)} must contain a column number, a row number and a height")
