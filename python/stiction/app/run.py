@@ -20,7 +20,7 @@ from stiction.app.server import Server
 WORKING_DIRECTORY_PREFIX = "stiction-app-"
 
 MAX_WINDOW_ABSENCE = 90.0
-"""Seconds without a request after which the server exits, because browsers limit hidden windows to one per minute."""
+"""Seconds without a request after which the server exits; browsers limit hidden windows to one request per minute."""
 
 MAX_WAIT_FIRST_WINDOW = 600.0  # time until the first window must be opened, seconds
 

@@ -23,7 +23,7 @@ from stiction.surfaces.profile import Profile, combine_missing
 from stiction.surfaces.surface import Surface
 
 MAX_CACHED_POINTS = 2**20
-"""Largest number of grid points for which kernels remain cached when no problem uses them, which takes 35 MB.
+"""Largest number of grid points for which unused kernels remain cached. Kernels of this size take 35 MB.
 
 Computing the kernels takes a quarter of the time of a free solution.
 """

@@ -27,7 +27,7 @@ with an onset of sliding, and of measured bodies.
 """
 
 Interval = Literal["sampling", "combined", "prediction", "conditional"]
-"""Interval of the mean over members, of all uncertain inputs, of one more test, or if one input were exact."""
+"""Interval of the mean over members, with all uncertain inputs, of one more test, or with one input exact."""
 
 View = Literal["table", "verbose", "report", "csv", "hatch"]
 """Table of a result, verbose table, selection list of the report, CSV file, and hatching of maps."""

@@ -150,7 +150,7 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
 
 _LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
 _KEYS_WITHOUT_NAME = ("conditions", "source")
-"""Keys of an interface whose text is printed without the key."""
+"""Keys of an interface whose values are printed without the key."""
 
 
 def calibration_figure(interface: Interface) -> Figure:

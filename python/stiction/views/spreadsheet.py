@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     import pandas
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
-"""Characters at the start of a text that make a spreadsheet program interpret it as a formula."""
+"""Characters at the start of a cell that make a spreadsheet program interpret it as a formula."""
 
 
 def frame_to_csv(frame: pandas.DataFrame, *, float_format: str = "%.9g") -> str:

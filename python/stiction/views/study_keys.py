@@ -46,7 +46,7 @@ _ALLOWED_VALUES = {
     "upper": "a table, see below",
     "lower": "a table, see below",
 }
-"""Allowed values of keys with parsers of their own."""
+"""Allowed values of keys that have separate parsers."""
 
 _UNCERTAIN_VALUE_TEXT = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
 _UNCERTAIN_TYPES = {
@@ -68,7 +68,7 @@ _KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[va
     ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
     ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), ()),
 )
-"""Tables of a study file: title, description, classes, and classes of keys that several of them share."""
+"""Tables of a study file: title, description, classes, and classes of the keys that several of these classes share."""
 
 
 def key_tables() -> list[tuple[str, str, list[Row]]]:

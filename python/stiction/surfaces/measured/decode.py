@@ -22,7 +22,7 @@ BLANK, NUMBERS, TEXT = 0, 1, 2
 """Kinds of lines. A NUMBERS line contains only numbers, separators and marks of missing points."""
 
 _LEGACY_ENCODINGS = ("cp1252", "cp932", "gb18030", "euc-kr", "cp437", "latin-1")
-"""Encodings that are tried, the most likely first, for text without a byte order mark that is not UTF-8.
+"""Encodings that are tried, most likely first, for text that is not UTF-8 and has no byte order mark.
 
 The last encoding cannot fail.
 """

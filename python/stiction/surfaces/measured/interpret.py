@@ -24,7 +24,7 @@ Missing = Literal["error", "interpolate", "mask"]
 Outliers = Literal["keep", "mask"]
 
 MIN_LENGTH_DIGITS = 1000
-"""Length of the positions, in units of their last printed digit, above which the positions may be uneven.
+"""Extent of the positions, in units of their last printed digit, above which slightly uneven positions are accepted.
 
 The spacing then has a relative error of at most 1/1000.
 """

@@ -103,7 +103,7 @@ def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Datas
 
 
 def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines: model and motion if they differ from those of the paper, and the missing repetitions."""
+    """Return heading lines: model and motion if they differ from the paper's, and the number of missing repetitions."""
     contact = study.contact
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stiction.surfaces.measured.reading import Reading
 
 READING_OPTIONS = ("unit", "spacing", "columns", "channel", "missing_value", "missing", "outliers", "crop", "accept")
-"""Options for reading a file that the table lists."""
+"""Reading options that the table lists."""
 
 
 def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
