@@ -1,7 +1,8 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
 // The loader selects the widest instruction set that the machine supports.
 // STICTION_MULTIVERSION is for loops that the compiler vectorises itself.
-// STICTION_KERNEL is for loops that are written in SIMD registers, because it matters which values stay in registers.
+// STICTION_KERNEL is for loops that are written explicitly with SIMD registers.
+// The speed of these loops depends on which values stay in registers.
 #pragma once
 
 #include <cstddef>

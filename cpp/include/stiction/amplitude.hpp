@@ -44,7 +44,7 @@ class HeightAccumulator {
   std::array<double, lanes> maxima_;
 };
 
-/// Scaling of heights: scaled = (height - mean) factor.
+/// Scaling of heights: scaled = (height - mean) * factor.
 struct Scaling {
   double mean;
   double factor;

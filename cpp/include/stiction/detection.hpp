@@ -43,7 +43,7 @@ struct IndexRange {
 /// The ranges contain every point whose gap above first contact is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
-/// Return an upper bound [µm] of the depth by which the splined gap dips below its values on the grid.
+/// Return an upper bound [µm] on the depth by which the splined gap dips below its values on the grid.
 /// The bound is 3/8 of the largest second difference.
 /// For a natural spline, |f''| is at most 3 second differences per Δx².
 /// A cubic dips below its end points by at most |f''| Δx² / 8.

@@ -50,7 +50,7 @@ class ProjectedCgSolver {
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
   /// Return the residual [µm]. At free points, it is the mean potential of the free points minus the potential.
-  /// At other points, it is the continuation of the residual, which is 0 on areas.
+  /// At other points, it is continued: by 0 on areas, and by linear interpolation on lines.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
   /// Return the free points found by the last `update_free_points`, in increasing order.
