@@ -42,7 +42,8 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
     if not np.isfinite(total) and (bad := ~np.isfinite(array)).any():
         first = tuple(int(i) for i in np.argwhere(bad)[0])
         location = f"{name}{list(first)}" if first else name
-        raise ValueError(f"{name} must be finite, got {array[first]} at {location} ({int(bad.sum())} such values)")
+        count = f"{np.count_nonzero(bad)} of {bad.size} values"
+        raise ValueError(f"{name} must be finite, got {array[first]} at {location} (not finite: {count})")
     return array
 
 

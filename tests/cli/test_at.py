@@ -196,7 +196,7 @@ def test_scale_heights_option_requires_compute_option_and_prints_table_or_json(r
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
     assert_rejected(
         call_stiction(*arguments, cwd=tmp_path),
-        "--scale-heights needs 2 factors", "--compute",
+        "--scale-heights needs results at 2 factors", "--compute",
     )  # fmt: skip
     text = stiction_output(*arguments, "--compute", cwd=tmp_path)
     rows = [line.split() for line in text.splitlines() if line[:1].isdigit()]

@@ -124,7 +124,7 @@ def test_characterise_command_handles_missing_points_and_selects_columns(scans_f
     lines = (scans_folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     lines[100] = lines[100].split(",")[0] + ",nan"
     (scans_folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
-    assert_rejected(call_stiction("characterise", "gaps.csv", cwd=scans_folder), "1 of 3000 points", "interpolate")
+    assert_rejected(call_stiction("characterise", "gaps.csv", cwd=scans_folder), "1 of 3000 heights", "interpolate")
     for missing, history_word in (("interpolate", "interpolated"), ("mask", "masked")):
         history, output_table, _ = run_characterise("gaps.csv", "--missing", missing, cwd=scans_folder)
         assert any(

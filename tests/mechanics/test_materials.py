@@ -137,5 +137,5 @@ def test_documented_table_of_materials_is_up_to_date():
         if value is not None
     ]
     unseen = sum("not looked up" in source for source in sources)
-    message = f"contains {len(sources)} values. For {len(sources) - unseen} values"
+    message = f"Each of the {len(sources)} values is a range with its source. For {len(sources) - unseen} values"
     assert message in " ".join((docs / "reference/materials.md").read_text(encoding="utf-8").split())

@@ -46,8 +46,8 @@ def test_scaling_a_profile_to_an_amplitude_sets_the_given_measure(measure, size)
 @pytest.mark.parametrize(
     ("heights", "message"),
     [
-        ([0, 1, np.nan, 2], r"heights\[2\] is nan"),
-        ([0, 1, 2, -np.inf], r"heights\[3\] is -inf"),
+        ([0, 1, np.nan, 2], r"got nan at heights\[2\]"),
+        ([0, 1, 2, -np.inf], r"got -inf at heights\[3\]"),
         ([0, 1, 2], "at least 4 points, got 3"),
         ([], "at least 4 points, got 0"),
         ([[0, 1], [2, 3]], "1 dimension"),
@@ -85,8 +85,8 @@ def test_profile_accepts_heights_whose_sum_overflows():
     """Check that NumPy does not warn, and that non-finite heights are still detected."""
     heights = np.array([1e308, 1e308, -1e308, -1e308, 0.0])
     assert Profile(heights, spacing=1.0).heights.tolist() == heights.tolist()
-    with pytest.raises(ValueError, match=r"heights\[1\] is inf"):
+    with pytest.raises(ValueError, match=r"got inf at heights\[1\]"):
         Profile([1e308, np.inf, -np.inf, 0.0, 0.0], spacing=1.0)
     if np.finfo(np.longdouble).max > 1e308:
-        with pytest.raises(ValueError, match=r"heights\[0\] is inf"):
+        with pytest.raises(ValueError, match=r"got inf at heights\[0\]"):
             Profile(np.full(5, np.longdouble("1e4000")), spacing=1.0)

@@ -48,7 +48,7 @@ def test_report_rejects_a_too_large_result(monkeypatch, generated_dataset, maps_
 
 
 def test_report_rejects_a_result_without_members(generated_dataset):
-    with pytest.raises(ReportError, match="no member"):
+    with pytest.raises(ReportError, match="must have a member"):
         report_page(generated_dataset.isel(repetition=[]))
 
 
