@@ -106,7 +106,7 @@ STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict
       multiply_mirrored(first, second + 1, first_factors.data(), second_factors.data(), mixing_factors.data(), 2);
       skip = 1;
     }
-    // The coefficient at half of an even size is its own mirror image.
+    // If the size is even, the coefficient at the index size / 2 is its own mirror image.
     const std::size_t mirrored_count = size % 2 == 0 && from + count == size / 2 + 1 ? count - 1 : count;
     if (count > skip) {
       multiply_mirrored(first + 2 * (from + skip), second + 2 * (size - from - skip) + 1, &first_factors[2 * skip],

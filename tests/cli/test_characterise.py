@@ -344,7 +344,7 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert json.loads(completed.stdout)["limit_um"] == comparison.limit
 
 
-def test_dry_run_option_prints_layout_points_and_units_of_files(scans_folder):
+def test_dry_run_option_prints_layout_and_points_and_units_of_files(scans_folder):
     completed = check_stiction(
         "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=scans_folder
     )

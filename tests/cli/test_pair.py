@@ -729,7 +729,7 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeyp
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_pair_command_in_two_parts_completes_the_result(scans_folder):
+def test_pair_command_run_in_two_parts_completes_the_result(scans_folder):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
         check_stiction(*arguments, "--part", part, cwd=scans_folder)

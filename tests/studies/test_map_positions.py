@@ -301,7 +301,7 @@ def test_pair_rejects_bad_input_for_maps(changes, pattern):
         stiction.pair(*surface_pair(), **{"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0} | changes)
 
 
-def test_pair_rejects_too_small_maps():
+def test_pair_rejects_maps_that_are_too_small():
     small = Surface(np.zeros((MIN_PIECE_POINTS, 30)), spacing=1.0)
     with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
         pair_study(small, small, load=[0.1], mu0=0.3, effective_modulus=10.0)

@@ -42,7 +42,7 @@ class TestQuantityConversion:
             ("10**10**10 nm", "length"),
         ],
     )
-    def test_bad_quantity_text_is_rejected_in_a_short_message(self, text, kind):
+    def test_bad_quantity_text_is_rejected_with_a_short_message(self, text, kind):
         with pytest.raises(ValueError, match=kind) as caught:
             quantity(text, kind)
         assert len(str(caught.value)) < 200

@@ -35,7 +35,7 @@ def test_heights_of_a_profile_are_a_read_only_copy(body):
 @pytest.mark.parametrize(
     ("measure", "size"), [("height", np.ptp), ("Ra", lambda y: np.abs(y - y.mean()).mean()), ("Rq", np.std)]
 )
-def test_scaling_a_profile_to_an_amplitude_sets_the_given_measure(measure, size):
+def test_profile_scaled_to_an_amplitude_has_this_amplitude(measure, size):
     scaled = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)
     assert size(scaled.heights) == pytest.approx(0.3, abs=ROUND_OFF)
     assert scaled.heights.mean() == pytest.approx(0, abs=ROUND_OFF)

@@ -231,7 +231,7 @@ def test_load_figure_draws_the_means_of_the_result(maps_at_two_cutoffs):
     assert marked_loads == [0.1, 0.5]  # The dashed lines are at the requested loads.
 
 
-def test_figure_lines_have_colours_of_their_sliding_rules(maps_at_two_cutoffs):
+def test_figure_lines_have_the_colours_of_their_sliding_rules(maps_at_two_cutoffs):
     for name in ("friction", "cut_off", "compass", "positions"):
         used_colours = {line.get_color() for line in draw_figure(maps_at_two_cutoffs, name).axes[0].lines}
         assert (

@@ -41,7 +41,7 @@ struct Candidate {
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
   /// Gap at the candidate, relative to first contact of grid points [µm].
-  /// The gap is negative if a minimum between grid points lies lower.
+  /// The gap is negative if a minimum between grid points is lower than all grid points.
   double gap;
   Radii radii;                 ///< principal radii of the relative curvature
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`

@@ -15,7 +15,7 @@ namespace stiction {
 
 /// Approximate inverse of the elastic kernel. Its pressures at the free points roughly produce the given displacements.
 ///
-/// A 3 x 3 stencil S on the free points describes the short range, as if there were no other contact.
+/// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
 /// At long range, the rest of the area adds a slowly varying displacement.
 /// A kernel K' on blocks of points describes this displacement. Bilinear weights P connect the blocks to the points.
 /// So K is about S⁻¹ + P'K'P, and its inverse is S - SP'(K'⁻¹ + PSP')⁻¹PS. On periodic blocks, K'⁻¹ is E*|k|/2.

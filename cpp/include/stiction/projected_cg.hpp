@@ -25,7 +25,7 @@ namespace stiction {
 ///     ->  advance(K step)
 ///
 /// Let the residual r be continued from the free points to the other points.
-/// The inverse of K on the free points is the minimum of r·Mr over all continuations.
+/// On the free points, r·(inverse of K)r is the minimum of r·Mr over all continuations of r.
 /// On areas, continuation by zero is close to that minimum. On lines with short contacts, it is far from the minimum.
 /// On lines, the residual is therefore interpolated linearly between free points.
 /// M r is collected with the transpose of the interpolation.

@@ -92,7 +92,7 @@ class Attraction:
                 least, best = residual, count
             if count - best > PATIENCE or count == MAX_SETTLING:
                 break
-        raise UnsolvedError("the computation of the attraction does not converge")
+        raise UnsolvedError("the computation of the attraction did not converge")
 
     def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
         """Return the equilibrium under an external load per area (GPa) and True, or the best approximation and False.
@@ -110,7 +110,7 @@ class Attraction:
             if residual <= self.max_residual:
                 return state, True
             if count == MAX_SOLUTIONS:
-                raise UnsolvedError("the computation of the attraction does not converge")
+                raise UnsolvedError("the computation of the attraction did not converge")
             # skip the first states, which may be near an equilibrium by chance
             if residual < min(before, least) and count > 1:
                 slowest, least = state, residual
@@ -147,7 +147,7 @@ class Attraction:
             solver = _core.HalfSpaceSolver(lowered, grids, bound=self.bound, tolerance=tolerance, threads=threads())
             solution = solver.at(mean, near=pressure, threads=threads(), progress=self.report)
             if not solution.error <= max(tolerance, self.solver_tolerance):
-                raise UnsolvedError("the computation of the pressures does not converge")
+                raise UnsolvedError("the computation of the pressures did not converge")
             pressure = solution.pressure
             displacement = grids.displacement(pressure.reshape(gap.shape), threads=threads())
             change = self.of(lowered + displacement - solution.approach) - attraction
@@ -220,7 +220,7 @@ class Attraction:
                     plain_start, unsupported_load = trial, -math.inf
             except UnsolvedError:
                 self.uncertain = (
-                    f"at a load of {self.force(load):.4g} mN, the computation of the attraction does not converge"
+                    f"at a load of {self.force(load):.4g} mN, the computation of the attraction did not converge"
                 )
                 return states
             if is_balanced:

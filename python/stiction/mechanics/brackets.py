@@ -83,7 +83,10 @@ def extrapolated_gradients(
 
 
 def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Scale the projected area fractions at a gradient of 1 to other gradients (wavelength, load, statistic)."""
+    """Scale area fractions of the projected area from a gradient of 1 to other gradients.
+
+    The arrays have the dimensions wavelength, load and statistic.
+    """
     within = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * within / gradients[:, np.newaxis, [0, 2, 1]]
 

@@ -458,7 +458,7 @@ class _CoefficientSamples:
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
-        """Return samples: uniform samples and normal scores by name, values of the inputs, hardness and modulus ratio.
+        """Return uniform samples, normal scores and input values by name, and the hardness and the modulus ratio.
 
         The samples are cached, because they depend neither on the load nor on exact values of mu0 and tau0.
         """

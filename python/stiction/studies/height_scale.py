@@ -176,7 +176,7 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Stu
 
 
 def find_factor_folder(path: Path, factor: float, scaled: ScaledSides) -> Path:
-    """Return the folder for a factor in a result folder."""
+    """Return the subfolder of a result folder that contains the results for a factor."""
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
 

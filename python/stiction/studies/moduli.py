@@ -46,7 +46,7 @@ class Moduli:
 
     @property
     def inputs(self) -> dict[str, UncertainInput]:
-        """Uncertain inputs by names such as "young_upper"."""
+        """Uncertain inputs, with keys such as "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]

@@ -46,7 +46,8 @@ _MIN_SLOPE_FRACTION = 1e-4  # a smaller fraction of the mean square slope may be
 _MAX_ALIASED_EXPONENT = 0.6
 # Heights count as quantised if rounding explains this fraction of the mean square second difference.
 _MIN_ROUNDED_FRACTION = 0.3
-_MAX_FLAT_EXPONENT = 0.35  # largest exponent of a flat spectrum, and largest rms deviation of its log density
+# A spectrum counts as flat up to this exponent and up to this rms deviation of its log density.
+_MAX_FLAT_EXPONENT = 0.35
 # Largest exponent of a noise floor if its fitted range includes a part of the spectrum of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
 # Below this fraction of the limiting wavelength, the spectrum consists only of noise.

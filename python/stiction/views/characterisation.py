@@ -221,7 +221,7 @@ class Characterisation:
 
     @cached_property
     def friction(self) -> tuple[float, ...]:
-        """Small-slope estimate of friction against an equal surface, along x or along x and y; empty if flat."""
+        """Small-slope estimate of friction against an identical surface, along x or along x and y; empty if flat."""
         # The gap between two such bodies has twice their mean square slope. The value along x comes first.
         squares = [2 * float(np.square(along).mean()) for along in compute_slopes(self.body)][::-1]
         return tuple(

@@ -230,7 +230,7 @@ def octaves_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_figure(comparison: RepeatedScans) -> Figure:
-    """Draw the noise, and the heights that both scans share, against wavelength (85 mm wide)."""
+    """Draw a figure (85 mm wide) of the noise and of the heights common to both scans, against wavelength."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

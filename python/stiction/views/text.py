@@ -268,7 +268,7 @@ def _thin_points(headlines: Sequence[PointSummary]) -> Sequence[PointSummary]:
     return [point for point in headlines if all(point.at[name] in selected_values[name] for name in selected_values)]
 
 
-MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table of several points
+MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table, if there are several points
 
 
 def _coefficient(point: PointSummary, index: int) -> str:

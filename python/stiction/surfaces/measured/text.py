@@ -136,7 +136,7 @@ def describe_source(block: NumberBlock) -> Source:
 
 
 def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a run, or the line of labels above it that has a word in the corner."""
+    """Return the first line of a run of rows, or the line above it if this line contains labels for all columns."""
     above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if above < 0 or dialect.separator is None:
         return first

@@ -23,8 +23,8 @@ _MAIN_XML = "main.xml"
 _XML_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
 """Numbers of XML Schema, with ASCII digits and without underscores."""
 
-_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml in bytes, in addition to the points that it lists
-_MAX_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, in addition to its points
+_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml in bytes, without the points that it lists
+_MAX_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, without its points
 _MAX_BYTES_PER_POINT = 200
 _MAX_SPARE_BYTES = 64  # maximum number of bytes of the validity mask beyond the last point
 _MAX_DEPTH = 6

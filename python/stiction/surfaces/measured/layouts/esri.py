@@ -50,7 +50,7 @@ def _read(text: Text) -> Raw:
     shape = (integer(header, "nrows"), integer(header, "ncols"))
     if len(runs) > 1 or block.values.size != shape[0] * shape[1]:
         raise FormatError(
-            f"declares {shape[0]} rows of {shape[1]} heights, but has numbers of shape {block.values.shape}"
+            f"declares {shape[0]} rows of {shape[1]} heights, but contains an array of shape {block.values.shape}"
         )
     dx = values.get("cellsize", values.get("dx"))
     dy = values.get("cellsize", values.get("dy"))

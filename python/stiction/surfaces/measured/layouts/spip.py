@@ -45,7 +45,9 @@ def _read(text: Text) -> Raw:
     block = parse_block(text, first, last, detect_dialect(text, first, last))
     rows, columns = integer(header, "y-pixels"), integer(header, "x-pixels")
     if block.values.shape != (rows, columns):
-        raise FormatError(f"declares {rows} rows of {columns} heights, but has numbers of shape {block.values.shape}")
+        raise FormatError(
+            f"declares {rows} rows of {columns} heights, but contains an array of shape {block.values.shape}"
+        )
     units = {header.get(f"{axis}-unit", "nm") for axis in "xy"}
     if len(units) > 1:
         raise FormatError("has lengths along x and y in different units")
