@@ -18,6 +18,7 @@ pytest.importorskip("selenium", reason="selenium is not installed")
 from app.server_process import MAX_WAITING_TIME, start_server, wait_until, write_maps
 from stiction import Profile, Study, Surface, run, write_profile, write_surface
 from stiction._number_format import format_with_unit
+from stiction.app.form import replace_option_names
 from stiction.app.run import MAX_WINDOW_ABSENCE, is_abandoned
 from stiction.app.server import ALLOWED_OPTIONS
 from stiction.cli import result_output
@@ -417,9 +418,9 @@ def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, maps, 
     np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
 
     def command_error(path, *options):
-        return (
-            call_stiction("characterise", path.name, *options, cwd=tmp_path).stderr.removeprefix("stiction: ").strip()
-        )
+        """Return the error message of the command, with field labels instead of option names."""
+        message = call_stiction("characterise", path.name, *options, cwd=tmp_path).stderr
+        return replace_option_names(message.removeprefix("stiction: ").strip())
 
     def change_reading_field(name, value):
         empty_page.execute_script(
