@@ -11,7 +11,7 @@
 namespace stiction::python {
 namespace {
 
-// pybind11's conversion to an Eigen reference would copy non-contiguous arrays and accept the copies.
+// The conversion of pybind11 to an Eigen reference would silently copy non-contiguous arrays.
 Eigen::Map<const Matrix> to_map(const Array& array) {
   if (array.ndim() != 2) {
     throw py::value_error("expected an array of 2 dimensions, got " + std::to_string(array.ndim()));

@@ -1,5 +1,5 @@
-// NumPy arrays in the bindings.
-// Arguments are views of exact type and layout, and results take over the memory of C++ vectors.
+// Conversion between NumPy arrays and C++ data.
+// Arguments must have the exact type and layout, and are not copied. Results take over the memory of C++ vectors.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -20,7 +20,7 @@ namespace py = pybind11;
 // Arguments are bound with .noconvert(), because the Python package converts arrays explicitly.
 using Array = py::array_t<double, py::array::c_style>;
 
-// Named columns of equal length.
+// Table with named columns of equal length.
 using Table = py::typing::Dict<py::str, py::array>;
 
 inline Values view(const Array& array) {
@@ -30,7 +30,7 @@ inline Values view(const Array& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
-// Return a capsule that owns the values for the lifetime of an array.
+// Return a capsule that owns values for the lifetime of an array.
 template <class T>
 py::capsule make_owner(std::unique_ptr<std::vector<T>> values) {
   return {values.release(), [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); }};
@@ -44,7 +44,7 @@ py::array_t<T> to_array(std::vector<T>&& values) {
   return py::array_t<T>(size, data, make_owner(std::move(owner)));
 }
 
-// Move vectors into an array of shape (n, rows).
+// Move n vectors into an array of shape (n, rows).
 template <int rows>
 py::array_t<double> to_array(std::vector<Eigen::Matrix<double, rows, 1>>&& values) {
   using Vector = Eigen::Matrix<double, rows, 1>;
@@ -55,7 +55,7 @@ py::array_t<double> to_array(std::vector<Eigen::Matrix<double, rows, 1>>&& value
   return py::array_t<double>({size, py::ssize_t{rows}}, data, make_owner(std::move(owner)));
 }
 
-// Return an array with the value of `field` for each row.
+// Return an array that contains the value of `field` for each row.
 template <class Row, class Field>
 auto column(const std::vector<Row>& rows, Field field) {
   std::vector<std::decay_t<decltype(field(rows.front()))>> values;

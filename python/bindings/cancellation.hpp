@@ -1,4 +1,4 @@
-// Cancellation of library calls by Ctrl-C. Python runs signal handlers only in the main thread.
+// Cancellation of calls of the library by Ctrl-C. Python runs signal handlers only in the main thread.
 #pragma once
 
 #include "stiction/cancellation.hpp"
@@ -9,8 +9,9 @@
 
 namespace stiction::python {
 
-/// Return a check that runs Python's signal handlers, at most ten times a second.
-/// Outside the main thread, the check is empty. The caller must hold the GIL; the check acquires the GIL itself.
+/// Return a cancellation check that runs Python's signal handlers at most ten times per second.
+/// Outside the main thread, the check does nothing. The check acquires the GIL when it is called.
+/// The caller of this function must hold the GIL.
 inline CancellationCheck keyboard_interrupt_check() {
   namespace py = pybind11;
   const py::object thread = py::module_::import("threading");

@@ -27,7 +27,7 @@ Table to_table(const std::vector<Contact>& rows) {
 
 namespace {
 
-// Run `work` without the GIL, so that Ctrl-C can cancel it, and return its result as a table.
+// Run `work` without the GIL, so that Ctrl-C can cancel the work, and return the result as a table.
 template <class Work>
 Table table_of_results(const Work& work) {
   const CancellationCheck check_cancellation = keyboard_interrupt_check();

@@ -16,7 +16,7 @@ std::span<const T> grid(const py::array_t<T, py::array::c_style>& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
-// Return values as an array with the shape of an argument.
+// Return values as an array that has the same shape as an argument.
 template <class T>
 py::array_t<T> like(const py::array_t<T, py::array::c_style>& array, std::vector<T>&& values) {
   return to_array(std::move(values)).reshape(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()));
@@ -52,7 +52,7 @@ HalfSpaceSolution solve(std::size_t threads, const Progress& progress, Search se
   return search(ThreadPool(threads, check_cancellation), report);
 }
 
-// Reshape the sums to (directions, patches).
+// Reshape sums to the shape (directions, patches).
 py::array_t<double> by_direction(std::vector<double>&& values, py::ssize_t directions) {
   return to_array(std::move(values)).reshape({directions, py::ssize_t{-1}});
 }
