@@ -27,7 +27,7 @@ void require(bool condition, const char* invariant) {
   }
 }
 
-// Converter from the fuzzer's bytes to numbers: mostly moderate numbers, sometimes arbitrary doubles.
+// Source of numbers from the bytes of the fuzzer. Most numbers are of moderate size, and some are arbitrary doubles.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -138,7 +138,7 @@ struct Maps {
   }
 };
 
-// Compare the sums over a contact table with the sums that `press` returns.
+// Check that the sums over a contact table equal the sums that `press` returns.
 void check_sums(const std::vector<stiction::Contact>& table, const stiction::ArealSums& sums,
                 const stiction::Vector2& direction, stiction::Sliding sliding) {
   require(static_cast<stiction::Index>(table.size()) == sums.contact_count, "contacts and press agree");
@@ -186,7 +186,7 @@ void fuzz_areal(Source& source) {
             "minima lie in the map");
   }
   // The projected ellipse of a contact on a steep wall is extremely narrow.
-  // Round-off then decides which part of it lies inside the map.
+  // Round-off then decides which part of the ellipse lies inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;
@@ -204,7 +204,7 @@ void fuzz_areal(Source& source) {
   for (std::size_t k = 0; k < approaches.size(); ++k) {
     const stiction::ArealSums& row = sums[k];
     const double round_off_factor = 1.0 + 1e-12;
-    const double min_normal = 1e-300;  // loads below this are denormal numbers
+    const double min_normal = 1e-300;  // loads below this limit are denormal numbers
     require(!(row.contact_area < 0.0), "no negative area");
     require(row.unanswered_count <= row.grid_minimum_count, "no more unanswered minima than grid minima");
     require(!(row.load_at_edge > round_off_factor * row.normal_elastic),

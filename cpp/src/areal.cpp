@@ -39,8 +39,8 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// Result for a row: range of the gap, largest |height| of both surfaces, and `zero`.
-// `zero` is 0, or NaN if a height is not finite.
+// Range of the gap in a row, and largest |height| of both surfaces.
+// The member `zero` is 0 if all heights are finite, and NaN otherwise.
 struct RowRange {
   double lowest;
   double highest;
@@ -88,7 +88,7 @@ void subtract(const double* upper, const double* lower, Index size, double offse
 }
 
 // Mark the points of a row that are grid minima and whose gap is at most `deepest`.
-// A grid minimum has no neighbour, out of eight, that is lower by more than round-off.
+// None of the eight neighbours of a grid minimum is lower by more than round-off.
 // Both ends of the row are excluded.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
@@ -110,10 +110,10 @@ void mark_grid_minima(const double* above, const double* at, const double* below
   }
 }
 
-// Tile of a map: its cells, and the surrounding points that influence the spline in them.
+// Tile of a map: its cells, and the surrounding points that influence the spline in these cells.
 // The arrays of a tile fit into the processor cache.
 struct Tile {
-  CellRange cells;  // cells of the tile, with indices in the map
+  CellRange cells;  // cells of the tile, as indices in the map
   Index row;        // row of the first point in the map
   Index column;     // column of the first point in the map
   Index rows;       // number of rows of points
@@ -122,7 +122,7 @@ struct Tile {
 
 std::vector<Tile> make_tiles(Index rows, Index columns) {
   constexpr Index size = 256;  // number of cells along each side of a tile
-  // Number of points around a tile, beyond which the spline has decayed to 0.268^32 = 5e-19.
+  // Number of points around a tile. More distant points influence the spline by less than 0.268^32 = 5e-19.
   constexpr Index margin = 32;
   std::vector<Tile> tiles;
   for (Index row = 0; row < rows - 1; row += size) {
@@ -138,7 +138,7 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
 }
 
 // Return sqrt(a² + b²) without intermediate overflow.
-// std::hypot would require a newer C library than any other function.
+// std::hypot is not used, because it would require a newer C library than all other functions.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
@@ -213,7 +213,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double radius = length(half_difference, b);
   const double larger = 0.5 * (a + c) + radius;
   const double smaller = (xx * yy - xy * xy) / (q2 * q2) / larger;
-  // The eigenvector of the smaller eigenvalue is taken from the row without cancellation.
+  // The eigenvector of the smaller eigenvalue is computed from the matrix row without cancellation.
   Vector2 vector =
       half_difference > 0.0 ? Vector2(-b, half_difference + radius) : Vector2(radius - half_difference, -b);
   vector = radius > 0.0 ? Vector2(vector.normalized()) : Vector2(1.0, 0.0);
@@ -287,7 +287,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     for (const Minimum& minimum : minima_in_tile) {
       spline_minima.push_back({minimum, at_minimum(spline, minimum)});
       // Slopes within round-off count as zero.
-      // Otherwise, round-off would decide by chance whether a contact opposes the motion.
+      // Without this rule, round-off would decide by chance whether a contact opposes the motion.
       for (double* slope : {&spline_minima.back().lower.x, &spline_minima.back().lower.y}) {
         *slope = std::abs(*slope) > level_limit ? *slope : 0.0;
       }

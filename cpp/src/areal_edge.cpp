@@ -17,12 +17,12 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   const double x = candidate.position.x();
   const double y = candidate.position.y();
   distance_ = {(width - x) / half_width, (height - y) / half_height, x / half_width,
-               y / half_height};  // counter-clockwise
+               y / half_height};  // in counter-clockwise order
   const double cosine = ellipse.xy / (half_width * half_height);
   const double sine = std::sqrt(candidate.ellipse.major) * std::sqrt(candidate.ellipse.minor) * candidate.normal.z() /
                       (half_width * half_height);
   for (std::size_t i = 0; i < 4; ++i) {
-    // The angles between normals of neighbouring sides alternate between the angle with this cosine and its supplement.
+    // The angle between the normals of neighbouring sides has this cosine. For every second pair, it is the supplement.
     const double to_next = i % 2 == 0 ? cosine : -cosine;
     const double next = distance_[(i + 1) % 4] - distance_[i] * to_next;
     const double previous = distance_[(i + 3) % 4] + distance_[i] * to_next;
@@ -33,7 +33,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
 // Let h be the distance of a side from the centre of the unit circle.
 // The sector between the angles φ₁ and φ₂ contributes (1/2π) ∫ h²/cos²φ dφ of the area inside.
 // The pressure varies as (1 - r²)^(1/2), so the sector contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ of the force.
-// Where the circle is closer than the side, |tan φ| > (1 - h²)^(1/2)/h, the whole sector counts.
+// Where |tan φ| > (1 - h²)^(1/2)/h, the circle is closer than the side, and the whole sector counts.
 // The closed forms below avoid cancellation if the map is a small part of the ellipse.
 // Check: a single side leaves (2 + 3 h - h³)/4 of the force.
 InsideFractions MapEdges::fractions_inside(double overlap) const {

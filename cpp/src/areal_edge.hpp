@@ -15,19 +15,19 @@ struct InsideFractions {
 };
 
 // The four edges of the map in the coordinates of a contact.
-// In these coordinates, the ellipse of unit overlap is the unit circle.
-// The edges become the sides of a parallelogram around the circle.
+// In these coordinates, the contact ellipse at unit overlap is the unit circle.
+// The edges of the map are the sides of a parallelogram around this circle.
 class MapEdges {
  public:
   MapEdges(const ArealCandidates& candidates, const ArealCandidate& candidate);
 
-  // Compute the fractions inside the map for the ellipse at this overlap [µm], with Hertzian pressure.
+  // Compute the fractions of a Hertzian contact with the given overlap [µm] that lie inside the map.
   InsideFractions fractions_inside(double overlap) const;
 
  private:
-  std::array<double, 4> distance_;  // distances of the sides from the centre
+  std::array<double, 4> distance_;  // distance of each side from the centre
   std::array<std::array<double, 2>, 4>
-      // Tangents of the angles at which the sides end. The angles are measured from the normals of the sides.
+      // Tangents of the angles at which each side ends. The angles are measured from the normal of the side.
       corners_;
 };
 

@@ -11,8 +11,8 @@ namespace {
 // Return whether two ellipses overlap if their centres are r apart.
 // The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
 // Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
-// Multiplying by the determinant of the bracket turns this condition into a cubic that becomes positive.
-// Both end values of the cubic are negative.
+// Multiplied by the determinant of the bracket, this condition states that a cubic in t is positive.
+// The cubic is negative at t = 0 and at t = 1.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {
   const auto a_form = a_size * (a.yy * r.x() * r.x() - 2.0 * a.xy * r.x() * r.y() + a.xx * r.y() * r.y());
@@ -29,7 +29,7 @@ bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedE
   }
   const double root = std::sqrt(discriminant);
   const double t =
-      // Position of the maximum of the cubic.
+      // This is the position of the maximum of the cubic.
       second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);
   const double s = 1.0 - t;
   const bool apart =
@@ -54,7 +54,7 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
                                   approaches.begin());
 }
 
-// Ellipses grow with the approach about fixed centres. Therefore two ellipses that overlap keep overlapping.
+// Ellipses grow about fixed centres with the approach. Two overlapping ellipses therefore overlap at larger approaches.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
   struct Footprint {
@@ -90,7 +90,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // A pair cannot change the result beyond the larger of the first overlaps already found for its two contacts.
+      // At larger approaches than both first overlaps found so far, a pair cannot change the result.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

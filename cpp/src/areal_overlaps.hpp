@@ -8,7 +8,7 @@
 
 namespace stiction {
 
-// Matrix S of the projected contact ellipse {x : xᵀ S⁻¹ x <= 1} at unit overlap.
+// Matrix S that describes the projected contact ellipse {x : xᵀ S⁻¹ x <= 1} at unit overlap.
 struct ProjectedEllipse {
   double xx;
   double xy;
@@ -20,8 +20,8 @@ ProjectedEllipse projected_ellipse(const ArealCandidate& candidate);
 // Return the index of the first approach at which a candidate is a contact.
 std::size_t first_contact_step(const ArealCandidate& candidate, Values approaches);
 
-// Return for each candidate the index of the first approach at which its ellipse overlaps another ellipse.
-// The index is approaches.size() if there is no overlap.
+// Return, for each candidate, the index of the first approach at which its ellipse overlaps another ellipse.
+// If there is no overlap, the index is approaches.size().
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation);
 

@@ -21,7 +21,7 @@ double elastic_area(const Ellipse& ellipse, double overlap) {
   return pi * std::sqrt(ellipse.major * ellipse.minor) * overlap;
 }
 
-// In the general case, the law is applied to the sphere of the mean radius.
+// In general, the law is applied to a sphere with the mean radius.
 template <class AnyLaw>
 ForceArea force_and_area(const AnyLaw& law, const ArealCandidate& candidate, double overlap) {
   return law(overlap, candidate.radii);
@@ -51,7 +51,7 @@ void reject_cylinders(const Law& law) {
 // ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
 // Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, where c is the lateral direction.
-// All five factors multiply the force. The three factors with the tangent t also multiply the area.
+// The force is multiplied by all five factors. The area is multiplied by the three factors with the tangent t.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
@@ -81,7 +81,7 @@ constexpr std::size_t contacts_per_block = 16;  // number of contacts whose sums
 
 // sums(d, m, k) += Σ_i factors(i, m, d) values(i, k) over the contacts i of a block.
 // The steps k run from `begin` to `steps`, both of which are multiples of every SIMD width.
-// The values are forces for the first sums m, and areas for the others.
+// For the first sums m, the values are forces. For the other sums, the values are areas.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,
                                       std::size_t contacts, std::size_t direction_count, std::size_t begin,
@@ -138,7 +138,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The reported axes belong to the ellipse of the same shape whose area is the contact area inside the map.
+      // The reported axes are those of an ellipse of the same shape, whose area is the contact area inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,
@@ -174,12 +174,12 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
   std::vector<double> force(contacts_per_block * padded_steps);
   std::vector<double> area(contacts_per_block * padded_steps);
   std::vector<double> factors(contacts_per_block * num_factors * direction_count);
-  std::vector<double> directions_xy(2 * direction_count);  // x components of all directions, then y components
+  std::vector<double> directions_xy(2 * direction_count);  // x components of all directions, then all y components
   for (std::size_t d = 0; d < direction_count; ++d) {
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // Contacts are sorted by first contact, so that the contacts of a block begin at similar steps.
+  // Contacts are sorted by the step at which they begin, so that the contacts of a block begin at similar steps.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

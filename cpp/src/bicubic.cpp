@@ -14,16 +14,17 @@ namespace {
 
 // ---- Tridiagonal system along one direction -------------------------------------------------------------------------
 //
-// c_(i-1) + 4 c_i + c_(i+1) = 6 z_i at inner points. With zero second derivative at the ends, c = z at the ends.
-// The coefficient beyond an end is then 2 c minus the coefficient of the inner neighbour.
+// At inner points, c_(i-1) + 4 c_i + c_(i+1) = 6 z_i. At the ends, c = z, because the second derivative is zero.
+// The coefficient beyond an end is 2 c minus the coefficient of the inner neighbour.
 
-// Along a row, elimination would be sequential.
-// The inverse is therefore applied: -6 a / ((1 - a s) (1 - a / s)), with the shift s by one point and a = sqrt(3) - 2.
+// Elimination along a row would be sequential, so the inverse is applied instead.
+// The inverse is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
 // The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on.
-// Each of these factors is a pass without dependences between points.
-// Beyond its ends, the row is continued by point reflection, like its spline.
+// Each of these factors is a pass in which no point depends on another point.
+// Beyond its ends, the row is continued by point reflection, as is its spline.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
-constexpr Index reach = 32;  // points, beyond which the inverse is truncated; the error is 0.268^32 = 5e-19 of a height
+// Number of points after which the inverse is truncated. The error is 0.268^32 = 5e-19 of a height.
+constexpr Index reach = 32;
 
 struct PassFactors {
   double neighbour;
@@ -45,7 +46,7 @@ constexpr std::array<PassFactors, shifts.size()> row_passes() {
 }
 
 // Solve along one row in place, including one coefficient beyond each end.
-// `work` holds 2 `length` values; `work_length` computes `length`.
+// `work` contains 2 `length` values, where `length` is the result of `work_length`.
 template <std::size_t Width>
 STICTION_INLINE void solve_row_kernel(double* row, Index points, Index length, double* work) {
   constexpr std::array<PassFactors, shifts.size()> passes = row_passes();
@@ -76,7 +77,7 @@ STICTION_KERNEL(solve_row, (double* row, Index points, Index length, double* wor
 
 Index work_length(Index points) { return points + 2 * reach + static_cast<Index>(widest_pack); }
 
-// Along the columns, many columns are eliminated in parallel.
+// Along columns, elimination processes many columns in parallel.
 
 // Return the pivots of the elimination: 1/4, 1/(4 - 1/4) and so on. The pivots tend to 2 - sqrt(3).
 std::vector<double> pivots(Index points) {
@@ -87,8 +88,8 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// Solve `lines` systems of `points` values in parallel. The values of one point are adjacent in memory.
-// The next point is `stride` values further on.
+// Solve `lines` systems of `points` values in parallel. The values of all systems at one point are adjacent in memory.
+// The values at the next point are `stride` values further on.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {

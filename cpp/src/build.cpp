@@ -12,7 +12,7 @@ STICTION_INLINE void simd_width_kernel(std::size_t& width) {
   width = Width;
 }
 
-// The loader selects this function in the same way as the hot loops.
+// The loader selects the version of this function in the same way as for the hot loops.
 STICTION_KERNEL(simd_width, (std::size_t& width), (width))
 
 std::string instruction_set() {
@@ -35,7 +35,7 @@ std::string instruction_set() {
 
 std::string compiler() {
 #if defined(__clang__)
-  return __VERSION__;  // the version of Clang includes the name of the compiler
+  return __VERSION__;  // Clang's version string includes the name of the compiler
 #elif defined(__GNUC__)
   return "GCC " __VERSION__;
 #else

@@ -16,8 +16,8 @@
 namespace stiction {
 namespace {
 
-// A profile, and its spline derivatives in an index range.
-// The derivatives are those of the spline of the whole profile.
+// A profile, and the derivatives of its spline in an index range.
+// The spline interpolates the whole profile.
 class SplinedProfile {
  public:
   SplinedProfile(Values heights, double max_abs, double spacing, Side side)
@@ -41,7 +41,7 @@ class SplinedProfile {
   double slope(std::size_t i) const { return slope_[i - begin_]; }
   double curvature(std::size_t i) const { return curvature_[i - begin_]; }
 
-  // Height, slope and curvature of the spline between grid points i and i + 1, at the distance t [µm] from point i.
+  // Height, slope and curvature of the spline at the distance t [µm] from point i, between points i and i + 1.
   double height(std::size_t i, double t) const {
     return height(i) + t * (slope(i) + 0.5 * t * (curvature(i) + t / (3.0 * spacing_) * curvature_change(i)));
   }
@@ -67,12 +67,12 @@ class SplinedProfile {
   std::vector<double> curvature_;
 };
 
-// Point at which the detection found a possible contact.
+// Point at which contact is possible according to the detection.
 struct Site {
   std::size_t index;    // index of the grid point
   double offset;        // distance from the grid point [µm]
-  double lower_height;  // [µm]
-  double gap;           // gap above first contact [µm]
+  double lower_height;  // height of the lower profile [µm]
+  double gap;           // gap at first contact of grid points [µm]
 };
 
 std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile& lower, std::size_t i, double spacing,
@@ -87,7 +87,7 @@ std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile&
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-// Store the asperity pair of a site. Returns false if the asperities of the pair cannot touch.
+// Store the asperity pair of a site. Returns false if its asperities cannot touch.
 bool set_asperity_pair(const SplinedProfile& upper, const SplinedProfile& lower, const Site& site, Curvature curvature,
                        AsperityPair& asperity_pair) {
   const Asperity upper_asperity = upper.asperity(site.index, site.offset);
@@ -175,8 +175,8 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
   const bool by_cell = detection == Detection::cell;
   const bool two_convex_spheres = curvature == Curvature::convex && !upper.is_flat() && !lower.is_flat();
 
-  // A cell belongs to a grid point.
-  // A minimum belongs to the interval on the right of a grid point, and may lie below both ends of this interval.
+  // Each cell belongs to a grid point, and its gap is the gap at this point.
+  // A minimum lies in the interval to the right of a grid point, and may be lower than both ends of this interval.
   const double dip = by_cell ? 0.0 : max_dip(pair.upper, pair.lower);
   constexpr std::size_t chunk_size = 254;  // number of points in a chunk of derivatives
   std::array<unsigned char, chunk_size> marks;

@@ -7,11 +7,11 @@
 
 namespace stiction {
 
-/// Throw std::invalid_argument with a message about the argument.
+/// Throw std::invalid_argument with the given message.
 [[noreturn]] void fail(const std::string& message);
 
-/// Check approaches: at least one, >= 0, finite, strictly increasing, and at most `deepest`.
-/// `deepest` is the limit of the candidates. Throws std::invalid_argument.
+/// Check that there is an approach, and that all approaches are finite, >= 0 and strictly increasing.
+/// No approach may exceed `deepest`, the limit of the candidates. Throws std::invalid_argument.
 void check_approaches(Values approaches, double deepest);
 
 /// Check that a direction is a horizontal unit vector. Throws std::invalid_argument.

@@ -9,7 +9,7 @@
 namespace stiction {
 namespace {
 
-// Accumulators of a pass over points, with one value for each SIMD lane.
+// Accumulators of a pass over both profiles, with one value for each SIMD lane.
 struct PassSums {
   static constexpr std::size_t lanes = 16;
 
@@ -19,7 +19,7 @@ struct PassSums {
   double lower_max_abs[lanes] = {};
 };
 
-// Accumulate over all points, and write the smallest gap of each block to block_min_gap.
+// Accumulate over all points. The smallest gap of each block is written to block_min_gap.
 STICTION_MULTIVERSION
 PassSums scan_blocks(const double* upper, const double* lower, std::size_t size, double* block_min_gap) {
   constexpr std::size_t lanes = PassSums::lanes;
@@ -151,7 +151,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double upper_slope = derivatives.upper_slope[i];
     const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
-    // The radius is R = scale q, and the offset of the centre is scale (slope, 1), with the sign of the side.
+    // The radius is R = scale q, and the offset of the sphere centre is scale (slope, 1). The signs depend on the side.
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
     const double upper_scale = upper_q2 / derivatives.upper_curvature[i];
@@ -182,8 +182,10 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
   }
 }
 
-// There are three cases. The slope increases through zero between the ends.
-// The slope falls to zero and increases again. The slope increases through zero and falls again.
+// A minimum is possible in three cases:
+// - The slope increases through zero between the ends.
+// - The slope falls to zero and increases again.
+// - The slope increases through zero and falls again.
 STICTION_MULTIVERSION
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks) {
   for (std::size_t i = 0; i < size; ++i) {

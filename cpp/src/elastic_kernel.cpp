@@ -20,30 +20,30 @@ using std::numbers::pi;
 
 // Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// Number of values per task of a thread, and between two cancellation checks.
-// Smaller areas are not split, because the threads would wait for each other.
+// Number of values that a thread processes per task, and between two cancellation checks.
+// Smaller areas are not divided between threads, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
-// Sum of the stencil weights relative to the weight of the centre.
-// The sum is small because contact patches are many points wide.
+// Sum of all stencil weights, as a fraction of the weight of the centre.
+// The sum must be small, because contact patches are many points wide.
 constexpr double stencil_sum = 0.04;
 // Number of points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
 
-// Return the stride of rows in memory. Rows start on cache-line boundaries, an odd number of lines apart.
-// A column is thereby spread over all cache sets.
+// Return the stride of rows in memory. Rows start at cache-line boundaries that are an odd number of lines apart.
+// With this stride, a column is spread over all cache sets.
 template <class Real>
 std::size_t padded_stride(std::size_t count) {
   constexpr std::size_t numbers_per_line = alignment / sizeof(std::complex<Real>);
   return ((count + numbers_per_line - 1) / numbers_per_line | 1) * numbers_per_line;
 }
 
-// Two real numbers are transformed as one complex number.
-// Let z be the Fourier coefficients of the packed numbers, and h the real even factors.
-// m is half the number of points, and θ = πk/m. The packed result has the coefficients
+// Two real numbers are packed into one complex number for the transform.
+// Let z be the Fourier coefficients of the packed numbers, and let h be the factors, which are real and even.
+// Let m be half the number of points, and θ = πk/m. The coefficients of the packed result are
 //
 //     (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),    a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
 //
-// Since i conj(x + iy) = y + ix, these are sums of real numbers, read forwards at k and backwards at m - k.
+// Since i conj(x + iy) = y + ix, these are sums of real numbers. They are read forwards at k and backwards at m - k.
 STICTION_MULTIVERSION
 void multiply_line(const float* coefficients, const float* direct_factors, const float* mirrored_factors,
                    std::size_t size, float* __restrict result) {
@@ -67,7 +67,7 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
 }
 
 // Multiply two columns k and m - k of an area by their factors.
-// The first column is read upwards from a wavenumber along y, and the second, mirrored column downwards.
+// The first column is read upwards from a wavenumber along y. The second column is mirrored and read downwards.
 // Each factor is repeated for the real and the imaginary part.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
@@ -83,9 +83,9 @@ STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict 
 // Number of wavenumbers along y whose factors are computed together.
 constexpr std::size_t wavenumbers_per_block = 64;
 
-// Multiply columns k and m - k by their factors `factors` and `mirrored_factors`, with θ = πk/m.
+// Multiply columns k and m - k by `factors` and `mirrored_factors`, with θ = πk/m.
 // The factors are given at wavenumbers along y up to half of `size`.
-// Coefficient i of one column mixes with coefficient size - i of the other column, which has the same factors.
+// Coefficient i of one column is combined with coefficient size - i of the other column, which has the same factors.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
                                         const Real* mirrored_factors, Real sine, Real cosine, std::size_t size) {
@@ -155,7 +155,7 @@ void scatter_columns(const std::complex<Real>* columns, std::size_t column_strid
   }
 }
 
-// Size of a grid, and of its transform after zero padding.
+// Size of a grid, and size of its transform after zero padding.
 struct TransformShape {
   std::size_t rows;
   std::size_t columns;
@@ -292,7 +292,7 @@ class Filter {
     const std::size_t count = shape_.coefficient_count();
     const std::size_t stride = padded_stride<Real>(count);
     Complex* area = scratch.coefficients.get<Real>(shape_.rows * stride);
-    // Rows of zeros are common if the contact area is small. They need no transform along x.
+    // If the contact area is small, many rows contain only zeros. These rows need no transform along x.
     std::vector<std::size_t> filled;
     for (std::size_t row = 0; row < shape_.rows; ++row) {
       const auto* from = values.data() + row * shape_.columns;
@@ -308,8 +308,8 @@ class Filter {
         along_x_->forward(packed, area + filled[i] * stride);
       }
     });
-    // Transform columns k and m - k together, because packing mixes them.
-    // Column 0 and, for even m, the middle column pair with themselves.
+    // Columns k and m - k are transformed together, because packing combines them.
+    // Column 0 and, for even m, the middle column are paired with themselves.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
     const std::size_t blocks = std::max<std::size_t>(values_per_task / shape_.padded_rows / columns_per_block, 1);
     const std::size_t columns_per_task = blocks * columns_per_block;
@@ -338,11 +338,11 @@ class Filter {
     Complex* values = buffers[1].template get<Real>(columns_per_block * column_stride);
     std::array<Complex*, 2> coefficients = {buffers[2].template get<Real>(columns_per_block * column_stride),
                                             buffers[3].template get<Real>(columns_per_block * column_stride)};
-    // Column 0 and the middle column pair with themselves; the middle column is the last one.
+    // Column 0 and the middle column are paired with themselves. The middle column is the last column.
     const std::size_t begin = std::max<std::size_t>(first, 1);
     const std::size_t end = 2 * (last - 1) == count ? last - 1 : last;
     const std::size_t mirrored_count = shape_.packed() && end > begin ? end - begin : 0;
-    // Mirrored columns run from count - end + 1 to count - begin; the last of them pairs with `begin`.
+    // Mirrored columns run from count - end + 1 to count - begin. Column count - begin is paired with column `begin`.
     const std::array<std::pair<std::size_t, std::size_t>, 2> blocks = {
         {{first, column_count}, {count - end + 1, mirrored_count}}};
     for (std::size_t block = 0; block < 2; ++block) {
@@ -397,7 +397,7 @@ class Filter {
 
   TransformShape shape_;
   std::shared_ptr<const ComplexFft<Real>> along_x_;
-  std::shared_ptr<const ComplexFft<Real>> along_y_;  // empty for lines
+  std::shared_ptr<const ComplexFft<Real>> along_y_;  // transform along y; empty for lines
   std::vector<Real> factors_;                        // factors of areas
   std::vector<Real> direct_;                         // factors of lines
   std::vector<Real> mirrored_;
@@ -453,11 +453,11 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
   return factors;
 }
 
-// Return the displacement of the origin under a pressure of 1 GPa.
+// Return the displacement of the origin due to a pressure of 1 GPa.
 // On a line, the pressure acts between the origin and x.
-// In the overload below, it acts on the rectangle between the origin and the corner (x, y).
+// In the overload below, the pressure acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
-  // Integral of -2/(π E*) ln|x|. The length unit in the logarithm shifts all displacements by the same amount.
+  // This is the integral of -2/(π E*) ln|x|. The length unit in the logarithm only shifts all displacements equally.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -503,7 +503,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
   }
   // The influence coefficients are even along both axes, and so are the padded sizes.
   // Therefore one quadrant of the coefficients determines the transform.
-  // Beyond the grid, the values of its last points are repeated. No result depends on them.
+  // Beyond the grid, the values at its last points are repeated. No result depends on these values.
   const std::size_t width = shape.factors_along_x();
   const std::size_t height = shape.factors_along_y();
   std::vector<double> factors(width * height);
@@ -539,7 +539,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
   return factors;
 }
 
-// Return the stencil: the periodic stiffness operator of a small area at the origin and its neighbours.
+// Return the stencil, which is the periodic stiffness operator of a small area at the origin and its neighbours.
 // The operator is summed directly over the wavenumbers of this area.
 std::array<double, 9> compute_stencil(const Grid& grid, double effective_modulus) {
   Grid small = grid;
@@ -603,10 +603,10 @@ struct ElasticKernel::Transforms {
   FftPlans plans;
   std::unique_ptr<const Filter<double>> double_displacement;
   std::unique_ptr<const Filter<float>> single_displacement;
-  // Filters by foundation stiffness. Stiffness 0 is the half-space alone.
+  // Filters by foundation stiffness. Stiffness 0 denotes the half-space without a foundation.
   std::map<double, const Filter<float>> foundation_filters;
 
-  // Return the filter E*|k|/2 or, with a foundation, the inverse of their sum.
+  // Return the filter E*|k|/2 or, with a foundation, the inverse of the sum of E*|k|/2 and the foundation stiffness.
   const Filter<float>* foundation_filter(const Grid& grid, double foundation) {
     const std::lock_guard lock(mutex);
     if (const auto found = foundation_filters.find(foundation); found != foundation_filters.end()) {

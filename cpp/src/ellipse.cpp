@@ -9,8 +9,8 @@ namespace stiction {
 namespace {
 
 // The arithmetic-geometric mean of 1 and k gives both elliptic integrals without cancellation.
-// K = π / (2 mean), and ratio = (K - E) / (e² K), which tends to 1/2 at k = 1 and to 1 - 1/K for k -> 0.
-// Abramowitz & Stegun (1964), 17.6.
+// K = π / (2 mean), and ratio = (K - E) / (e² K). This ratio tends to 1/2 for k -> 1, and to 1 - 1/K for k -> 0.
+// The formulas are in Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
   double mean;
   double ratio;
@@ -41,7 +41,7 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // This is the limit for e -> 0. Its error, about e², barely slows the iteration.
+    // This is the limit for e -> 0. Its error is about e², which barely slows the iteration.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);
@@ -55,8 +55,8 @@ Ellipse hertz_ellipse(double longer, double shorter) {
                                 format_number(longer) + " and " + format_number(shorter) + " µm");
   }
   const double target = shorter / longer;
-  // Newton's method is applied to logarithms, between which the relation is almost linear.
-  // The slope is 1.5 at k = 1 and 2 at k = 0.
+  // Newton's method is applied to the logarithms of both ratios, whose relation is almost linear.
+  // The slope of this relation is 1.5 at k = 1 and 2 at k = 0.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);
   for (int i = 0; i < 20; ++i) {
@@ -65,7 +65,7 @@ Ellipse hertz_ellipse(double longer, double shorter) {
     k = std::fmin(1.0, k * std::exp(step));
     values = integrals(k);
     if (std::abs(step) < 1e-9) {
-      break;  // the iteration converges quadratically, and with third order near k = 1
+      break;  // the iteration converges quadratically and, near k = 1, cubically
     }
   }
   const double major = 2.0 * longer * values.ratio;

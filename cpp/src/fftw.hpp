@@ -10,12 +10,12 @@
 
 namespace stiction {
 
-/// Alignment of buffers in bytes. It is the size of a cache line and of the widest SIMD register that FFTW uses.
+/// Alignment of buffers in bytes, which is the size of a cache line and of the widest SIMD register that FFTW uses.
 /// The alignment decides which instructions FFTW uses, and therefore the last bits of the result.
 inline constexpr std::size_t alignment = 64;
 
 /// Memory for complex numbers, aligned to a cache line.
-/// The memory grows on demand; its contents are lost when it grows.
+/// The memory grows on demand. The contents are lost when the memory grows.
 class AlignedBuffer {
  public:
   template <class Real>
@@ -37,7 +37,7 @@ class AlignedBuffer {
   std::size_t bytes_ = 0;
 };
 
-/// Complex Fourier transform of fixed length between aligned buffers, not normalised.
+/// Complex Fourier transform of fixed length between aligned buffers, without normalisation.
 /// The plans use FFTW's estimates rather than measurements, so every run uses the same plans.
 /// The plans are created on first use. Several threads may use one object at the same time.
 template <class Real>

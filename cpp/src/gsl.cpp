@@ -10,8 +10,8 @@
 namespace stiction::gsl {
 namespace {
 
-// By default, GSL aborts the process on an error. The error handler is switched off once, at load time.
-// The call cannot throw, because it is C.
+// By default, GSL aborts the process on an error. The error handler of GSL is therefore switched off at load time.
+// This call cannot throw, because it is a C function.
 // NOLINTNEXTLINE(bugprone-throwing-static-initialization)
 [[maybe_unused]] gsl_error_handler_t* const previous_handler = gsl_set_error_handler_off();
 

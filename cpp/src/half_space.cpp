@@ -20,33 +20,33 @@ constexpr std::size_t min_points_per_axis = 16;
 // Maximum number of points of a coarser grid for which kernels are cached.
 // The limit also applies to the storage of influence coefficients.
 constexpr std::size_t max_cached_points = std::size_t{1} << 20;
-// Tolerance on the coarser grids. It can be loose, because their discretisation error is larger.
+// Tolerance on the coarser grids. This tolerance can be loose, because the discretisation error is larger.
 constexpr double coarse_tolerance = 3e-3;
-// Largest ratio of two loads on an area at which the solution for one load is a good starting point for the other.
+// Largest ratio of two loads on an area for which the solution at one load is a good starting point for the other load.
 constexpr double max_load_ratio = 1.3;
-// Maximum number of iterations on the finest grid, and on coarser grids.
-// The finest grid rarely needs a hundred iterations. The solutions on coarser grids are only starting points.
+// Maximum number of iterations on the finest grid, and maximum number on each coarser grid.
+// The finest grid rarely requires a hundred iterations. The solutions on coarser grids are only starting points.
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
 // Maximum number of evaluations in double precision.
 // More evaluations are needed only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
-// Allowed relative deviation between displacements that should be equal.
+// Largest accepted relative deviation between displacements that should be equal.
 // The error of the compliance is the square of this deviation, about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Factor that tightens the deviation in problems that define only differences of displacements.
+// Factor by which the accepted deviation is reduced in problems that define only differences of displacements.
 // In such problems, the compliance is not an energy.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose dense matrix is solved directly.
 // Up to this number, the direct solution is faster than transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
-// A smaller deviation of displacements counts as round-off.
-// The deviation is relative to the displacement of one cell under the same pressure.
+// A deviation of displacements below this limit counts as round-off.
+// The limit is a fraction of the displacement of a single cell under the same pressure.
 constexpr double round_off = 1e-9;
-// Limits of the search for the load of an approach.
-// The number of loads is limited, although more than six are rarely needed.
-// The ratio of successive loads is limited from above.
-// The distance of a new load from the ends of the bracket is limited from below, as a fraction of the bracket.
+// The search for the load at an approach is limited by three numbers:
+// - the largest number of loads that are tried, although more than six are rarely needed
+// - the largest ratio of successive loads
+// - the smallest distance of a new load from the ends of the bracket, as a fraction of the bracket
 constexpr int max_loads = 60;
 constexpr double max_load_step = 30.0;
 constexpr double min_bracket_fraction = 1e-3;
@@ -67,7 +67,7 @@ double spacing_ratio(std::size_t points, std::size_t coarser, bool periodic) {
   return periodic ? static_cast<double>(points) / static_cast<double>(coarser) : 2.0;
 }
 
-// Return Σ (value - about)^Exponent. Several partial sums allow vectorisation.
+// Return Σ (value - about)^Exponent. The sum is divided into several partial sums, which allows vectorisation.
 template <int Exponent>
 STICTION_INLINE double central_sum(const double* values, std::size_t size, double about) {
   std::array<double, 8> sums{};
@@ -95,8 +95,8 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Interpolate values linearly along one axis to a grid of equal length with another number of points.
-// Whole rows of `width` values can be interpolated at a time.
+// Interpolate values linearly along one axis to a grid with the same length and another number of points.
+// Each value may be a whole row of `width` numbers.
 std::vector<double> interpolate_along(Values values, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                                       std::size_t width, bool periodic) {
   std::vector<double> result(blocks * new_points * width);
@@ -106,7 +106,7 @@ std::vector<double> interpolate_along(Values values, std::size_t blocks, std::si
   for (std::size_t block = 0; block < blocks; ++block) {
     const double* from = values.data() + block * old_points * width;
     double* to = result.data() + block * new_points * width;
-    if (width == 1 && finer) {  // fast path for the most frequent case
+    if (width == 1 && finer) {  // faster code for the most frequent case
       for (std::size_t i = 0; i + 1 < old_points; ++i) {
         to[2 * i] = from[i];
         to[2 * i + 1] = from[i] + 0.5 * (from[i + 1] - from[i]);
@@ -169,7 +169,7 @@ class LevelSolver {
   double update_free_points() { return cg_.update_free_points(pool_); }
 
   // Recompute the potential.
-  // Single precision is enough if the potential will be recomputed later, or need not be exact.
+  // Single precision is enough if the potential is recomputed later or need not be exact.
   void recompute_potential(Values gap, bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
@@ -186,7 +186,7 @@ class LevelSolver {
     has_response_ = false;
   }
 
-  // Take one step. `update_free_points` must be called before it.
+  // Take one step. The caller must call `update_free_points` before.
   void iterate() {
     std::span<const float> residual = cg_.residual(pool_);
     if (!cg_.is_steepest_descent()) {
@@ -214,7 +214,7 @@ class LevelSolver {
   bool has_response_ = false;
 };
 
-// Return ln(approach / target), minus the corresponding logarithm of the remaining distances to full contact.
+// Return ln(approach / target) minus the logarithm of the ratio of the remaining distances to full contact.
 double log_excess(double approach, double target, double full_contact) {
   if (approach >= full_contact) {
     return std::numeric_limits<double>::infinity();
@@ -240,8 +240,8 @@ double product(const double* left, const double* right, std::size_t size) {
 }
 
 // Return the pressures at some points that displace all these points by 1.
-// Conjugate gradients with the dense matrix of the points compute the pressures.
-// The result is empty if a pressure is negative. This is due to round-off at contacts of single points.
+// The pressures are computed by conjugate gradients with the dense matrix of the points.
+// If a pressure is negative, the result is empty. Round-off may cause this at contacts of single points.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {
   const std::size_t size = points.size();
@@ -428,7 +428,7 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
 
 // Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois).
 // Periodic surfaces are in full contact at the mean gap.
-// On these, the excess includes the remaining distance to full contact.
+// On periodic surfaces, the excess includes the remaining distance to full contact.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
@@ -443,7 +443,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     double load;
     double excess;
   };
-  std::array<std::optional<End>, 2> ends;  // ends of the bracket below and above the target
+  std::array<std::optional<End>, 2> ends;  // ends of the bracket, below and above the target
   std::optional<bool> previous_above;
   HalfSpaceSolution solution;
   double miss = 0.0;
@@ -457,7 +457,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    // The other end of the bracket has not moved in two successive steps.
+    // In this case, the other end of the bracket has not moved in two successive steps.
     if (previous_above == above && other) {
       other->excess *= 0.5;
     }
@@ -541,7 +541,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
   // The pressures are positive at all points, like charges on a conductor.
-  // A uniform start is as good as the given pressures, which vanish at the edges, where the solution is largest.
+  // The given pressures vanish at the edges, where the solution is largest. A uniform pressure is as good a start.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());
@@ -549,7 +549,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   if (grid.periodic && points.size() == in_contact.size()) {
     return {0.0, std::move(start)};
   }
-  const bool only_differences = grid.line && !grid.periodic;  // only differences of displacements are defined
+  const bool only_differences = grid.line && !grid.periodic;  // true if only differences of displacements are defined
   if (!only_differences && points.size() <= max_dense_points) {
     const Values influence = grids.influence(pool);
     if (!influence.empty()) {

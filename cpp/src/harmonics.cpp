@@ -28,7 +28,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// Largest number of turns of a phase over the grid, as a power of two.
+// Exponent of the largest number of turns of a phase over the grid, which is a power of two.
 // With more turns, fewer than 20 binary digits (1e-6) would remain for the fraction of a turn.
 // The exponent is 44 if a long double has 64 binary digits, and 33 if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
@@ -42,11 +42,11 @@ constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
 
-// Phase as a 64-bit fraction of a turn. Multiples of the phase wrap exactly, for any number of turns.
+// Phase as a 64-bit fraction of a turn. Multiples of a phase wrap exactly for any number of turns.
 using Turns = std::uint64_t;
 
 Turns to_turns(long double turns) {
-  const long double fraction = turns - std::rint(turns);  // [-1/2, 1/2]
+  const long double fraction = turns - std::rint(turns);  // fraction of a turn in [-1/2, 1/2]
   const long double scaled = std::ldexp(fraction, 64);
   constexpr long double half = 9223372036854775808.0L;
   return scaled >= half || scaled < -half ? Turns{1} << 63 : static_cast<Turns>(static_cast<std::int64_t>(scaled));
@@ -78,7 +78,8 @@ struct Harmonic {
     rate = 4.0 * std::sin(half_angle) * std::sin(half_angle);
   }
 
-  // Start from the phase at a point. Doubling yields the first `lanes` values: a run of values is copied and rotated.
+  // Start from the phase at a point. The first `lanes` values are computed by repeated doubling of a run of values.
+  // Doubling copies the run and rotates the copy.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -98,7 +99,7 @@ struct Harmonic {
   }
 };
 
-// Harmonics of one frequency n, and Σ_m cos φ_mn over them.
+// Harmonics of one frequency n, and the sum Σ_m cos φ_mn over these harmonics.
 struct Group {
   std::vector<Harmonic> harmonics;
   double constant = 0.0;
@@ -106,7 +107,7 @@ struct Group {
 
 // Directions m and M - m have opposite wavenumbers.
 // Since cos(-k x + φ') = cos(k x - φ'), they form one harmonic with amplitude e^(i φ) + e^(-i φ').
-// For m = M/2 the wavenumber is 0 and the harmonic cancels. m = M has no partner.
+// For m = M/2, the wavenumber is 0 and the harmonic cancels. Direction m = M has no partner.
 std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   const long double max_turns = std::ldexp(1.0L, max_turns_exponent);
   const Index directions = phases.rows();
@@ -142,7 +143,7 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   return result;
 }
 
-// Subtract the next block of `count` harmonics from the values, with one load and one store of each value.
+// Subtract the next block of `count` harmonics from the values. Each value is loaded and stored only once.
 // The number of lanes processed together is chosen so that z and d stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
@@ -210,7 +211,7 @@ void next_block(Group& group, Index first, double* values) {
 }
 
 // sums(row, j) = Σ_n weights(row, n) values[n][j] for `rows` rows and j < block.
-// A tile of sums stays in registers over all n. The order of additions does not depend on the tile.
+// A tile of sums stays in registers for all n. The order of additions does not depend on the tile.
 template <std::size_t Width, std::size_t rows, std::size_t packs>
 STICTION_INLINE void tile_product(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                   std::size_t stride) {
@@ -232,7 +233,7 @@ STICTION_INLINE void tile_product(const double* weights, const double* values, s
   }
 }
 
-// Ten rows form a tile if possible, so that each loaded value is used ten times.
+// If possible, a tile has ten rows, so that each loaded value is used ten times.
 template <std::size_t Width>
 STICTION_INLINE void ten_rows_kernel(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                      std::size_t stride) {
@@ -265,7 +266,7 @@ STICTION_KERNEL(one_row,
                 (weights, values, frequencies, sums, stride))
 
 // Compute all rows of one complete block; `sums` points to its first column.
-// Calls after(begin, end) while the finished rows from `begin` to just before `end` are still in the cache.
+// Calls after(begin, end) while the completed rows from `begin` to just before `end` are still in the cache.
 template <class After>
 void product(const Eigen::Map<const Matrix>& weights, const double* values, double* sums, Index stride,
              const After& after) {
@@ -293,12 +294,12 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
 
 // ---- Surfaces -------------------------------------------------------------------------------------------------------
 
-// Number of points along an axis that are computed from the phase at the first of these points.
+// Number of points in a run along an axis. A run is computed from the phase at its first point.
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
 // Compute cosines and sines for a run of points by angle addition.
-// The table is rotated once by the phase of the first point, so that errors do not grow.
+// A table is rotated once by the phase of the first point, so that errors do not grow.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {
@@ -328,8 +329,8 @@ struct Rotations {
   }
 };
 
-// Directions m and M - m have opposite wavenumbers along x and equal ones along y.
-// Together they are -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X, with even, odd = e^(i φ) ± e^(i φ').
+// Directions m and M - m have opposite wavenumbers along x and equal wavenumbers along y.
+// Their sum is -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X, with even, odd = e^(i φ) ± e^(i φ').
 // A direction without a partner has even = odd = e^(i φ).
 struct ArealHarmonic {
   Complex even;
@@ -338,7 +339,7 @@ struct ArealHarmonic {
   Rotations along_x;
 };
 
-// Wavenumbers that the two directions of a pair have in common, in turns per point.
+// Wavenumbers of a pair of directions, in turns per point. Both directions have the same magnitudes.
 struct Wavenumbers {
   long double y;
   long double x;
@@ -353,7 +354,7 @@ Wavenumbers pair_wavenumbers(const HarmonicArea& area, Index m, Index directions
           number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
 }
 
-// Harmonics to include, with their weights in the amplitudes, and Σ w cos φ over these harmonics.
+// Harmonics to include, and the sum Σ w cos φ over these harmonics. The amplitudes include the weights w.
 struct ArealSum {
   std::vector<ArealHarmonic> harmonics;
   double constant = 0.0;
@@ -482,7 +483,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
 
   const ArealSum sum = make_areal_sum(phases, weights, area, rows, columns);
   heights.setConstant(sum.constant);
-  // Process the surface in tiles, and the harmonics in groups whose factors fit into the cache.
+  // The surface is processed in tiles, and the harmonics in groups whose factors fit into the cache.
   constexpr std::size_t harmonics_per_pass = 32;
   const auto x_factors = allocate_aligned(2 * harmonics_per_pass * block);
   std::array<double, points_per_run> cosines;

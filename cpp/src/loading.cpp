@@ -14,8 +14,8 @@ struct Point {
   double f;
 };
 
-// Bracketing search for one root. `latest` is the latest estimate, and `previous` is the estimate before it.
-// `opposite` is on the other side of the root.
+// Bracketing search for one root. `latest` is the latest estimate, and `previous` is the estimate before the latest.
+// The estimate `opposite` is on the other side of the root.
 struct RootSearch {
   Point latest;
   Point opposite;
@@ -93,7 +93,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
   if (left.size() != levels.size() || right.size() != levels.size()) {
     throw std::invalid_argument("find_crossings: left and right must be as long as levels");
   }
-  // Evaluate the function at arguments in any order. Arguments may be repeated.
+  // Evaluate the function at arguments that may be unsorted and repeated.
   const auto values_at = [&](const std::vector<double>& arguments) {
     std::vector<double> distinct = arguments;
     std::sort(distinct.begin(), distinct.end());
@@ -118,7 +118,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
     searches.push_back({first, last, last, 0.5, false});
     searches.back().check_convergence(tolerance);
   }
-  constexpr int max_steps = 2000;  // even a bisection of all doubles takes fewer steps
+  constexpr int max_steps = 2000;  // even a bisection over the range of all doubles takes fewer steps
   for (int step = 0; step < max_steps; ++step) {
     std::vector<double> arguments;
     for (const RootSearch& search : searches) {

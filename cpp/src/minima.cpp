@@ -15,7 +15,7 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 // Tolerances in units of a cell.
-// A minimum may lie outside its cell by up to `max_overshoot`, so that round-off loses no minimum between cells.
+// A minimum may lie outside its cell by up to `max_overshoot`, so that no minimum between cells is lost by round-off.
 // Two minima within `merge_distance` count as one minimum.
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
@@ -30,10 +30,10 @@ STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
 // Number of cells of a row that are excluded together if no coefficient is low enough.
-// The cells depend on their own columns of coefficients and on three more.
+// These cells depend on as many columns of coefficients as there are cells, and on three more columns.
 constexpr Index cells_per_block = 29;
 
-// Mark the blocks in a row of coefficients that contain a low enough coefficient.
+// Mark the blocks of a row in which a coefficient is low enough.
 STICTION_MULTIVERSION
 void mark_low(const double* coefficients, Index cells, double max_value, unsigned char* marks) {
   for (Index first = 0; first < cells; first += cells_per_block) {
@@ -51,7 +51,7 @@ void mark_low(const double* coefficients, Index cells, double max_value, unsigne
   }
 }
 
-// Ranges of a column of four coefficients, of its inner differences (y), and of the differences to the next column (x).
+// Ranges of four coefficients in a column, of their differences along y, and of the differences to the next column (x).
 struct Ranges {
   explicit Ranges(Index columns) : buffer(static_cast<std::size_t>(5 * columns)), size(columns) {}
   double* lowest() { return buffer.data(); }
@@ -106,17 +106,17 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
 // Bernstein coefficients of a bicubic on a square, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
-// Bernstein coefficients of several squares. The index of the square is the innermost one.
+// Bernstein coefficients of several squares. The index of the square is the innermost index.
 template <std::size_t lanes>
 using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 
 // Number of cells that are classified together.
 constexpr std::size_t cells_per_batch = 8;
 
-// Result of the sign tests in a part of a cell: no minimum, convex (at most one minimum), or undecided.
+// Result of the sign tests for a part of a cell: no minimum, convex (at most one minimum), or undecided.
 enum class CellClass : unsigned char { excluded, convex, undecided };
 
-// Bernstein coefficients of several squares, held in SIMD registers.
+// Bernstein coefficients of several squares in SIMD registers.
 template <std::size_t Width>
 using PackNet = Pack<Width>[4][4];
 
@@ -136,7 +136,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   P x_high = x_low;
   P y_low = net[1][0] - net[0][0];
   P y_high = y_low;
-  // These are second differences. The second derivatives xx, xy and yy are 6, 9 and 6 times the differences.
+  // These are second differences. The second derivatives xx, xy and yy are 6, 9 and 6 times these differences.
   P xx_low = net[0][2] - 2.0 * net[0][1] + net[0][0];
   P xx_high = xx_low;
   P xy_low = (net[1][1] - net[1][0]) - (net[0][1] - net[0][0]);
@@ -167,7 +167,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   const P max_abs_xy = xy_high > -xy_low ? xy_high : -xy_low;
   const auto zero_slope = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
   const auto curved_up = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
-  // Exclude parts that are a saddle everywhere.
+  // Parts in which every point is a saddle point are excluded.
   const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * min_abs_xy * min_abs_xy;
   const auto possible = zero_slope & curved_up & no_saddle & (low <= zero + max_value);
   const auto convex = (xx_low > zero) & (yy_low > zero) & (36.0 * xx_low * yy_low > 81.0 * max_abs_xy * max_abs_xy);
@@ -235,7 +235,7 @@ STICTION_INLINE void halve(double a, double b, double c, double d, std::array<do
   second = {middle, bcd, cd, d};
 }
 
-// Subdivide a part of a cell into quarters: left and right of the lower half, then left and right of the upper half.
+// Divide a part of a cell into quarters: the lower left, the lower right, the upper left and the upper right quarter.
 STICTION_INLINE void quarter(const Net& net, Nets<4>& quarters) {
   std::array<Net, 2> halves;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -300,7 +300,7 @@ class Cell {
       : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
   // Call visit(minimum) for each minimum.
-  // The value and the derivatives of the minimum are undefined, and u and v may lie slightly outside the cell.
+  // The value and the derivatives of these minima are not set, and their positions may be slightly outside the cell.
   template <class Visit>
   void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
     search_part(net, 0.0, 0.0, 1.0, round_off, cell_class, visit);
@@ -350,7 +350,7 @@ class Cell {
       double du = (at.xy * at.y - at.yy * at.x) / determinant;
       double dv = (at.xy * at.x - at.xx * at.y) / determinant;
       const double length = larger(std::abs(du), std::abs(dv));
-      // On a nearly level floor, round-off prevents the steps from becoming shorter.
+      // On a nearly level floor, round-off prevents the steps of Newton's method from becoming shorter.
       if (length <= 1e-12 || larger(std::abs(at.x), std::abs(at.y)) <= round_off) {
         return Minimum{row_, column_, u + du, v + dv, {}};
       }
@@ -473,8 +473,8 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
     }
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
-  // Remove minima that were found twice, from two cells or from two parts of a cell.
-  // Both copies of a minimum are in the same cell at this stage.
+  // Remove minima that were found twice, in two cells or in two parts of a cell.
+  // At this stage, both copies of such a minimum belong to the same cell.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());
   for (const Minimum& minimum : all_minima) {

@@ -1,8 +1,8 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
 // The loader selects the widest instruction set that the machine supports.
-// STICTION_MULTIVERSION is for loops that the compiler vectorises itself.
-// STICTION_KERNEL is for loops that are written explicitly with SIMD registers.
-// The speed of these loops depends on which values stay in registers.
+// STICTION_MULTIVERSION is for loops that the compiler vectorises automatically.
+// STICTION_KERNEL is for loops with explicit SIMD registers.
+// The speed of loops with explicit registers depends on which values stay in registers.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@
 #endif
 #endif
 
-// Targets are AVX-512, and AVX2 with FMA. GCC 12 and later accept the x86-64 levels; Clang needs each feature listed.
+// The targets are AVX-512, and AVX2 with FMA. GCC 12 and later accept x86-64 levels. Clang requires a list of features.
 #if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(STICTION_SANITIZED)
 #if defined(__clang__)
 #define STICTION_WIDEST "avx512f,avx512vl,avx512dq,avx512bw,fma"
@@ -28,22 +28,22 @@
 #endif
 #endif
 
-/// The macro goes before a function of plain loops.
-/// The macro is empty for Clang, because some versions of Clang drop functions that such a function calls.
+/// Place this macro before a function that consists of plain loops.
+/// The macro is empty for Clang, because some versions of Clang omit functions that a multiversioned function calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
 #else
 #define STICTION_MULTIVERSION
 #endif
 
-// Clang reports functions as unused if only the loader selects them.
+// Clang reports a function as unused if only the loader selects it.
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wunused-function"
 #endif
 
 /// Define void name(parameters) from a template name_kernel<Width>(arguments).
 /// Width is the number of doubles in a register of the instruction set.
-/// GCC keeps wider SIMD types in memory, which is 20 times slower.
+/// GCC keeps SIMD types that are wider than a register in memory, which is 20 times slower.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
   __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \

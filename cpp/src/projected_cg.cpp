@@ -16,20 +16,20 @@ namespace stiction {
 namespace {
 
 // Limits of the ratio of the optimal step length to the trial length.
-// Outside these limits, this step is shortened, or the next step is lengthened.
+// If the ratio is outside these limits, this step is shortened or the next step is lengthened.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
-constexpr double max_recovery_factor = 100.0;  // limit of the factor by which steps are lengthened after failed steps
+constexpr double max_recovery_factor = 100.0;  // largest factor by which steps are lengthened after failed steps
 constexpr int max_failed_steps = 6;
 // Factor by which the step length is reduced after a failed step.
 constexpr double failure_factor = 0.25;
 // Upper limit of the ratio of the change at a free point to the load of all free points.
-// Above this limit, round-off would be visible in the load.
-// Steps that hit a bound are always too short, so the step length would otherwise grow without end.
+// Above this limit, round-off would affect the load.
+// Without a limit, the step length would grow without end, because steps that hit a bound are always too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t lanes = 8;
-// Number of grid points per task, and of free points per task.
+// Number of grid points per task, and number of free points per task.
 constexpr std::size_t grid_points_per_task = std::size_t{1} << 16;
 constexpr std::size_t free_points_per_task = std::size_t{1} << 16;
 
@@ -43,7 +43,7 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
 
 // Mark the free points of a block.
 // Free points have a pressure between 0 and their bound, or a gap that drives the pressure away from the bound.
-// Points at a bound with a NaN gap are also free. Returns whether there are any free points.
+// Points at a bound with a NaN gap are free too. Returns whether the block has any free point.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
                std::uint8_t* marks) {
@@ -122,7 +122,7 @@ void scale_below_bound(double* pressure, const double* bound, std::size_t size, 
 
 struct ClippedSum {
   double sum = 0.0;
-  double between = 0.0;  // number of values strictly between the bounds
+  double between = 0.0;  // number of pressures strictly between the bounds
 
   void add(const ClippedSum& other) {
     sum += other.sum;
@@ -156,7 +156,7 @@ std::size_t point(const std::vector<std::int32_t>& points, std::size_t k) {
   return static_cast<std::size_t>(points[k]);
 }
 
-// Run work(first, last) on chunks, and add the results in order.
+// Run work(first, last) on chunks, and add the results in the order of the chunks.
 template <class Sums, class Work>
 Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
   std::vector<Sums> chunk_sums(std::max<std::size_t>((count + free_points_per_task - 1) / free_points_per_task, 1));
@@ -171,7 +171,7 @@ Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
 }
 
 // Return the shift for which the shifted and clipped pressures have the given sum.
-// The sum is a decreasing, piecewise linear function of the shift. The method is Newton's method within a bracket.
+// The sum is a decreasing, piecewise linear function of the shift. Newton's method within a bracket finds the shift.
 double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum,
                     const ThreadPool& pool) {
   double left = -std::numeric_limits<double>::infinity();
@@ -187,7 +187,7 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
     }
     (excess > 0.0 ? left : right) = shift;
     double next = current.between > 0.0 ? shift + excess / current.between : left + 0.5 * (right - left);
-    // No pressure lies between the bounds, and the bracket is open on one side.
+    // In this case, no pressure lies between the bounds, and the bracket is open on one side.
     if (!std::isfinite(next)) {
       const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
       const double max_bound = *std::max_element(bound.begin(), bound.end());
@@ -227,7 +227,7 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
   if (!(total > 0.0) || !(total < max_total)) {
     throw std::invalid_argument("ProjectedCgSolver: total must be positive and below the sum of the bounds");
   }
-  // All points change if the points under pressure cannot support the total load.
+  // If the points under pressure cannot support the total load, all points are included.
   const auto include = [&](std::size_t i) {
     stepped_points_.push_back(static_cast<std::int32_t>(i));
     target_.push_back(pressure_[i]);
@@ -297,7 +297,7 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
         for (std::size_t k = first; k < last; ++k) {
           const std::size_t i = point(stepped_points_, k);
           const double p = pressure_[i];
-          const bool is_between = (p > 0.0) & (p < bound_at(i));  // without a branch, which would be mispredicted
+          const bool is_between = (p > 0.0) & (p < bound_at(i));  // not a branch, which would be mispredicted
           partial.sum += is_between ? potential_[i] + pending_fraction_ * static_cast<double>(response[i]) : 0.0;
           partial.between += is_between ? 1.0 : 0.0;
         }
@@ -376,8 +376,8 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 
 // Return the approach if no pressure lies strictly between the bounds.
 // Points at their bound must not have a gap, and points without pressure must not overlap.
-// If both conditions can be met, the approach is the highest potential under pressure.
-// Otherwise, the approach lies midway, so that points of both kinds become free.
+// If both conditions can be satisfied, the approach is the highest potential of the points under pressure.
+// Otherwise, the approach lies midway between both limits, so that points of both kinds become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -391,9 +391,9 @@ double ProjectedCgSolver::approach_from_bounds() const {
   return max_loaded <= min_unloaded ? max_loaded : min_unloaded + 0.5 * (max_loaded - min_unloaded);
 }
 
-// Visit each run of constrained points.
-// A visit receives the list positions of the neighbouring free points, and the number of constrained points.
-// A visit also receives the segments of the run before and after the edge of the grid.
+// Call the visitor for each run of constrained points.
+// Its arguments are the list positions of the neighbouring free points, and the number of constrained points.
+// Further arguments are the segments of the run before and after the edge of the grid.
 // A segment consists of its first point, its length, and its offset in the run.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
@@ -463,7 +463,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   restrict_to_free_points(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   struct Products {
-    // Load of the free points. Each step must conserve this load; otherwise its error would grow from step to step.
+    // Load of the free points. Each step must conserve this load. Otherwise, its error would grow from step to step.
     double load = 0.0;
     double value = 0.0;
     double step = 0.0;
@@ -611,7 +611,7 @@ bool ProjectedCgSolver::advance(std::span<const float> response, const ThreadPoo
     return false;
   }
   // A full step that hits bounds is accepted if it lowers the energy.
-  // A fraction of the step would leave some pressure on points where the full step removes all pressure.
+  // A fraction of this step would leave some pressure at points where the full step removes all pressure.
   const double fraction = clipped_
                               ? (optimum >= min_length_factor ? 1.0 : optimum)
                               : (optimum <= 1.0 ? optimum : std::min(optimum, std::max(max_feasible_fraction(), 1.0)));

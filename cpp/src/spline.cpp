@@ -40,7 +40,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
 }
 
 // Compute the slope at a point as the mean of the slopes of the two adjacent cubics.
-// Both slopes agree except for round-off.
+// Both slopes are equal except for round-off.
 // The expression is symmetric in x, so a mirrored profile has bit-identical mirrored slopes.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
@@ -64,16 +64,16 @@ double last_slope(Values heights, double curvature_before, double spacing) {
 
 // ---- Superposition --------------------------------------------------------------------------------------------------
 
-// Number of points on each side beyond which the curvature of a unit load is negligible, 0.268^28 = 1e-16.
+// Number of points on each side after which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
 constexpr Index reach = 28;
-// Curvatures are computed in multiples of `stride`, and in chunks of `chunk` points plus one on each side.
+// Curvatures are computed in chunks of `chunk` points plus one point on each side, rounded up to multiples of `stride`.
 constexpr Index stride = 32;
 constexpr Index chunk = 254;
 static_assert((chunk + 2) % stride == 0);
 
 using Kernel = std::array<double, reach + 1>;
 
-// Return the curvature at 0, 1, ..., `reach` points from a unit load, far from both ends.
+// Return the curvatures at distances of 0, 1, ..., `reach` points from a unit load that is far from both ends.
 const Kernel& unit_load() {
   static const Kernel kernel = [] {
     constexpr std::size_t middle = 3 * reach;

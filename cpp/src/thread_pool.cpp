@@ -13,7 +13,7 @@ namespace stiction {
 
 // A round is the set of tasks of one call.
 // A round ends without waiting for threads that have not started any of its tasks.
-// A thread that wakes up late finds that the round is over, and waits for the next round.
+// A thread that wakes up after the end of a round waits for the next round.
 struct ThreadPool::Workers {
   using Work = std::function<void(std::size_t, std::size_t)>;
 

@@ -56,7 +56,7 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 
 TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all directions and sliding rules") {
   // The spline has zero curvature at the edges, which are 15 points away.
-  // The edges change the result by a fraction of 0.268^15.
+  // The edges change the result only by a fraction of 0.268^15.
   constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);

@@ -25,10 +25,10 @@ namespace {
 constexpr double modulus = 10.0;
 constexpr double tolerance = 1e-10;
 constexpr double compliance_tolerance = 1e-6;
-constexpr double pressure_tolerance = 5e-3;  // relative error of pressures; the error of their energy is its square
+constexpr double pressure_tolerance = 5e-3;  // relative error of pressures; it is squared in the energy
 const std::vector<double> unbounded{std::numeric_limits<double>::infinity()};
 
-// Heights of a map or a line: sinusoids of several wavelengths.
+// Return heights of a map or a line that are sums of sinusoids of several wavelengths.
 std::vector<double> sinusoids(const Grid& grid) {
   std::vector<double> heights(grid.size());
   for (std::size_t row = 0; row < grid.rows; ++row) {
@@ -42,8 +42,8 @@ std::vector<double> sinusoids(const Grid& grid) {
   return heights;
 }
 
-// Check the contact conditions. Every point under pressure and below its bound is at the approach.
-// Only points at their bound overlap. No point under pressure has a gap. The pressure has the given mean.
+// Check the mean pressure, and the contact conditions within a tolerance.
+// No point under pressure may have a gap. Only points whose pressure equals the bound may overlap.
 void check_contact_conditions(const HalfSpaceGrids& grids, const std::vector<double>& gap,
                               const std::vector<double>& bound, double mean, double unit,
                               const HalfSpaceSolution& solution) {
@@ -100,7 +100,7 @@ TEST_CASE("HalfSpaceSolver: solutions are bit-identical for any number of thread
     const HalfSpaceSolver solver(gap, grids, bound, 1e-6);
     const HalfSpaceSolution alone = solver.at(0.4);
     const auto loaded = std::count_if(alone.pressure.begin(), alone.pressure.end(), [](double p) { return p > 0.0; });
-    CHECK(loaded > 1 << 16);  // there are enough points for several tasks, which the threads share
+    CHECK(loaded > 1 << 16);  // enough points for several tasks, which are distributed over the threads
     for (const std::size_t threads : {2U, 3U}) {
       const HalfSpaceSolution together = solver.at(0.4, {}, ThreadPool(threads));
       CHECK(together.pressure == alone.pressure);

@@ -36,7 +36,8 @@ TEST_CASE("HertzCylinder: force and area match the formulas for the half-width")
 TEST_CASE("JacksonGreen: equals Hertz below yield and tends to the hardness far above it") {
   const JacksonGreen law{100.0, 0.2, 0.3};
   const double constraint = 1.295 * std::exp(0.736 * 0.3);
-  const double critical = std::pow(0.5 * std::numbers::pi * constraint * 0.002, 2);  // for a sphere of radius 1
+  // Critical interference of a sphere of radius 1.
+  const double critical = std::pow(0.5 * std::numbers::pi * constraint * 0.002, 2);
   const HertzSphere hertz{100.0};
   for (const double ratio : {0.01, 1.0, 1.89}) {
     CHECK(law(ratio * critical, unit).force == hertz(ratio * critical, unit).force);

@@ -77,7 +77,7 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 }
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
-  // The second spring carries nothing and the third carries 1, so (δ + δ - 4) 2 = 9.
+  // The second spring carries no load, and the third spring carries 1, so (δ + δ - 4) 2 = 9.
   // This gives δ = 4.25, and both of these springs overlap.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);

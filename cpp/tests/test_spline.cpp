@@ -90,7 +90,7 @@ TEST_CASE("natural_spline_from: matches the complete spline, including its ends"
         CAPTURE(size);
         CAPTURE(first);
         CAPTURE(points);
-        CHECK(max_error < 1e-13);  // curvatures reach 30
+        CHECK(max_error < 1e-13);  // the largest curvature is about 30
       }
     }
   }

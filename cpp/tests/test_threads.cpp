@@ -44,7 +44,7 @@ std::vector<double> press_profiles(unsigned seed) {
 
 TEST_CASE("library: concurrent threads obtain the results of a single thread") {
   constexpr unsigned tasks = 8;
-  // The concurrent threads run first, so that they compete for all initialisation on first use.
+  // The concurrent threads run first, so that several threads compete for each initialisation on first use.
   std::vector<std::vector<double>> together(tasks);
   std::vector<std::thread> threads;
   for (unsigned task = 0; task < tasks; ++task) {

@@ -1,4 +1,4 @@
-// Amplitude of a profile: height statistics, amplitude measures, and scaling to a given amplitude.
+// Amplitude of a profile: height statistics, measures of amplitude, and scaling to a given amplitude.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -10,22 +10,22 @@
 
 namespace stiction {
 
-/// Definition of the amplitude of a profile. `height` is the highest minus the lowest point.
+/// Measure of the amplitude of a profile. `height` is the height of the highest point above the lowest point.
 /// `ra` is the mean absolute deviation from the mean, and `rq` is the root-mean-square deviation.
 enum class AmplitudeMeasure { height, ra, rq };
 
-/// Parse a measure: "height", "Ra" or "Rq". Throws std::invalid_argument for any other name.
+/// Parse the name of an amplitude measure: "height", "Ra" or "Rq". Throws std::invalid_argument for any other name.
 AmplitudeMeasure amplitude_measure(std::string_view name);
 
-/// Mean, lowest and highest point of a profile [µm].
+/// Mean height, smallest height and largest height of a profile [µm].
 struct HeightStatistics {
   double mean;
   double min;
   double max;
 };
 
-/// Accumulates the height statistics of a profile that arrives in chunks, from left to right.
-/// Each SIMD lane has its own sum and extremes.
+/// Accumulates the height statistics of a profile that is added in chunks, from left to right.
+/// Each SIMD lane has a separate sum, minimum and maximum.
 /// The result does not depend on the chunk sizes if the length of each chunk except the last is a multiple of `lanes`.
 class HeightAccumulator {
  public:
@@ -34,7 +34,7 @@ class HeightAccumulator {
   HeightAccumulator();
   /// Add the next chunk of heights [µm].
   void add(Values heights);
-  /// Return the statistics of all heights so far.
+  /// Return the statistics of all heights that have been added.
   HeightStatistics statistics() const;
 
  private:
@@ -44,22 +44,22 @@ class HeightAccumulator {
   std::array<double, lanes> maxima_;
 };
 
-/// Scaling of heights: scaled = (height - mean) * factor.
+/// Linear scaling of heights: scaled = (height - mean) * factor.
 struct Scaling {
   double mean;
   double factor;
 };
 
-/// Return the scaling that gives a profile with these statistics the amplitude `amplitude` [µm].
-/// Returns nothing for a flat profile, because it cannot be scaled.
+/// Return the scaling to the amplitude `amplitude` [µm] for a profile with the given statistics.
+/// Returns nothing for a flat profile, because a flat profile cannot be scaled.
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);
 
-/// Write (height - mean) factor to `scaled`, which has the same length as `heights`.
+/// Write (height - mean) * factor to `scaled`. Both arrays must have the same length.
 void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
 /// Scale `heights` to zero mean and the amplitude `amplitude` [µm], and write them to `scaled`.
-/// Returns false for a flat profile, because it cannot be scaled. Throws std::invalid_argument if the lengths differ.
+/// Returns false for a flat profile, which cannot be scaled. Throws std::invalid_argument if the lengths differ.
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled);
 
 }  // namespace stiction

@@ -1,25 +1,25 @@
-// Contact of two height maps. Contacts are the local minima of the splined gap; each is a Hertzian ellipse.
+// Contact of two height maps. Each contact is a Hertzian ellipse at a local minimum of the splined gap.
 //
-// x runs along the columns of a map and y along its rows; both maps share one grid.
-// The approach [µm] is the displacement of the upper surface towards the lower one.
+// The x axis points along a row of a map and the y axis along a column. Both maps have the same grid.
+// The approach [µm] is the displacement of the upper surface towards the lower surface.
 // The approach is measured from the first contact of grid points.
 // At a minimum of the gap, both surfaces have the same slope, so a contact has the same normal at every approach.
-// As the overlap increases, the normal rotates only by a term of second order in overlap/radius, which is neglected.
+// A rotation of the normal with increasing overlap is of second order in overlap/radius, and is neglected.
 //
-// If the edge of the map cuts a contact ellipse, only the part inside the map counts.
+// If the edge of the map cuts a contact ellipse, only the part of the ellipse inside the map counts.
 // The Hertzian pressure is integrated over this part.
-// Force and area of a contact therefore grow with the approach.
-// A long valley contributes only the part that lies on the map.
+// The force and the area of a contact therefore never decrease with the approach.
+// A long valley contributes only with the part that lies inside the map.
 //
-// Round-off would decide some cases by chance.
-// The rules below make these cases definite, so a rotated, mirrored, swapped or shifted pair gives the same result.
+// In some cases, round-off would decide by chance whether there is a contact.
+// The rules below decide these cases, so that a rotated, mirrored, swapped or shifted pair gives the same result.
 // Curvatures and slopes are expressed in units of the grid spacing.
-// Values below 2^-26 of the range of the gap count as zero.
+// Curvatures and slopes below 2^-26 of the range of the gap count as zero.
 // - A minimum that is not curved upwards in every direction is a level valley or plateau.
-//   It is not a contact, because it has no lowest point.
+//   A level valley or plateau is not a contact, because it has no lowest point.
 //   The grid points of a level plateau count as grid minima without a spline minimum.
 // - A surface that is not concave counts as a summit, even if it is flat in one or both directions.
-// - A surface without slope along the motion does not oppose the motion.
+// - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -37,32 +37,32 @@
 
 namespace stiction {
 
-/// Two height maps [µm] (rows, columns) on one grid.
+/// Two height maps [µm] (rows, columns) on the same grid.
 struct SurfacePair {
   MatrixView upper;
   MatrixView lower;
-  Vector2 spacing;  ///< (Δx, Δy): distance of columns and of rows [µm]
+  Vector2 spacing;  ///< (Δx, Δy): distance between columns, and distance between rows [µm]
 };
 
 /// Contact normal and relative curvature of two surfaces with the same slope p at a point.
 /// The gap has the Hessian `xx, xy, yy` [1/µm] at this point.
-/// The relative curvatures are the eigenvalues of the Hessian over q = sqrt(1 + p²).
-/// The eigenvalues are measured in the metric I + p pᵀ of the tangent plane.
+/// The relative curvatures are the eigenvalues of the Hessian, divided by q = sqrt(1 + p²).
+/// The eigenvalues are computed in the metric I + p pᵀ of the tangent plane.
 struct ContactGeometry {
   Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
   Radii radii;     ///< principal radii of the relative curvature, both > 0
   Vector3 along;   ///< unit vector in the tangent plane, along which the radius is larger
 };
 
-/// Compute the contact geometry for a positive definite Hessian.
+/// Compute the contact geometry from the slope and from a positive definite Hessian.
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
-/// Local minimum of the gap. It is in contact at approaches larger than `gap`.
+/// Local minimum of the gap. The minimum is in contact at approaches larger than `gap`.
 struct ArealCandidate {
   Index row;         ///< row of the first grid point of the cell that contains the minimum
   Index column;      ///< column of the first grid point of the cell that contains the minimum
   Vector3 position;  ///< position of the minimum on the lower surface [µm]
-  /// Gap at the minimum, relative to first contact of grid points [µm].
+  /// Gap [µm] at the minimum when the first grid points come into contact.
   /// The gap is slightly negative if the spline dips below the grid points.
   double gap;
   double edge_overlap;  ///< overlap [µm] at which the elastic ellipse reaches the edge of the map
@@ -77,16 +77,16 @@ struct ArealCandidate {
 /// Contact candidates of two maps, valid for any number of approaches up to `deepest`.
 struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
-  std::vector<double> grid_minima;  ///< gaps [µm] at the grid points without a lower neighbour, in ascending order
+  std::vector<double> grid_minima;  ///< gaps [µm] at points without a lower neighbour, in ascending order
   std::vector<double> unanswered;   ///< gaps of grid minima that have no spline minimum in the four adjacent cells
   double deepest;                   ///< largest approach [µm]
-  Vector2 spacing;                  ///< distance of columns and of rows of the maps [µm]
+  Vector2 spacing;                  ///< distance between columns, and between rows, of the maps [µm]
   Index rows;                       ///< number of rows of the maps
   Index columns;                    ///< number of columns of the maps
 };
 
 /// Relative tolerance for equal heights.
-/// Smaller differences, relative to the largest height, may be round-off of the heights or of the spline.
+/// Smaller differences, as a fraction of the largest height, may be round-off of the heights or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
 /// Relative tolerance for level valleys.
@@ -107,9 +107,9 @@ struct ArealSums : Sums {
   double lateral_frictional = 0.0;  ///< -Σ F c·t [mN] per unit mu0
   double lateral_adhesive = 0.0;    ///< -Σ A c·t [mN] per GPa of tau0
   double load_overlapping = 0.0;    ///< Σ F n_z [mN] of contacts whose ellipse overlaps another ellipse
-  double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
-  Index grid_minimum_count = 0;     ///< number of grid points within the approach without a lower neighbour
-  Index unanswered_count = 0;       ///< number of these grid points that have no spline minimum nearby
+  double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse the edge of the map cuts
+  Index grid_minimum_count = 0;     ///< number of points within the approach without a lower neighbour
+  Index unanswered_count = 0;       ///< number of these points that have no spline minimum nearby
 };
 
 /// Name, unit and description of a member of `ArealSums` that `Sums` does not have.
@@ -142,8 +142,8 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
 
 /// Compute the contact sums for every direction and approach, as rows (directions, approaches).
 /// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
-/// HertzSphere uses the contact ellipse; other sphere laws use the sphere of the mean radius.
-/// Throws std::invalid_argument, also for HertzCylinder.
+/// HertzSphere uses the contact ellipse. Other laws for spheres use the sphere of the mean radius.
+/// Throws std::invalid_argument for invalid arguments and for HertzCylinder.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
                              std::span<const Vector2> directions, Sliding sliding,
                              const CancellationCheck& check_cancellation = {});

@@ -3,9 +3,9 @@
 // Units: lengths in µm, forces in mN, pressures in GPa. 1 GPa = 1 mN/µm², so no conversion factors appear. Height is z.
 // A profile lies along x, at y = 0.
 //
-// No compiled function passes, returns or contains an Eigen array that owns its memory.
+// No compiled function takes, returns or contains an Eigen array that owns its memory.
 // Eigen's allocation and alignment of memory depend on compiler flags (-mavx, -fsanitize=address).
-// A program and this library may use different flags, but the linker keeps only one instance of each template.
+// A program and this library may be compiled with different flags, but the linker keeps only one copy of each template.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +15,8 @@
 namespace stiction {
 
 using Index = Eigen::Index;
-using Vector2 = Eigen::Vector2d;  ///< (x, y), horizontal
-using Vector3 = Eigen::Vector3d;  ///< (x, y, z)
+using Vector2 = Eigen::Vector2d;  ///< horizontal vector (x, y)
+using Vector3 = Eigen::Vector3d;  ///< vector (x, y, z)
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using MatrixView = Eigen::Ref<const Matrix>;
 

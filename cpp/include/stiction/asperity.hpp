@@ -9,7 +9,7 @@
 
 namespace stiction {
 
-/// Side of a profile on which its solid lies: `lower` is solid below the profile, `upper` is solid above the profile.
+/// Body to which a profile belongs. The lower body lies below its profile, and the upper body lies above its profile.
 enum class Side { lower, upper };
 
 /// Parse a side: "lower" or "upper". Throws std::invalid_argument for any other name.
@@ -32,14 +32,14 @@ Asperity asperity(double slope, double curvature, Side side);
 
 /// Asperities at all points of a profile, with the spline derivatives from which they were computed.
 struct Asperities {
-  std::vector<double> slope;      ///< f' [-]
-  std::vector<double> curvature;  ///< f'' [1/µm]
-  std::vector<Vector3> normal;    ///< [-]
-  std::vector<double> radius;     ///< R [µm]
-  std::vector<Vector3> centre;    ///< sphere centres [µm]; point j of the profile lies at (j Δx, 0, z_j)
+  std::vector<double> slope;      ///< slopes f' [-]
+  std::vector<double> curvature;  ///< curvatures f'' [1/µm]
+  std::vector<Vector3> normal;    ///< unit normals that point out of the solid
+  std::vector<double> radius;     ///< radii R of the osculating spheres [µm]
+  std::vector<Vector3> centre;    ///< sphere centres [µm], if point j of the profile is at (j Δx, 0, z_j)
 };
 
-/// Compute the asperities of a profile of heights [µm], spacing [µm] > 0.
+/// Compute the asperities of a profile from its heights [µm] and its spacing [µm] > 0.
 Asperities asperities(Values heights, double spacing, Side side);
 
 }  // namespace stiction

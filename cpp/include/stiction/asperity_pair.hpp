@@ -1,11 +1,11 @@
-// Asperity pairs, and their contact point at an approach.
+// Asperity pairs, and the contact point of a pair at an approach.
 // Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 and 5.
 //
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
-// Other code uses only these two members.
+// All other code uses only these two members of a pair.
 // Positions are relative to the point of the lower surface at which the asperities face each other.
-// The approach [µm] is the displacement of the upper surface towards the lower one since first contact of the surfaces.
-// `gap` [µm] is the height difference of the two points at first contact.
+// The approach [µm] is the displacement of the upper surface towards the lower surface since their first contact.
+// `gap` [µm] is the height difference between the two surface points at first contact.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -18,17 +18,17 @@
 namespace stiction {
 
 /// Principal radii [µm] of the relative curvature of two surfaces at a point.
-/// For two spheres, both are the effective radius R, with 1/R = 1/R_u + 1/R_l.
+/// For two spheres, both radii equal the effective radius R, with 1/R = 1/R_u + 1/R_l.
 struct Radii {
   double major;  ///< the larger radius
   double minor;
 
   /// Return the radius of the sphere with the same Gaussian curvature.
-  /// Equal radii skip the square roots, which keeps the radius of a sphere exact.
+  /// If the radii are equal, no square root is computed, so that the radius of a sphere stays exact.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
-/// Geometry of a contact at an approach.
+/// Geometry of an asperity contact at an approach.
 struct ContactPoint {
   Vector3 normal;  ///< unit vector from the lower to the upper surface
   Vector3 centre;  ///< position of the contact centre [µm]
@@ -43,15 +43,15 @@ enum class Curvature { convex, signed_ };
 /// Two spheres, at most one of which is concave (Eq. 4).
 /// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap is R_u + R_l minus the signed length of X.
-/// The direct difference cancels for a nearly flat surface.
+/// This direct difference would cancel for a nearly flat surface.
 /// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
 /// For the same reason, the contact centre is measured from the smaller sphere.
 struct SpherePair {
   Vector3 separation;      ///< X at p = 0 [µm]
-  double gap;              ///< [µm]
+  double gap;              ///< gap at first contact of the surfaces [µm]
   double radius_sum;       ///< |R_u + R_l| [µm]
   double sign;             ///< sign of R_u R_l
-  double misalignment;     ///< R_u R_l |n_u + n_l|² [µm²], which is zero if the slopes are equal
+  double misalignment;     ///< R_u R_l |n_u + n_l|² [µm²]; it is zero if the slopes are equal
   double radius;           ///< effective radius [µm]
   Vector3 smaller_centre;  ///< centre of the smaller sphere, relative to its surface point [µm]
   double smaller_radius;
@@ -67,13 +67,13 @@ struct SpherePair {
   }
 };
 
-/// A sphere and a flat: the limit of one infinite radius. The contact normal is the normal of the flat.
+/// A sphere and a flat, which is the limit of an infinite radius. The contact normal is the normal of the flat.
 struct SphereOnFlat {
   Vector3 normal;        ///< normal of the flat, pointing upwards
   Vector3 centre;        ///< centre of the sphere, relative to its surface point [µm]
   bool sphere_is_lower;  ///< true if the sphere is below the flat
-  double gap;            ///< [µm]
-  double radius;         ///< [µm]
+  double gap;            ///< gap at first contact of the surfaces [µm]
+  double radius;         ///< radius of the sphere [µm]
 
   ContactPoint contact_at(double approach) const;
   bool is_separated(double approach) const { return !(contact_at(approach).overlap > 0.0); }
@@ -82,14 +82,14 @@ struct SphereOnFlat {
 /// Any type of asperity pair.
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
-/// Return the pair of two spheres, or nothing if rule 3 excludes the pair.
+/// Return the asperity pair of two spheres, or nothing if rule 3 excludes it.
 /// The effective radius must be positive and finite, and the curvature rule must allow both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 
-/// Return the pair of a sphere and a flat, or nothing if the sphere is not convex.
+/// Return the asperity pair of a sphere and a flat, or nothing if the sphere is not convex.
 std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_side, const Asperity& flat, double gap);
 
-/// Return the relative radii of an asperity pair.
+/// Return the principal radii of the relative curvature of an asperity pair.
 Radii radii(const AsperityPair& asperity_pair);
 
 /// Class of a contact point.
@@ -126,7 +126,7 @@ inline bool SpherePair::is_separated(double approach) const { return !(overlap_n
 
 inline ContactPoint SphereOnFlat::contact_at(double approach) const {
   const double penetration = approach - gap;
-  // Height of the sphere's pole above its surface point, plus the penetration of the two surface points.
+  // The overlap is the height of the sphere's pole above its surface point, plus the penetration of the surface points.
   // Both lengths are measured along the normal.
   const double overlap = radius + (sphere_is_lower ? 1.0 : -1.0) * centre.dot(normal) + penetration * normal.z();
   const double depth = radius - 0.5 * overlap;

@@ -6,11 +6,11 @@
 namespace stiction {
 
 /// Minimum number of rows and of columns of a map.
-/// A natural cubic spline is curved only at inner points, and needs two of them.
+/// A natural cubic spline is curved only at inner points. It requires at least two inner points.
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the B-spline coefficients [µm] of their interpolating spline.
-/// The heights are the inner elements of the array, at least 4 by 4. The outermost rows and columns are output only.
+/// The heights are the inner elements of the array (at least 4 by 4). The outermost rows and columns are only output.
 /// Round-off is about 1e-16 of the largest height. Throws std::invalid_argument.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
@@ -22,7 +22,7 @@ void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Re
 
 /// Value and derivatives of a spline at a point. Derivatives along x and y are per grid spacing.
 struct Jet {
-  double value;  ///< [µm]
+  double value;  ///< value of the spline [µm]
   double x;
   double y;
   double xx;

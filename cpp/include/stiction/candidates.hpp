@@ -1,6 +1,6 @@
 // Contact candidates of two profiles: the points where the profiles may touch, for any contact law.
 //
-// Both profiles share one grid. The approach is the displacement of the upper surface towards the lower surface.
+// Both profiles have the same grid. The approach is the displacement of the upper surface towards the lower surface.
 // The approach is measured from the first contact of grid points.
 // A profile counts as a flat of infinite radius if its points lie on a straight line, except for round-off.
 // The normal of the flat is the normal of this line.
@@ -23,24 +23,25 @@ namespace stiction {
 /// The result of `gap_minimum` does not depend on the grid if the grid resolves the surfaces.
 enum class Detection { cell, gap_minimum };
 
-/// Parse "cell" or "gap-minimum", and "convex" or "signed". Throws std::invalid_argument for any other name.
+/// Parse a detection method ("cell" or "gap-minimum") and a curvature rule ("convex" or "signed").
+/// Throws std::invalid_argument for any other name.
 Detection detection(std::string_view name);
 Curvature curvature(std::string_view name);
 
-/// Two profiles [µm] on one grid with points `spacing` [µm] apart.
+/// Two profiles of heights [µm] on the same grid with the spacing `spacing` [µm].
 struct ProfilePair {
   Values upper;
   Values lower;
   double spacing;
 };
 
-/// Two asperities that face each other. They touch at approaches of at least `gap` if the rules of `classify` are met.
+/// Two asperities that face each other. At approaches of at least `gap`, they touch if the rules of `classify` are met.
 struct Candidate {
-  /// Index of the grid point (cell), or of the grid point to the left of the minimum (gap_minimum).
+  /// Index of the grid point. With `gap_minimum`, this is the grid point to the left of the minimum.
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
-  /// Gap at the candidate, relative to first contact of grid points [µm].
+  /// Gap [µm] at the candidate when the first grid points come into contact.
   /// The gap is negative if a minimum between grid points is lower than all grid points.
   double gap;
   Radii radii;                 ///< principal radii of the relative curvature
@@ -48,14 +49,14 @@ struct Candidate {
 };
 
 /// Call visit(candidate) from left to right for every candidate of a pair with a gap of at most `deepest` [µm] >= 0.
-/// With Detection::cell, candidates that cannot touch in their cell up to `deepest` may be skipped.
-/// Both profiles must have the same number of heights, at least 4, all finite. The spacing [µm] must be positive.
+/// With Detection::cell, candidates that cannot touch within their cell up to `deepest` may be omitted.
+/// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
 /// Throws std::invalid_argument.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
 
-/// Run the prefilter on a pair. Throws std::invalid_argument if the numbers of points differ.
+/// Run the prefilter on a pair of profiles. Throws std::invalid_argument if the numbers of points differ.
 Prefilter run_prefilter(const ProfilePair& pair);
 
 /// Call visit(candidate) for every candidate of a pair whose prefilter is already available.
@@ -70,7 +71,7 @@ struct Candidates {
   double spacing;  ///< spacing of the grid [µm]
 };
 
-/// Find the gap-minimum candidates of two profiles. The candidates do not depend on the approach.
+/// Find the candidates of two profiles by the method `gap_minimum`. The candidates do not depend on the approach.
 Candidates candidates(const ProfilePair& pair, double deepest, Curvature curvature,
                       const CancellationCheck& check_cancellation = {});
 

@@ -1,6 +1,6 @@
 // Contact of two rough profiles: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7.
 // The candidates that touch at an approach are the contacts. A contact law gives the force and area of each contact.
-// The contact sums add up over the pair.
+// The contact sums are sums over all contacts of the pair.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -19,36 +19,36 @@ struct ContactModel {
   Law law;
   Detection detection = Detection::cell;
   Curvature curvature = Curvature::convex;
-  Vector2 direction = {1.0, 0.0};  ///< direction in which the upper surface moves, a horizontal unit vector
+  Vector2 direction = {1.0, 0.0};  ///< horizontal unit vector along which the upper surface moves
   Sliding sliding = Sliding::opposing;
 };
 
 /// One contact. Positions are in the frame of the lower surface.
 struct Contact {
   Index index;      ///< index of the candidate
-  Vector3 centre;   ///< [µm]
+  Vector3 centre;   ///< centre of the contact [µm]
   Vector3 normal;   ///< unit vector from the lower to the upper surface
   Vector3 tangent;  ///< unit vector of the friction force on the upper surface
   Radii radii;      ///< principal radii of the relative curvature
   Vector2 axes;     ///< semi-axes of the contact patch [µm], the larger one first
   Vector3 along;    ///< unit vector of the larger semi-axis, which is y on profiles
-  double overlap;   ///< [µm]
+  double overlap;   ///< overlap of the asperities along the normal [µm]
   double force;     ///< normal force [mN]
-  double area;      ///< [µm²]
+  double area;      ///< contact area [µm²]
   bool opposing;    ///< true if the normal force opposes the motion
 };
 
 /// List the contacts at one approach [µm] >= 0, in the order of the grid.
 /// Throws std::invalid_argument for invalid arguments (see `for_each_candidate` and `check`).
-/// Also throws for an approach above `deepest` of the candidates.
+/// An approach above the limit `deepest` of the candidates is invalid too.
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 
-/// Compute the contact sums at approaches [µm], which must be >= 0 and strictly increasing. Throws as `contacts` does.
+/// Compute the contact sums at approaches [µm] >= 0 in strictly increasing order. Throws as `contacts` does.
 /// The overload for candidates uses only the law, the direction and the sliding rule of the model.
-/// The candidates determine everything else.
+/// The candidates determine the detection and the curvature rule.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
                         const CancellationCheck& check_cancellation = {});
 std::vector<Sums> press(const ProfilePair& pair, const Prefilter& prefilter, Values approaches,

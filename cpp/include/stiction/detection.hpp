@@ -13,7 +13,7 @@
 
 namespace stiction {
 
-/// Smallest gap of a pair of profiles on the grid, and smallest gap of each block of points, from one pass.
+/// Smallest gap of two profiles at all grid points and in each block of points, computed in one pass.
 /// The smallest gap of a block shows whether this block can come into contact.
 struct Prefilter {
   static constexpr std::size_t block = 64;
@@ -23,10 +23,10 @@ struct Prefilter {
   std::vector<double> block_min_gap;  ///< smallest difference of heights in each `block` of points [µm]
   bool upper_finite = true;           ///< true if no height of the upper profile is NaN or infinite
   bool lower_finite = true;
-  double upper_max_abs = 0.0;  ///< largest |height| [µm]
+  double upper_max_abs = 0.0;  ///< largest |height| of the profile [µm]
   double lower_max_abs = 0.0;
 
-  /// Add the next points of both profiles. Every chunk except the last must be a whole number of blocks.
+  /// Add the next chunk of both profiles. Every chunk except the last must consist of complete blocks.
   void add(Values upper, Values lower);
 };
 
@@ -39,14 +39,14 @@ struct IndexRange {
   std::size_t end;
 };
 
-/// Return ranges of grid points, in increasing order, that contain all possible contacts.
-/// The ranges contain every point whose gap above first contact is at most `max_gap` [µm].
+/// Return index ranges, in increasing order, that contain all grid points at which contact is possible.
+/// These are the points whose gap at first contact is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the depth by which the splined gap dips below its values on the grid.
 /// The bound is 3/8 of the largest second difference.
-/// For a natural spline, |f''| is at most 3 second differences per Δx².
-/// A cubic dips below its end points by at most |f''| Δx² / 8.
+/// The second derivative f'' of a natural spline is at most 3/Δx² times the largest second difference.
+/// A cubic dips below its end points by at most Δx² / 8 times its largest |f''|.
 double max_dip(Values upper, Values lower);
 
 /// Return whether the points of a profile lie on a straight line, except for round-off.
@@ -62,20 +62,20 @@ struct Derivatives {
 };
 
 /// Mark the points at which contact is possible at some approach up to `max_approach` [µm].
-/// At these points both profiles are convex, and the contact centre passes through the cell.
-/// Additional points may be marked, but no such point is omitted.
-/// The centre moves in one direction as the distance of the sphere centres decreases, so its two end positions decide.
+/// Contact is possible where both profiles are convex and the contact centre passes through the cell.
+/// Every such point is marked. Some points at which contact is impossible may be marked too.
+/// The contact centre moves in one direction while the sphere centres approach each other, so its end positions decide.
 /// `zero` is the gap at first contact [µm].
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
 /// Mark intervals [x_i, x_(i+1)) in which the splined gap may have a minimum.
-/// The signs of the derivatives at both ends decide. There is one more derivative than there are intervals.
+/// The signs of the derivatives at both ends of an interval decide. Derivatives are given at all ends of intervals.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
 /// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one.
-/// Inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends. The slope is a quadratic.
-/// The minimum is the root of the slope at which the gap is convex.
+/// Inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends of the interval.
+/// The slope is quadratic in the interval. Its root at which the gap is convex is the minimum.
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
@@ -94,10 +94,10 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // This is the root at which the quadratic increases, in the form without cancellation.
+  // At this root, the quadratic increases. This form of the solution avoids cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    // The signs at the ends guarantee a root in the interval. Only round-off can place the computed root outside.
+    // The signs at the ends guarantee a root in the interval. Only round-off can put the computed root outside.
     return std::clamp(t, 0.0, spacing);
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;

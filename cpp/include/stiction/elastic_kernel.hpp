@@ -1,4 +1,4 @@
-// Elastic half-space on a grid: displacements under pressures, and spectral filters for preconditioning.
+// Elastic half-space on a grid: displacements due to pressures, and spectral filters for preconditioning.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -12,19 +12,19 @@
 
 namespace stiction {
 
-/// Grid on the surface of a half-space: either an area, or a line. A line is a single row of cells of 1 µm width.
+/// Grid on the surface of a half-space. The grid is an area or a line, which is a single row of cells of 1 µm width.
 struct Grid {
   std::size_t rows = 1;
   std::size_t columns = 1;
   double spacing_y = 1.0;
   double spacing_x = 1.0;
   bool line = true;
-  bool periodic = false;  ///< True for periodic continuation. Otherwise there is no load outside the grid.
+  bool periodic = false;  ///< True if the grid repeats periodically. Otherwise, there is no load outside the grid.
 
   std::size_t size() const { return rows * columns; }
 };
 
-/// Return the smallest length >= `points` without prime factors other than 2, 3 and 5, for which FFTs are fast.
+/// Return the smallest length >= `points` whose only prime factors are 2, 3 and 5. FFTs of such lengths are fast.
 std::size_t fast_length(std::size_t points);
 
 /// Buffers that successive transforms of one calculation reuse.
@@ -41,13 +41,13 @@ class Workspace {
   std::unique_ptr<Buffers> buffers_;
 };
 
-/// Displacement [µm] of a half-space of effective modulus E* [GPa] > 0 under pressures [GPa] on a grid.
+/// Displacement [µm] of a half-space with effective modulus E* [GPa] > 0 due to pressures [GPa] on a grid.
 ///
 /// On a periodic grid, each Fourier component is multiplied by 2/(E*|k|), and by 0 for k = 0.
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
-/// Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25. On lines, the displacement is a logarithm.
-/// The approximate inverse E*|k|/2 is periodic in both cases, which halves the size of the transform.
-/// The interaction of opposite edges is harmless in a preconditioner.
+/// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25. On lines, the displacement is a logarithm.
+/// The approximate inverse E*|k|/2 is periodic even on a free grid, which halves the size of the transform.
+/// In a preconditioner, the resulting interaction of opposite edges is harmless.
 class ElasticKernel {
  public:
   /// Compute the influence coefficients.
@@ -59,7 +59,7 @@ class ElasticKernel {
 
   const Grid& grid() const { return grid_; }
 
-  /// Compute displacements in double precision. Errors are round-off relative to the largest displacement.
+  /// Compute displacements in double precision. The errors are round-off of the largest displacement.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
@@ -77,8 +77,8 @@ class ElasticKernel {
   void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return the stiffness operator E*|k|/2 of an area, truncated to 3 x 3 points (row by row).
-  /// The centre weight is chosen so that the sum of the weights is small.
+  /// Return the stiffness operator E*|k|/2 of an area, truncated to a stencil of 3 x 3 points (row by row).
+  /// The weight of the centre is chosen so that the sum of all weights is small.
   const std::array<double, 9>& stencil() const { return stencil_; }
 
  private:

@@ -1,12 +1,12 @@
-// Elliptic Hertzian contact, for relative curvatures that depend on direction.
+// Elliptic Hertzian contact, for relative curvatures that depend on the direction.
 #pragma once
 
 namespace stiction {
 
-/// Elliptic contact per unit overlap.
+/// Elliptic contact at unit overlap.
 /// For any overlap d [µm] > 0 and E* [GPa], the semi-axes are a = sqrt(major d) and b = sqrt(minor d).
 /// The area is A = π sqrt(major minor) d, and the force is F = 4/3 E* sqrt(force_radius) d^(3/2).
-/// For spheres all three members equal R.
+/// For spheres, all three members equal R.
 struct Ellipse {
   double major;         ///< a²/d [µm]
   double minor;         ///< b²/d [µm]
@@ -16,9 +16,9 @@ struct Ellipse {
 /// Compute the contact ellipse of two elastic bodies.
 /// `longer` >= `shorter` > 0 are the principal relative radii of curvature [µm].
 /// Hertz 1882; Johnson, Contact Mechanics (1985), section 4.2.
-/// Let k = b/a and e² = 1 - k², with the complete elliptic integrals K and E of modulus e.
+/// Let k = b/a and e² = 1 - k², and let K and E be the complete elliptic integrals of modulus e.
 /// Then shorter/longer = k² (K - E) / (E - k² K), a² = 2 d longer (K - E) / (e² K) and F = 2/3 π a d E*/K.
-/// The relative error is about 1e-15 for all ratios of radii that are normal numbers. Throws std::invalid_argument.
+/// The relative error is about 1e-15 for every ratio of radii that is a normal number. Throws std::invalid_argument.
 Ellipse hertz_ellipse(double longer, double shorter);
 
 }  // namespace stiction

@@ -16,12 +16,12 @@
 
 namespace stiction {
 
-/// Grid hierarchy and elastic kernels, shared by all problems with the same grid.
-/// Each coarser grid has about half as many points along an axis, down to about 16.
+/// Grid hierarchy and elastic kernels, which all problems with the same grid share.
+/// Each coarser grid has about half as many points along an axis. The coarsest grid has about 16 points along an axis.
 /// Several threads may use one object at the same time.
 class HalfSpaceGrids {
  public:
-  /// Elastic kernels of one grid: the kernel of its points, and the kernel of its blocks.
+  /// Elastic kernels of one grid: one kernel for its points, and one kernel for its blocks of points.
   struct Kernels {
     std::shared_ptr<const ElasticKernel> points;
     std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
@@ -33,14 +33,14 @@ class HalfSpaceGrids {
   const std::vector<Grid>& levels() const { return levels_; }
   double effective_modulus() const { return effective_modulus_; }
 
-  /// Return the kernels of a level; compute them on first use. Large kernels of coarser grids are not cached.
+  /// Return the kernels of a level, and compute them on first use. Large kernels of coarser grids are not cached.
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
   /// Return the root-mean-square deviation [µm/GPa] of the displacements under uniform pressure on a free grid.
   double uniform_pressure_deviation() const;
 
-  /// Return the displacement [µm/GPa] of each point under pressure on the first point.
-  /// Returns an empty array if the grid is too large to store it.
+  /// Return the displacement [µm/GPa] of each point due to a pressure on the first point.
+  /// Returns an empty array if the grid is too large for storing these displacements.
   std::span<const double> influence(const ThreadPool& pool = ThreadPool()) const;
 
  private:
@@ -52,7 +52,7 @@ class HalfSpaceGrids {
   mutable std::vector<double> influence_;
 };
 
-/// Pressure field [GPa], approach [µm], relative error (see HalfSpaceSolver), and number of iterations.
+/// Solution of a contact problem: pressures [GPa], approach [µm], relative error (see HalfSpaceSolver), iterations.
 struct HalfSpaceSolution {
   std::vector<double> pressure;
   double approach = 0.0;
@@ -60,38 +60,38 @@ struct HalfSpaceSolution {
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
-/// Progress callback, called in each iteration on the finest grid with the iteration number and the error.
+/// Progress callback. Each iteration on the finest grid calls it with the iteration number and the error.
 /// An exception that it throws ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
-/// Solver for the contact of one gap at successive loads.
-/// The solver minimises the energy at a given total load, with 0 <= p <= bound.
+/// Solver for the contact at successive loads, for a given gap.
+/// The solver minimises the energy at a given total load, subject to 0 <= p <= bound.
 ///
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
-/// The iteration starts from the solution on every second point.
-/// The preconditioner is an approximate inverse on the free points: E*|k|/2 on lines, Preconditioner on areas.
-/// The error is the largest remaining distance relative to `scale`: a gap under pressure, or an overlap.
+/// The iteration starts from the solution on the next coarser grid.
+/// The preconditioner is an approximate inverse on the free points: E*|k|/2 on lines, and Preconditioner on areas.
+/// The error is the largest gap under pressure, or the largest overlap, divided by `scale`.
 class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.
   /// A gap of 0 everywhere defines a traction problem instead of a contact.
-  /// `bound` [GPa] has one value for all points, which may be infinite, or one value for each point.
+  /// `bound` [GPa] has a single value for all points, which may be infinite, or one value for each point.
   /// Points with a bound of 0 carry no pressure and may overlap.
   /// Throws std::invalid_argument for wrong sizes and for a tolerance that is not positive.
   HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound, double tolerance,
                   const ThreadPool& pool = ThreadPool());
 
-  /// Return the length [µm] to which errors are relative.
+  /// Return the length [µm] by which errors are divided.
   /// This length is the larger of two root-mean-square deviations: of the gap, and of the displacements.
-  /// The displacements are those under the mean pressure [GPa].
+  /// The displacements are those due to the mean pressure [GPa].
   double scale(double mean_pressure) const;
 
   /// Solve for a mean pressure over the grid [GPa].
-  /// `near` may be the pressure at another load; the solver then starts from it.
+  /// If `near` contains the pressures at another load, the solver starts from these pressures.
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),
                        const HalfSpaceProgress& progress = {}) const;
 
-  /// Solve for an approach [µm]. This takes about six solutions, because the load is found by iteration.
+  /// Solve for an approach [µm]. This requires about six solutions, because the load is found by iteration.
   HalfSpaceSolution at_approach(double approach, Values near = {}, const ThreadPool& pool = ThreadPool(),
                                 const HalfSpaceProgress& progress = {}) const;
 
@@ -113,14 +113,14 @@ class HalfSpaceSolver {
   double displacement_scale_ = 0.0;
 };
 
-/// Linear response of a fixed contact area to a normal load that moves all contact points by the same displacement.
+/// Linear response of a fixed contact area to a normal load that displaces all contact points equally.
 struct LinearResponse {
   double compliance = 0.0;       ///< dδ/dp [µm/GPa], where p is the sum of the pressures; 0 at full contact
   std::vector<double> pressure;  ///< pressure on the grid, with a sum of 1
 };
 
 /// Compute the linear response of the contact area `in_contact`. The relative error of the compliance is about 1e-7.
-/// This error is the square of the error of the pressures, because the compliance is an energy.
+/// The error of the compliance is the square of the error of the pressures, because the compliance is an energy.
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact,
                                const ThreadPool& pool = ThreadPool());
 

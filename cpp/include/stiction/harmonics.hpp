@@ -3,7 +3,7 @@
 //     y(x) = Σ_n w_n G_n(x),   G_n(x) = Σ_m { cos φ_mn - cos[ (2π γ^(n-1) x / L) cos(π m / M) + φ_mn ] }
 //
 // Only the weights w_n depend on the fractal dimension.
-// One evaluation of the group profiles G_n therefore serves any number of dimensions.
+// The group profiles G_n are therefore evaluated only once for any number of dimensions.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -18,10 +18,10 @@ namespace stiction {
 /// Grid of a profile, and the harmonics to include.
 struct HarmonicGrid {
   double spacing;             ///< Δx [µm] > 0; point j lies at j Δx
-  Index points;               ///< >= 1
+  Index points;               ///< number of points, at least 1
   double length_scale = 1.0;  ///< L [µm] > 0, the longest wavelength
   double gamma = 1.5;         ///< ratio of successive frequencies, > 1
-  bool band_limited = false;  ///< omit harmonics (m, n) whose wavenumber exceeds π/Δx
+  bool band_limited = false;  ///< true to omit harmonics (m, n) whose wavenumber exceeds π/Δx
 };
 
 /// Compute the amplitudes w_n [µm], n = 1..frequencies: L^H ln γ γ^(-(n-1) H) for the Hurst exponent H [-].
@@ -29,11 +29,11 @@ struct HarmonicGrid {
 std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, double gamma, double length_scale);
 
 /// Write Σ_n weights(d, n) G_n(x_j) [µm] to row d, column j of `profiles` (rows of weights, points).
-/// phases [rad] is (directions M, frequencies N), and weights [µm] is (any number of rows, N).
-/// The phase of a harmonic is a 64-bit fraction of a turn, which wraps exactly for any number of turns.
+/// The shape of phases [rad] is (directions M, frequencies N). The shape of weights [µm] is (any number of rows, N).
+/// The phase of a harmonic is stored as a 64-bit fraction of a turn, which wraps exactly for any number of turns.
 /// Aliased harmonics are therefore as accurate as the product of a long double wavenumber and the position.
-/// Returns the height statistics of each row, which saves another pass over the row.
-/// Throws std::invalid_argument for shapes that do not match, values out of range, and phases that cannot be resolved.
+/// Returns the height statistics of each row, so that the caller needs no further pass over the row.
+/// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
                                                 Eigen::Ref<Matrix> profiles,
                                                 const CancellationCheck& check_cancellation = {});
@@ -51,13 +51,13 @@ struct HarmonicArea {
   double spacing_x;           ///< Δx [µm] > 0
   double length_scale = 1.0;  ///< longest wavelength L [µm] > 0
   double gamma = 1.5;
-  bool band_limited = false;  ///< omit harmonics whose wavenumber along x or y exceeds π/Δx or π/Δy
+  bool band_limited = false;  ///< true to omit harmonics whose wavenumber along x or y exceeds π/Δx or π/Δy
 };
 
 /// Write the areal form of Eq. 1 to `heights` [µm] (rows along y, columns along x).
 /// The phases are (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn. Each frequency has one weight w_n [µm].
-/// With cos(a + b) = cos a cos b - sin a sin b, each harmonic is two products of a row and a column.
-/// Accuracy and exceptions are those of `harmonic_profiles`.
+/// By cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
+/// Accuracy and exceptions are the same as for `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});
 

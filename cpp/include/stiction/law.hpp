@@ -1,8 +1,8 @@
 // Contact laws: normal force and area of one asperity contact.
 //
-// A law is one struct. Its members are its parameters, its name and the list of its parameters.
-// A law computes the force and area from overlap and radii, and the semi-axes of the contact patch.
-// A new struct becomes available everywhere when it is added to the variant `Law` below.
+// Each law is a struct whose members are its parameters, its name and the list of its parameters.
+// A law computes the force, the area and the semi-axes of the contact patch from the overlap and the radii.
+// To make a new law available everywhere, add its struct to the variant `Law` below.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -21,11 +21,11 @@ namespace stiction {
 
 /// Normal force and area of a contact.
 struct ForceArea {
-  double force;  ///< [mN]
-  double area;   ///< [µm²]
+  double force;  ///< normal force [mN]
+  double area;   ///< contact area [µm²]
 };
 
-/// Parameter of a law. Its value must be finite and between `low` and `high`; `inclusive` allows the limits themselves.
+/// Parameter of a law. Its value must be finite and between `low` and `high`. With `inclusive`, the limits are allowed.
 template <class L>
 struct Parameter {
   std::string_view name;
@@ -50,8 +50,8 @@ struct HertzSphere {
 };
 
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
-/// The overlap is that of the undeformed circles, a²/R. Johnson, Contact Mechanics (1985), eq.
-/// 4.45 with contact width 2a. The force at a given half-width is exact for a << R.
+/// The overlap is the overlap of the undeformed circles, a²/R, where 2a is the contact width.
+/// Source: Johnson, Contact Mechanics (1985), eq. 4.45. The force at a given half-width is exact for a << R.
 /// In a line contact, the approach of distant points is unbounded, so it cannot define the overlap.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0
@@ -67,7 +67,7 @@ struct HertzCylinder {
 };
 
 /// An elastic, perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
-/// Hertz theory applies up to 1.9 times the critical interference, and a fit to finite elements above.
+/// Hertz theory applies up to 1.9 times the critical interference. Above this limit, a fit to finite elements applies.
 /// The fit covers contact radii up to 0.41 R. The load jumps by less than 1 % at the transition.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0
@@ -88,10 +88,10 @@ struct JacksonGreen {
 
 /// Any contact law of the library.
 /// The call operator of a law takes an overlap [µm] > 0 and the principal radii [µm] > 0 of an asperity pair.
-/// All laws here treat the pair as spheres of the mean radius.
+/// All laws in this file treat the asperity pair as spheres of the mean radius.
 using Law = std::variant<HertzSphere, HertzCylinder, JacksonGreen>;
 
-/// Return a law from its name and its named parameters.
+/// Create a contact law from its name and its named parameters.
 /// Throws std::invalid_argument with the name of an unknown, missing or invalid parameter.
 Law law(std::string_view name, const std::map<std::string, double>& parameters);
 

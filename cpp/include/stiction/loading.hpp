@@ -15,14 +15,14 @@ namespace stiction {
 /// Function that is evaluated at several increasing arguments in one call.
 using BatchFunction = std::function<std::vector<double>(Values)>;
 
-/// Find where a function crosses levels from below.
+/// Find the arguments at which a function crosses given levels from below.
 /// For each level, returns the first argument found at which the function is not below the level.
-/// This argument lies between `left`, where the function is below the level, and `right`, where it is not.
-/// `tolerance` is relative to the argument.
-/// If the function jumps over the level, the result is the argument just behind the jump.
+/// The function is below the level at the argument `left`, and not below the level at the argument `right`.
+/// The tolerance is relative to the argument.
+/// If the function jumps over the level, the result is the argument just after the jump.
 /// The method combines inverse quadratic interpolation and bisection.
 /// Chandrupatla, Advances in Engineering Software 28 (1997) 145.
-/// All levels advance together, because a call with many arguments may cost little more than a single evaluation.
+/// All levels are processed together, because a call with many arguments takes little longer than a single evaluation.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 

@@ -1,4 +1,4 @@
-// Local minima of a bicubic spline, used for the gap between two maps.
+// Local minima of a bicubic spline, such as the gap between two maps.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -13,10 +13,10 @@ namespace stiction {
 struct Minimum {
   Index row;     ///< row of the first grid point of the cell
   Index column;  ///< column of the first grid point of the cell
-  /// Position in the cell along x, in units of the spacing. It ranges from -1e-6 to just below 1 - 1e-6.
+  /// Position in the cell along x, in units of the spacing. The position is at least -1e-6 and below 1 - 1e-6.
   double u;
-  double v;  ///< position in the cell along y, in spacings
-  /// Value and derivatives of the spline at the minimum; the first derivatives are zero except for round-off.
+  double v;  ///< position in the cell along y, in units of the spacing
+  /// Value and derivatives of the spline at the minimum. The first derivatives are zero except for round-off.
   Jet at;
 };
 
@@ -31,14 +31,14 @@ struct CellRange {
 /// Find all minima of a spline in a range of cells, in the order of the cells, row by row.
 /// The spline is specified by its coefficients (see natural_bicubic).
 /// Minima above `max_value` [µm], minima on the edge of the map and valleys whose curvature is round-off do not count.
-/// A minimum within 1e-6 of a side belongs to the cell that has this side on its left or lower edge.
-/// This cell may be a neighbour of the given range.
+/// A minimum within 1e-6 of the boundary of two cells belongs to the right or the upper of these cells.
+/// This cell may lie outside the given range.
 ///
 /// The search is exhaustive. A cell is subdivided until the signs of the Bernstein coefficients decide for each part.
 /// The signs either exclude a minimum or show that the spline is convex.
-/// In the second case, Newton's method finds the only possible minimum.
+/// If the spline is convex, Newton's method finds the only possible minimum.
 /// Parts of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
-/// In these parts, Newton's method decides.
+/// In undecided parts, Newton's method decides whether there is a minimum.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});
 

@@ -11,21 +11,21 @@
 
 namespace stiction {
 
-/// Grid points under pressure, in increasing order of their indices.
+/// Grid points under pressure and their patches. The points are in increasing order of their indices.
 struct Patches {
   std::vector<std::int64_t> points;      ///< indices of the points on the grid
-  std::vector<double> pressure;          ///< [GPa]
-  std::vector<double> contact_fraction;  ///< fraction of the point's cell that is in contact
-  std::vector<std::int32_t> patch;  ///< number of the patch of each point, from 1, in the order of the first points
-  std::int32_t count = 0;           ///< number of patches
+  std::vector<double> pressure;          ///< pressure at each point [GPa]
+  std::vector<double> contact_fraction;  ///< contact fraction of the cell of each point
+  std::vector<std::int32_t> patch;       ///< patch number of each point, from 1, in order of the first points
+  std::int32_t count = 0;                ///< number of patches
 };
 
-/// Find the connected patches.
-/// A point is connected with all its neighbours (eight on areas), also across the edges of a periodic grid.
-/// Each open side reduces the contact area of a cell: by 0.19 of the cell on lines, by (π - 1 + ln 2)/24 on areas.
+/// Find the connected patches of the points under pressure.
+/// Neighbouring points (eight on areas) are connected, also across the edges of a periodic grid.
+/// Each open side of a cell reduces its contact fraction: by 0.19 on lines, and by (π - 1 + ln 2)/24 on areas.
 /// Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
-/// The area does not fall below pressure/hardness [GPa]; the hardness may be infinite.
-/// The edge of the grid is not an open side.
+/// The contact fraction is at least pressure/hardness, both in GPa. The hardness may be infinite.
+/// A side at the edge of the grid is not an open side.
 /// Throws std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
@@ -38,11 +38,11 @@ struct PatchSums {
   std::vector<double> forward;       ///< -Σ F s·t [mN]
   std::vector<double> upward_area;   ///< Σ A t_z [µm²]
   std::vector<double> forward_area;  ///< -Σ A s·t [µm²]
-  double steepness = 0.0;            ///< root-mean-square slope, weighted by force
+  double steepness = 0.0;            ///< root-mean-square slope, weighted by the force
 };
 
-/// Sum over the grid points of each patch.
-/// Forces are in mN, and projected contact areas in µm². The slopes are those of the deformed interface.
+/// Compute the sums over the grid points of each patch.
+/// Forces are in mN, and projected contact areas in µm². Slopes are the slopes of the deformed interface.
 /// `slope_y` is empty for profiles. Patch numbers start at 1. Directions are horizontal unit vectors (x, y).
 /// Throws std::invalid_argument if lengths differ or a patch number is below 1.
 PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, std::span<const std::int32_t> patch,

@@ -13,15 +13,15 @@
 
 namespace stiction {
 
-/// Approximate inverse of the elastic kernel. Its pressures at the free points roughly produce the given displacements.
+/// Approximate inverse of the elastic kernel. Its result is the pressures that roughly cause given displacements.
 ///
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
-/// At long range, the rest of the area adds a slowly varying displacement.
-/// A kernel K' on blocks of points describes this displacement. Bilinear weights P connect the blocks to the points.
+/// At long range, distant points cause a slowly varying displacement.
+/// A kernel K' on blocks of points describes this displacement. Bilinear weights P relate the blocks to the points.
 /// So K is about S⁻¹ + P'K'P, and its inverse is S - SP'(K'⁻¹ + PSP')⁻¹PS. On periodic blocks, K'⁻¹ is E*|k|/2.
-/// The system in brackets is then a half-space on an elastic foundation whose stiffness on each block is PS1.
+/// The system in brackets describes a half-space on an elastic foundation whose stiffness on each block is PS1.
 /// A few conjugate-gradient steps solve this system.
-/// The number of solver iterations is then almost independent of the grid size.
+/// With this preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
  public:
   /// Number of points along each side of a block.
@@ -35,20 +35,21 @@ class Preconditioner {
   /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
   Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks);
 
-  /// Compute pressures [GPa] at the free points (increasing indices) from displacements [µm] on the grid.
-  /// Displacements must be 0 at all other points. Other elements of the result are unspecified.
+  /// Compute pressures [GPa] at the free points from displacements [µm] on the grid.
+  /// The indices of the free points must increase. Displacements must be 0 at all other points.
+  /// Elements of the result at points that are not free are unspecified.
   /// The result is valid until the next call.
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());
 
  private:
-  /// Apply the stencil at each free point to values on the grid, continued periodically beyond the edges.
+  /// Apply the stencil at each free point to values on the grid, which are continued periodically beyond the edges.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
-  /// Add up the result over the blocks with the bilinear weights.
+  /// Sum the result over each block, with the bilinear weights.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
   /// Compute the foundation stiffness of the blocks.
   void update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool);
-  /// Solve the block system for the loads.
+  /// Solve the system of the blocks for the loads on the blocks.
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);
 
   // Weights of the linear interpolation between blocks along an axis.
@@ -66,11 +67,11 @@ class Preconditioner {
   std::vector<Interpolation> along_y_;
   std::vector<Interpolation> along_x_;
   std::vector<float> result_;     // pressures on the grid, valid at free points only
-  std::vector<float> remainder_;  // displacements minus their block interpolation; 0 at points that are not free
+  std::vector<float> remainder_;  // displacements minus their block interpolation; 0 at constrained points
   std::vector<float> foundation_;
-  std::size_t foundation_points_ = 0;          // number of free points when the foundation was computed
+  std::size_t foundation_points_ = 0;          // number of free points when the foundation stiffness was computed
   std::vector<std::vector<float>> task_sums_;  // block sums of each task
-  std::vector<float> loads_;                   // loads on the blocks; all members below refer to blocks as well
+  std::vector<float> loads_;                   // loads on the blocks; all members below refer to blocks too
   std::vector<float> solution_;
   std::vector<float> preconditioned_;
   std::vector<float> direction_;

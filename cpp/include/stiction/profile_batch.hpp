@@ -1,5 +1,5 @@
-// Contact of many pairs of profiles in one call, for example of one set of phases at many fractal dimensions.
-// The pairs are the rows of two matrices.
+// Contact of many pairs of profiles in one call, for example for one set of phases and many fractal dimensions.
+// Each pair consists of the same row of two matrices.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -18,18 +18,18 @@ struct ProfileBatch {
   std::span<const HeightStatistics> statistics;
 };
 
-/// Amplitudes [µm] > 0 to which `scale_to_amplitude` scales profiles, and the amplitude measure.
+/// Amplitudes [µm] > 0 to which profiles are scaled, and the measure of these amplitudes.
 struct Amplitudes {
   Values values;
   AmplitudeMeasure measure;
 };
 
-/// Compute the contact sums of each row of `upper` with the same row of `lower`.
-/// The profiles are scaled to each amplitude and pressed for each model and approach.
+/// Compute the contact sums of each pair, which is a row of `upper` and the same row of `lower`.
+/// The profiles are scaled to each amplitude, and the sums are computed for each model and approach.
 /// The result has the order (row, amplitude, model, approach). The heights are overwritten.
-/// Profiles are scaled in place for the last amplitude, which halves the memory traffic.
-/// For the other amplitudes, they are scaled into the two rows of `scratch`.
-/// Throws as `press` does, and for mismatched shapes and flat profiles.
+/// For the last amplitude, the profiles are scaled in place, which halves the memory traffic.
+/// For all other amplitudes, the profiles are scaled into the two rows of `scratch`.
+/// Throws as `press` does, and also if shapes do not match or a profile is flat.
 std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,
                                         const Amplitudes& amplitudes, Values approaches,
                                         std::span<const ContactModel> models, Eigen::Ref<Matrix> scratch,

@@ -15,30 +15,30 @@ namespace stiction {
 
 /// Projected conjugate gradients for  min 1/2 p·Kp + p·g0  subject to  0 <= p <= bound at each point, sum p = total.
 ///
-/// K maps pressure [GPa] to displacement [µm].
-/// The caller applies K and a preconditioner M that approximates its inverse.
+/// The kernel K maps pressures [GPa] to displacements [µm].
+/// The caller applies K, and a preconditioner M that approximates the inverse of K.
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
-/// A point at a bound is free if its gap drives its pressure away from the bound. One iteration is
+/// A point at a bound is free if its gap drives its pressure away from the bound. One iteration consists of the calls
 ///
 ///     restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
 ///     ->  advance(K step)
 ///
 /// Let the residual r be continued from the free points to the other points.
 /// On the free points, r·(inverse of K)r is the minimum of r·Mr over all continuations of r.
-/// On areas, continuation by zero is close to that minimum. On lines with short contacts, it is far from the minimum.
+/// On areas, the continuation by zero is close to this minimum. On lines with short contacts, it is far from it.
 /// On lines, the residual is therefore interpolated linearly between free points.
-/// M r is collected with the transpose of the interpolation.
-/// The interpolation includes the edges of the grid, since M is periodic.
+/// The transpose of the interpolation is applied to M r.
+/// The interpolation continues across the edges of the grid, because M is periodic.
 ///
 /// Each step leads from one feasible pressure to another.
-/// Only free points change, so restoring the sum never puts a small pressure on other points.
-/// The scheme is that of Polonsky & Keer, Wear 231 (1999) 206. The energy never increases.
+/// Only pressures at free points change, so restoring the sum never puts a small pressure on other points.
+/// The method is described by Polonsky & Keer, Wear 231 (1999) 206. The energy never increases.
 class ProjectedCgSolver {
  public:
-  /// Start from `pressure` >= 0, projected onto the bounds and the sum.
+  /// Start from the pressures `pressure` >= 0, which are first projected onto the bounds and the sum.
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
-  /// `bound` has one value for all points, which may be infinite, or one value for each point.
+  /// `bound` has a single value for all points, which may be infinite, or one value for each point.
   /// Points with a bound of 0 carry no pressure.
   /// Throws std::invalid_argument for 2³¹ points or more, and for negative bounds.
   /// Also throws if the total is not positive, or not below the sum of the bounds.
@@ -57,10 +57,10 @@ class ProjectedCgSolver {
   std::span<const std::int32_t> free_points() const { return free_points_; }
 
   /// Return whether the next step is a steepest-descent step.
-  /// Such a step takes the residual itself instead of M residual, and is certain to lower the energy.
+  /// A steepest-descent step uses the residual instead of M residual, and is certain to lower the energy.
   bool is_steepest_descent() const { return steepest_descent_; }
 
-  /// Compute a step of pressure [GPa], which is 0 at points that are not free.
+  /// Compute the direction of the next step of the pressures [GPa]. It is 0 at points that are not free.
   /// `response` is K times the previous step, or empty.
   std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response,
                               const ThreadPool& pool = ThreadPool());
@@ -69,15 +69,15 @@ class ProjectedCgSolver {
   /// `response` must stay valid until the next `update_free_points`. Returns whether the pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale the pressures below their bounds, so that their sum is exact except for round-off.
+  /// Scale the pressures that are below their bounds, so that the sum of all pressures is exact except for round-off.
   /// The potential must then be recomputed.
   void rescale_to_total();
 
-  /// Replace the potential by a recomputed one, and restart from steepest descent.
+  /// Replace the potential by a recomputed potential, and restart with steepest descent.
   void restart(std::vector<double> potential);
 
   /// Return Σ pressure · potential [GPa µm] after `update_free_points`.
-  /// Without a gap, this is twice the elastic energy divided by the area of a cell.
+  /// If the gap is zero, this is twice the elastic energy divided by the area of a cell.
   double pressure_dot_potential() const;
 
   double approach() const { return approach_; }
@@ -111,28 +111,28 @@ class ProjectedCgSolver {
   std::vector<double> pressure_;
   std::vector<double> potential_;
   double total_;
-  std::array<double, block> uniform_bound_{};  // the bound, repeated, if all points share one bound
-  std::vector<double> bounds_;                 // bound of each point; empty if all points share one bound
+  std::array<double, block> uniform_bound_{};  // repetitions of the bound, if all points share a single bound
+  std::vector<double> bounds_;                 // bound of each point; empty if all points share a single bound
   bool line_;
   std::vector<std::int32_t> free_points_;     // points where residual_ may differ from 0
   std::vector<std::int32_t> stepped_points_;  // points where step_ may differ from 0
-  std::vector<float> residual_;               // on the grid
-  std::vector<float> step_;                   // on the grid
+  std::vector<float> residual_;               // residual on the grid
+  std::vector<float> step_;                   // direction of the step on the grid
   std::vector<double> preconditioned_;        // preconditioned residual at free points
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
   // K times the last step. The potential lacks `pending_fraction_` times this response.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
-  std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task of a thread
+  std::vector<std::vector<std::int32_t>> task_free_points_;  // free points that each task of a thread has found
   double approach_ = 0.0;
   double mean_potential_ = 0.0;           // mean potential of free points
   double step_length_ = 1.0;              // length of the next preconditioned step
   double descent_length_ = 1.0;           // length of the next steepest-descent step
   double previous_descent_length_ = 1.0;  // steepest-descent length before the last preconditioned step
-  int failed_steps_ = 0;                  // failed preconditioned steps since the last success
-  int descent_steps_left_ = 0;            // steepest-descent steps still to be done
-  double curvature_ = 0.0;                // step·K step
+  int failed_steps_ = 0;                  // number of failed preconditioned steps since the last successful step
+  int descent_steps_left_ = 0;            // number of steepest-descent steps that remain
+  double curvature_ = 0.0;                // scalar product of the step and K step
   bool conjugate_ = false;
   bool steepest_descent_ = false;
   bool clipped_ = false;

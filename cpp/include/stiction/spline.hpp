@@ -1,4 +1,4 @@
-// Natural cubic spline through equally spaced points: slope and curvature at all points or at a range of points.
+// Natural cubic spline through equally spaced points: slope and curvature at all points or in a range of points.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -9,12 +9,12 @@ namespace stiction {
 /// At least 4 heights are required, and the spacing [µm] must be positive.
 /// The outputs must have as many elements as `heights`. At both ends, f'' = 0.
 /// GSL solves the tridiagonal system of the spline.
-/// Throws std::invalid_argument, and std::runtime_error for errors of GSL.
+/// Throws std::invalid_argument for invalid arguments, and std::runtime_error for errors of GSL.
 void natural_spline(Values heights, double spacing, std::span<double> slope, std::span<double> curvature);
 
 /// Compute slope and curvature only at the points first, first + 1, ...
-/// The size of the outputs is the number of points.
-/// The spline is a superposition of the splines of a unit load at one point.
+/// The size of the outputs determines the number of points.
+/// The spline is a superposition of unit splines, each of which is due to a load at a single point.
 /// Each unit spline decays by a factor of 2 - sqrt(3) = 0.268 per point, so only nearby points contribute.
 /// Throws as natural_spline does, and if the points lie beyond the profile.
 void natural_spline_from(Values heights, double spacing, Index first, std::span<double> slope,

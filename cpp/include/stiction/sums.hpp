@@ -1,4 +1,4 @@
-// Sums over contacts that give the normal and tangential loads, linear in mu0 and tau0.
+// Sums over contacts. The normal and tangential loads are linear functions of mu0 and tau0, with sums as coefficients.
 // Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 6 and 7 and section 2.5.
 //
 // The upper surface is about to move along a horizontal unit vector s.
@@ -18,9 +18,9 @@
 
 namespace stiction {
 
-/// Rule for the contacts that contribute friction.
-/// `opposing`: only contacts whose slope opposes the motion, as in the paper. `all`: every contact.
-/// Contacts that slope the other way then push the body forward.
+/// Rule that selects the contacts at which friction acts.
+/// `opposing` selects only contacts whose slope opposes the motion, as in the paper. `all` selects every contact.
+/// With `all`, contacts that slope the other way push the body forward.
 enum class Sliding { opposing, all };
 
 /// Parse a sliding rule: "opposing" or "all". Throws std::invalid_argument for any other name.
@@ -37,13 +37,13 @@ struct Sums {
   double normal_adhesive = 0.0;        ///< Σ_sliding A t_z    [mN] per GPa of tau0
   double tangential_adhesive = 0.0;    ///< -Σ_sliding A s·t   [mN] per GPa of tau0
 
-  // Indicators of the validity of the model, as loads Σ F n_z. R is the mean radius of a contact.
+  // Indicators of the validity of the model, which are parts of the load Σ F n_z. R is the mean radius of a contact.
   double overlap_load = 0.0;       ///< Σ F n_z overlap/R                       [mN]
   double load_beyond_hertz = 0.0;  ///< Σ F n_z of contacts with overlap > R/10 [mN]
   double load_below_grid = 0.0;    ///< Σ F n_z of contacts with R < Δx         [mN]
-  Index crossed_count = 0;         ///< number of overlapping pairs rejected because their sphere centres have crossed
+  Index crossed_count = 0;         ///< number of pairs rejected because their sphere centres have crossed
 
-  /// Add a contact with its geometry, force and area.
+  /// Add a contact from its geometry, its force and its area.
   /// The upper surface moves along `direction`, and the grid spacing is Δx [µm].
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
@@ -80,30 +80,30 @@ inline constexpr std::array quantities{
              &Sums::crossed_count},
 };
 
-/// Return the unit vector of the friction force on the upper surface at a contact with this normal, n_z > 0.
+/// Return the unit vector of the friction force on the upper surface, for a contact with the given normal (n_z > 0).
 Vector3 tangent(const Vector3& normal, const Vector2& direction);
 
 /// Return whether the normal force of a contact on the upper surface points against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
-/// Force components of a sliding contact on the upper surface. The normal force is multiplied by -s·n.
-/// The friction force is multiplied by t_z and -s·t.
+/// Factors of the force components that a sliding contact exerts on the upper surface.
+/// The normal force is multiplied by -s·n. The friction force is multiplied by t_z and by -s·t.
 struct SlidingFactors {
   double push;  ///< -s·n
   double lift;  ///< t_z
   double drag;  ///< -s·t, the length of the part of n perpendicular to s
 };
 
-/// Compute the force components for a contact normal and a direction of motion.
+/// Compute the factors for a contact normal and a direction of motion.
 SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 
-/// Return the load F_N or F_T [mN] for mu0 [-] and tau0 [GPa].
-/// F_N acts upwards on the upper surface. F_T starts sliding.
+/// Return the normal load F_N or the tangential load F_T [mN] for mu0 [-] and tau0 [GPa].
+/// F_N acts upwards on the upper surface. F_T is the load that starts sliding.
 double normal_load(const Sums& sums, double mu0, double tau0 = 0.0);
 double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
 
-/// Existence of a coefficient of friction. `no_contact`: there is no contact.
-/// `self_locked`: friction alone holds the surfaces together, F_N <= 0.
+/// Status of the coefficient of friction. `no_contact` means that the surfaces have no contact.
+/// `self_locked` means that friction alone holds the surfaces together (F_N <= 0).
 enum class Status { ok, no_contact, self_locked };
 
 /// Return the status of the coefficient of friction for mu0 [-] and tau0 [GPa].
@@ -118,18 +118,18 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
   const double across = normal.y() * direction.x() - normal.x() * direction.y();
   if (across == 0.0) {
-    // Normals in the plane of s and z, such as those of all profiles, need no normalisation.
+    // If the normal lies in the plane of s and z, as for all profiles, no normalisation is required.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
   // Components of the tangent along s, across s and upwards.
-  // At a steep wall, the vector form (s·n) n - s would be a difference of nearly equal vectors.
+  // At a steep wall, the vector form (s·n) n - s would subtract nearly equal vectors.
   const double length = std::sqrt(normal.z() * normal.z() + across * across);
   const double lateral = along * (across / length);
   return {-length * direction.x() - lateral * direction.y(), -length * direction.y() + lateral * direction.x(),
           along * (normal.z() / length)};
 }
 
-/// Largest ratio overlap/radius at which the results of Hertz theory are trusted. Hertz theory assumes a << R.
+/// Largest ratio overlap/radius for which Hertz theory is trusted. Hertz theory assumes a << R.
 inline constexpr double hertz_limit = 0.1;
 
 inline SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction) {

@@ -11,7 +11,7 @@
 
 namespace stiction {
 
-/// Pool of `threads` threads, including the caller's thread. A pool of one thread starts no other thread.
+/// Pool of `threads` threads, including the caller's thread. A pool with a single thread starts no further thread.
 /// Results must not depend on the thread that runs a task, so that they are bit-identical for any number of threads.
 /// Only one calculation may use a pool at a time.
 class ThreadPool {
@@ -42,7 +42,7 @@ class ThreadPool {
  private:
   struct Workers;
   CancellationCheck cancellation_check_;
-  std::unique_ptr<Workers> workers_;  // null if the calling thread is the only thread
+  std::unique_ptr<Workers> workers_;  // null if the pool has only the calling thread
 };
 
 }  // namespace stiction

@@ -13,8 +13,8 @@
 
 namespace {
 
-constexpr double spacing = 0.001;         // µm
-constexpr stiction::Index points = 4000;  // 4 µm profile length
+constexpr double spacing = 0.001;         // spacing, µm
+constexpr stiction::Index points = 4000;  // length of a profile: 4 µm
 const stiction::ContactModel model{stiction::HertzSphere{10.0}};
 
 /// Return a fractal profile [µm] of total height 0.1 µm and dimension 1.3 as defined in the paper, H = 4 - 2D.
