@@ -1,4 +1,4 @@
-"""Adhesion of a half-space: an attraction that decays with the gap, included as a traction in the solver.
+"""Adhesion of half-space contacts: the solver includes an attraction that decays with the gap.
 
 The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration solves the contact of the gap g0 - Kσ and evaluates σ at the new
 gap, until σ no longer changes.
@@ -24,30 +24,31 @@ from stiction.mechanics.half_space_problem import ContactSolution, Problem, Stat
 
 # Number of plain steps between two extrapolated steps. Plain steps damp the modes that extrapolated steps overshoot.
 PLAIN = 2
-MAX_STEP = 10.0  # largest extrapolated step as a multiple of the plain step
+MAX_STEP = 10.0  # largest extrapolated step, as a multiple of the plain step
 MAX_SOLUTIONS = 2000  # maximum number of solutions for one external load, including jumps
-# Maximum number of solutions for one contact load, and maximum number of successive solutions without improvement.
-MAX_SETTLING, PATIENCE = 60, 20
+MAX_SETTLING = 60  # maximum number of solutions for one contact load
+PATIENCE = 20  # maximum number of successive solutions without improvement
 RESIDUAL_FACTOR = 10.0  # largest relative residual of the attraction, as a multiple of the tolerance
-MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; with a smaller one, round-off may stall the solver
-# Tolerance of a solution as a fraction of the previous residual, and the upper limit of this tolerance.
-INEXACT, MAX_TOLERANCE = 0.05, 1e-3
-# Increase of the attraction during separation that counts as numerical error, as a fraction of the maximum attraction.
+MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; round-off may stall the solver if the tolerance is smaller
+INEXACT = 0.05  # tolerance of a solution, as a fraction of the previous residual
+MAX_TOLERANCE = 1e-3  # upper limit of this tolerance of a solution
+# Largest increase of the attraction during separation that counts as numerical error.
+# The increase is a fraction of the maximum attraction.
 MAX_INCREASE = 1e-3
-# Contact load below which bodies count as separate, as a fraction of the attraction at first contact.
+# Bodies count as separate if the contact load is below this fraction of the attraction at first contact.
 MIN_CONTACT = 1e-3
 STRIDE = 0.6  # ratio of successive contact loads during separation
 NEGLECTED = 0.01  # accepted relative error of the minimum load
 FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower load that is tried
-# An additional solution requires an interpolated load that is below the minimum load by this relative difference.
+# An additional solution is computed only if the interpolated load is below the minimum load by this fraction.
 MIN_GAIN = 0.003
-MIN_WIDTH = 0.01  # smallest relative difference between two contact loads for interpolation between them
+MIN_WIDTH = 0.01  # loads are interpolated only between contact loads that differ by at least this fraction
 MAX_REFINED = 6  # maximum number of additional solutions at interpolated loads
 MAX_TRIALS = 24  # maximum number of external loads that are tried during separation
 
 
 class UnsolvedError(RuntimeError):
-    """Error raised if the iteration finds no equilibrium of an attraction."""
+    """Error raised if the iteration finds no equilibrium with the adhesive attraction."""
 
 
 class Attraction:
@@ -60,7 +61,7 @@ class Attraction:
             tolerance,
             RESIDUAL_FACTOR * tolerance,
         )
-        # `uncertain` is the reason why the minimum load is uncertain, and empty if the load is certain.
+        # The string `uncertain` explains why the minimum load is uncertain. It is empty if the load is certain.
         self.range, self.uncertain = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
@@ -70,7 +71,7 @@ class Attraction:
         self.min_contact = MIN_CONTACT * float(self.of(problem.gap).mean())
 
     def of(self, gap: Floats) -> Floats:
-        """Return the attraction (GPa) at gaps (µm); negative gaps count as 0."""
+        """Return the attraction (GPa) at given gaps (µm). A negative gap counts as 0."""
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def settle(self, near: State, contact: float, *, before: State) -> State:
@@ -95,7 +96,7 @@ class Attraction:
         raise UnsolvedError("the computation of the attraction did not converge")
 
     def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
-        """Return the equilibrium under an external load per area (GPa) and True, or the best approximation and False.
+        """Return the equilibrium under an external load per area (GPa) and True, or the closest state and False.
 
         The iteration starts from `near`, or without contact if `near` is None.
 
@@ -111,7 +112,7 @@ class Attraction:
                 return state, True
             if count == MAX_SOLUTIONS:
                 raise UnsolvedError("the computation of the attraction did not converge")
-            # skip the first states, which may be near an equilibrium by chance
+            # ignore the first states, which may be near an equilibrium by chance
             if residual < min(before, least) and count > 1:
                 slowest, least = state, residual
             before = residual
@@ -121,7 +122,7 @@ class Attraction:
     def _iterate(
         self, near: State | None, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[State, float]]:
-        """Yield the states of an iteration with their relative change of attraction, until the bodies separate.
+        """Yield the state and the relative change of attraction after each iteration, until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `PLAIN` plain steps, a step is extrapolated
         as a geometric series with the ratio of the last two changes, limited to `longest` times the last change.
@@ -157,7 +158,7 @@ class Attraction:
                 yield State(pressure, attraction, mean, mean - mean_attraction, *convergence), residual
             slow = 0 if residual < least else slow + 1
             least = min(least, residual)
-            if slow > PATIENCE:  # the residual may be due to errors of the solutions
+            if slow > PATIENCE:  # the remaining residual may be caused by errors of the solutions
                 inexact, slow = inexact / 10, 0
             ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
@@ -167,7 +168,7 @@ class Attraction:
             attraction = following
 
     def at(self, load: float, near: State | None) -> State:
-        """Return the equilibrium at a mean external load (GPa). The start is `near` or, if this is None, no contact."""
+        """Return the equilibrium at a mean external load (GPa). The start is `near` or, if it is None, no contact."""
         if near is None and load < 0:
             near = self.relax(None, 0.0)[0]
         state, is_balanced = self.relax(near, load)
@@ -184,7 +185,7 @@ class Attraction:
         return state
 
     def separate(self, start: State) -> list[State]:
-        """Return states of decreasing contact load, from the start to the state of minimum load or further.
+        """Return states in order of decreasing contact load, from the start at least to the state of minimum load.
 
         States of decreasing contact load lead close to the minimum. Lower loads are then tried, first with extrapolated
         steps and finally with plain steps from the start. The minimum is certain if the bodies separate under a load
@@ -200,7 +201,7 @@ class Attraction:
         for _ in range(MAX_TRIALS):
             least = lowest(states).load
             # Between two states, the contact load is at least the contact load of the later state.
-            # The attraction is at most the attraction of the earlier state.
+            # Between two states, the attraction is at most the attraction of the earlier state.
             possible = min(
                 [b.contact - a.mean_attraction for a, b in itertools.pairwise(states)] + [-states[-1].mean_attraction]
             )
@@ -269,7 +270,7 @@ class Attraction:
         )
 
     def refine(self, states: list[State]) -> list[State]:
-        """Add states where the interpolated load is below the minimum, and return all states."""
+        """Add states near contact loads at which the interpolated load is below the minimum, and return all states."""
         states = list(states)
         for _ in range(MAX_REFINED):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -298,7 +299,7 @@ def lowest(states: list[State]) -> State:
 
 
 def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tuple[float, float]:
-    """Interpolate the load between states, and return its minimum (GPa) and the corresponding contact load.
+    """Interpolate the external load between states, and return its minimum (GPa) and the contact load at the minimum.
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -331,7 +332,7 @@ def solve_with_adhesion(
 
 
 def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
-    """Return the contacts during separation down to the minimum load, and the reason if this load is uncertain."""
+    """Return the contacts during separation until the minimum load, and the reason if this load is uncertain."""
     problem, total_area = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)

@@ -1,4 +1,4 @@
-"""Intervals of area and friction at finer resolution, and extrapolation of elastic results to shorter wavelengths."""
+"""Intervals of area and friction for finer scans, and extrapolation of elastic results to shorter wavelengths."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # Lower limit of the spread of ln κ between two resolutions, where κ = A E* h'/F.
 MIN_LOG_SPREAD = 0.1
-# Shortest wavelengths of the extrapolation as fractions of the shortest wavelength of the scan.
+# Wavelengths of the extrapolation, as fractions of the shortest wavelength of the scan.
 WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
@@ -33,7 +33,7 @@ def kappa_spread(contact_count: Floats) -> Floats:
 
 
 def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Return the root-mean-square gradient of a gap, from the slopes that the half-space model uses."""
+    """Compute the root-mean-square gradient of a gap from the same slopes as in the half-space model."""
     from stiction.mechanics.patches import slopes
 
     gap_slopes = slopes(gap.heights, gap.spacings, periodic=periodic)
@@ -51,7 +51,7 @@ def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the shortest wavelength at which the gradient of the gap reaches a value, with its interval.
+    """Return the wavelength at which the gradient of the gap reaches a given value, with its interval.
 
     The interval is computed from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
     """
@@ -68,7 +68,7 @@ def plastic_wavelength(
 def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Extrapolate from this scan to the gradients of finer scans (wavelength, statistic).
+    """Extrapolate the gradient of this scan to finer scans. The result has the shape (wavelength, statistic).
 
     NaN is returned without a Hurst exponent.
     """
@@ -83,7 +83,7 @@ def extrapolated_gradients(
 
 
 def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Scale area fractions of the projected area from a gradient of 1 to other gradients.
+    """Scale fractions of the projected area, which are given for a gradient of 1, to other gradients.
 
     The arrays have the dimensions wavelength, load and statistic.
     """
@@ -92,7 +92,7 @@ def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Fl
 
 
 def interface_stretch(gradient: Floats) -> Floats:
-    """Return the ratio of interface area to projected area, 1 + h'²/8, for two surfaces with equal slopes."""
+    """Return the ratio of interface area to projected area, which is 1 + h'²/8 for two surfaces with equal slopes."""
     return np.asarray(1 + np.square(gradient) / 8)
 
 
@@ -105,7 +105,7 @@ def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
 
 
 def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Return the largest real contact area of a yielding pair at finer resolution, in units of F/H.
+    """Return the largest real contact area that a yielding pair can have in finer scans, in units of F/H.
 
     Shorter wavelengths redistribute the load between contacts, so the elastic rims of yielding contacts may grow. The
     limit does not apply to a scan without yielding, which is limited only by κ. None of 300 pairs of 256² points with 2
@@ -119,7 +119,7 @@ def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
 def friction_bracket(
     value: float, mu0: float, adhesion: float, contacts: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the range of mu_s of a yielding pair at all finer resolutions, with friction at all contacts.
+    """Return the range of mu_s of a yielding pair over all finer scans, if friction acts at all contacts.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper end is computed from `value`, or from `upper` if
     given.
@@ -131,7 +131,7 @@ def friction_bracket(
 
 
 def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """Add the plastic limit and the intervals with friction at all contacts to a `resolution` dataset."""
+    """Add the plastic limit, and the intervals for friction at all contacts, to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness

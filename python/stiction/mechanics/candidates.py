@@ -27,7 +27,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# A gap counts as grooved if it changes along the grooves by less than this fraction of its range.
+# A gap counts as grooved if it varies along one axis by less than this fraction of its range.
 _GROOVE_TOLERANCE = 1e-9
 
 
@@ -170,7 +170,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the candidates (None if two surfaces were given instead), and the contact model."""
+    """Return the candidates and the contact model. The candidates are None if two surfaces were given instead."""
     if not isinstance(upper, Candidates):
         return None, model_for_pair(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

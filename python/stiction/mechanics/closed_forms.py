@@ -17,10 +17,10 @@ from stiction.mechanics.friction import check_shear_strength, friction_parameter
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import Sliding
 
-# Number of bisections. It determines the logarithm of an aspect ratio to the last bit.
+# With this number of bisections, the logarithm of an aspect ratio is exact to the last bit.
 _BISECTIONS = 64
-_SLOPE_TOLERANCE = 1e-9  # relative tolerance by which the rms slope may exceed the rms gradient
-# Standard deviation of slopes below which two terms of a series are exact to the last bit.
+_SLOPE_TOLERANCE = 1e-9  # largest relative amount by which the rms slope may exceed the rms gradient
+# If the standard deviation of slopes is below this limit, two terms of a series are exact to the last bit.
 _SMALL_SLOPE = 1e-3
 
 _P = ParamSpec("_P")
@@ -39,14 +39,14 @@ def check_positive(**arguments: ArrayLike) -> list[Floats]:
 
 
 def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Wrap a function so that it raises a `ValueError` if a number exceeds double precision."""
+    """Wrap a function so that it raises a `ValueError` if a number exceeds the range of double precision."""
 
     @functools.wraps(function)
     def checked(*args: _P.args, **kwargs: _P.kwargs) -> _R:
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
                 return function(*args, **kwargs)
-        except ArithmeticError:  # includes NumPy's FloatingPointError
+        except ArithmeticError:  # base class of NumPy's FloatingPointError
             raise ValueError(
                 f"arguments of {function.__name__} must be less extreme, because a number exceeds the range of double "
                 "precision"
@@ -409,7 +409,7 @@ def maugis_dugdale(
 
 
 def _maugis_solution(logarithm: float, strength: float) -> tuple[float, float]:
-    """Return the contact radius and the load in Maugis's dimensionless units.
+    """Return the contact radius and the load of the Maugis-Dugdale model in dimensionless units.
 
     The argument is the logarithm of m - 1, where m is the ratio of the radii of attraction and contact.
     """
@@ -654,7 +654,7 @@ def hertz_ellipse(
         *check_positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
     )
     larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
-    ratio = smaller / larger  # ratio of the curvatures
+    ratio = smaller / larger  # ratio of the smaller to the larger radius
     # R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is below k.
     low, high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_BISECTIONS):
@@ -778,7 +778,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Return the pressure of `hardness_under_shear` for checked arguments."""
     shear = alpha * (mu0 * tau0)
-    excess = np.square(hardness) - alpha * tau0**2  # not above 0 at seizure
+    excess = np.square(hardness) - alpha * tau0**2  # zero or negative if the contact seizes
     with np.errstate(invalid="ignore"):
         pressure = excess / (shear + np.sqrt(shear**2 + (1 + alpha * mu0**2) * excess))
     return np.where(excess > 0, pressure, np.nan)

@@ -1,4 +1,4 @@
-"""Normal and tangential loads from contact sums: F = elastic + mu0 · frictional + tau0 · adhesive.
+"""Normal and tangential loads, computed from contact sums as F = elastic + mu0 · frictional + tau0 · adhesive.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 """
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure"]
-"""Status of a point: "ok" if the point has a friction coefficient, otherwise the reason why it has none."""
+"""Status of a point of a curve: "ok" if a friction coefficient exists, and otherwise the reason why none exists."""
 
-# the order of the statuses must not change, because files store their numbers
+# The order of the statuses must not change, because files store the index of a status.
 STATUSES: tuple[Status, ...] = get_args(Status)
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
@@ -39,13 +39,13 @@ _CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 SIX_SUMS = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _CONTRIBUTIONS)
 """Names of the contact sums that determine the normal and the tangential load for every mu0 and tau0."""
 
-# Ratio tau0/E* above which tau0 was probably meant in MPa instead of GPa.
+# If the ratio tau0/E* is above this limit, tau0 was probably meant in MPa instead of GPa.
 SHEAR_STRENGTH_LIMIT = 0.1
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sums:
-    """Sums over contacts (arrays of equal shape) that determine the normal and tangential load for any mu0 and tau0."""
+    """Sums over contacts (arrays of equal shape) from which both loads are computed for any mu0 and tau0."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -72,7 +72,7 @@ class Sums:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextRepr):
-    """Indicators of the validity of the model, as fractions of the normal load Σ F n_z; NaN without contact.
+    """Indicators of the validity of the model, as fractions of the normal load Σ F n_z. They are NaN without contact.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Validity(TextRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Indicators of the validity of the model on surfaces: those of `Validity` and three more.
+    """Indicators of the validity of the model on surfaces: the indicators of `Validity`, and three more.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -144,7 +144,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute a validity indicator from sums, given by name or as attributes; NaN without contact."""
+    """Compute a validity indicator from contact sums (a mapping, or an object with attributes). NaN without contact."""
     numerator, denominator = VALIDITY_RATIOS[name]
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(_column(sums, numerator) / sum(_column(sums, item) for item in denominator))
@@ -155,13 +155,13 @@ def _column(sums: Any, name: str) -> Any:
 
 
 def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Floats:
-    """Compute the "normal", "tangential" or "lateral" load (mN) from sums, given by name or as attributes."""
+    """Compute the "normal", "tangential" or "lateral" load (mN) from contact sums (a mapping or attributes)."""
     elastic, frictional, adhesive = (_column(sums, f"{load}_{part}") for part in _CONTRIBUTIONS)
     return np.asarray(elastic + mu0 * frictional + tau0 * adhesive)
 
 
 def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Compute the normal and the tangential load (mN) from sums (...), with shape (..., mu0, tau0)."""
+    """Compute the normal and the tangential load (mN), with shape (..., mu0, tau0), from sums of shape (...)."""
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in SIX_SUMS}
     mu0 = mu0[:, np.newaxis]
     return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)
@@ -177,18 +177,18 @@ class FrictionCurve(PlotRepr):
     effective_modulus: float
 
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return F_N (mN) for mu0 (dimensionless) and tau0 (GPa), which are broadcast against each other.
+        """Return the normal load F_N (mN) for mu0 and tau0 (GPa), which are broadcast against each other.
 
         The shape is the broadcast shape of mu0 and tau0, followed by (k,) for k steps or by (m, k) for m directions.
         """
         return compute_load("normal", self, *self._parameters(mu0, tau0))
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the tangential load F_T (mN) that starts sliding, with shape and arguments as for `normal_load`."""
+        """Return the tangential load F_T (mN) that starts sliding. Shape and arguments are as for `normal_load`."""
         return compute_load("tangential", self, *self._parameters(mu0, tau0))
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return F_T / F_N (NaN unless the status is "ok"), with shape and arguments as for `normal_load`."""
+        """Return F_T / F_N, or NaN where the status is not "ok". Shape and arguments are as for `normal_load`."""
         parameters = self._parameters(mu0, tau0)
         normal, tangential = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
         ok = status_at(self.contact_count, normal) == STATUS_OK
@@ -196,7 +196,7 @@ class FrictionCurve(PlotRepr):
         return coefficient
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
-        """Return "ok", "self-locked" (F_N <= 0) or "no-contact", with shape and arguments as for `normal_load`."""
+        """Return "ok", "self-locked" (F_N <= 0) or "no-contact". Shape and arguments are as for `normal_load`."""
         normal = compute_load("normal", self, *self._parameters(mu0, tau0))
         return status_at(self.contact_count, normal)
 
@@ -215,7 +215,7 @@ class FrictionCurve(PlotRepr):
         strengths = friction_parameter("tau0", tau0)
         check_shear_strength(strengths, self.effective_modulus)
         materials = np.broadcast_arrays(friction_parameter("mu0", mu0), strengths)
-        # New axes precede the axes of the sums (steps, or directions and steps).
+        # The new axes precede the axes of the sums, which are steps, or directions and steps.
         axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return materials[0][axes], materials[1][axes]
 
@@ -223,7 +223,7 @@ class FrictionCurve(PlotRepr):
 def combine_status(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Combine boolean conditions, which are broadcast, into the statuses of curves, ensembles or members.
+    """Broadcast boolean conditions, and combine them into the statuses of curves, ensembles or members.
 
     `locked` refers to the last step. `below` means that the first step already supports more than the load.
     """
@@ -240,7 +240,7 @@ def combine_status(
 
 
 def status_at(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return the status at an approach. Unlike a load, an approach is always reached."""
+    """Return the status at an approach. An approach is always reached, in contrast to a load."""
     return combine_status(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution, Problem, StepKind
     from stiction.mechanics.patches import PatchSums
 
-# The solver is imported on demand, because it imports SciPy, which takes longer than all other imports.
+# The solver is imported only on demand, because it imports SciPy. This import takes longer than all others.
 
 Boundary = Literal["free", "periodic"]
 Tilt = Literal["fixed", "free"]
@@ -45,13 +45,13 @@ MIN_PROCESS_ZONE_POINTS = 2.0
 
 
 def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
-    """Return the smallest adhesion range (µm) that a grid resolves, from w (mN/µm), spacing (µm) and E* (GPa)."""
+    """Return the smallest adhesion range (µm) that a grid resolves, for given w (mN/µm), spacing (µm) and E* (GPa)."""
     return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotRepr):
-    """Contact of two surfaces at one load, as read-only arrays on the grid.
+    """Half-space contact of two surfaces at one load, as read-only arrays on the grid.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class HalfSpaceContact(PlotRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceCurve(FrictionCurve):
-    """Half-space contact of two surfaces at each load, for any mu0 and tau0. All arrays are read-only.
+    """Half-space contact of two surfaces at each load. Friction follows for any mu0 and tau0. Arrays are read-only.
 
     The sums are over points under pressure, analogous to those of `LoadCurve` over asperities: n is the normal of the
     deformed interface at a point, t the tangent, s the direction. A patch opposes if its force on the upper surface
@@ -179,7 +179,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off(self) -> float:
-        """Largest tension (mN) that the surfaces support during separation, which starts from the smallest load.
+        """Largest tension (mN) that the surfaces support during separation. Separation starts from the smallest load.
 
         The force is computed on first use. The surfaces separate under a tension that is 1 % larger. If separation is
         not certain, a warning contains "at least", and `pull_off_is_bound` is True.
@@ -191,19 +191,19 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_is_bound(self) -> bool:
-        """True if the pull-off force may be larger than `pull_off`."""
+        """True if `pull_off` is only a lower bound on the pull-off force."""
         return self.pull_off_bound[1]
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Return `pull_off` (mN) and `pull_off_is_bound` without issuing a warning."""
+        """Values of `pull_off` (mN) and `pull_off_is_bound`, without a warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._apart[0][-1].load, bool(self._apart[1])
 
     @property
     def parting(self) -> HalfSpaceCurve:
-        """Contacts during separation, from the smallest load down to the pull-off force.
+        """Contacts during separation, from the smallest load to the pull-off force.
 
         Raises a `ValueError` without adhesion.
         """
@@ -213,14 +213,14 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _apart(self) -> tuple[list[ContactSolution], str]:
-        """Contacts during separation, and the reason if they end before the surfaces separate."""
+        """Contacts during separation, and the reason if the sequence ends before the surfaces separate."""
         from stiction.mechanics.adhesion import pull_apart
 
         return pull_apart(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
 
     @property
     def work_of_adhesion(self) -> float:
-        """Energy in mN/µm (kJ/m²) required to separate a unit area in contact."""
+        """Energy per area, in mN/µm (kJ/m²), that is required to separate the surfaces."""
         return self._problem.work_of_adhesion
 
     @property
@@ -233,7 +233,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Stiffness dF/dδ (mN/µm) with constant contact points (k,); infinite at full contact of periodic surfaces.
+        """Stiffness dF/dδ (mN/µm) at constant contact points (k,); infinite for periodic surfaces in full contact.
 
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
         computed on first use.
@@ -242,7 +242,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, in first loading (k,).
+        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure during first loading (k,).
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -250,7 +250,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def tilt(self) -> Floats:
-        """Slopes along y and x by which the upper surface is rotated (k, 2), or the slope along x for lines (k, 1).
+        """Slopes along y and x by which the upper surface is rotated (k, 2); for profiles, the slope along x (k, 1).
 
         The slopes are 0 if the tilt is fixed.
         """
@@ -270,11 +270,11 @@ class HalfSpaceCurve(FrictionCurve):
         return read_only(np.array([solution.unloading_stiffness for solution in self._pressed]))
 
     def at(self, index: int) -> ContactSolution:
-        """Return the points under pressure at `load[index]`, with their pressures and patches."""
+        """Return the contact at `load[index]`: the points under pressure, their pressures and their patches."""
         return self._pressed[resolve_index(index, self.load.size, "loads")]
 
     def contact(self, index: int) -> HalfSpaceContact:
-        """Return pressure, gap and patches on the grid at `load[index]`."""
+        """Return the contact at `load[index]` on the grid: pressure, gap and patches."""
         position = resolve_index(index, self.load.size, "loads")
         solution, sums = self._pressed[position], self._sums[position]
         problem = solution.problem
@@ -303,11 +303,11 @@ class HalfSpaceCurve(FrictionCurve):
         return self._problem.hardness
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
-        """Return the same contacts with another sliding rule, "opposing" or "all", without solving them again."""
+        """Return a curve of the same contacts with another sliding rule, without solving the contacts again."""
         return self._interpolate(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return the same contacts for another direction of motion, without solving them again.
+        """Return a curve of the same contacts for other directions of motion, without solving the contacts again.
 
         Parameters
         ----------
@@ -520,7 +520,7 @@ def _solve(
     problem: Problem, name: StepKind, steps: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None,
 ) -> list[ContactSolution]:  # fmt: skip
-    """Solve the contact at each load (mN) or approach (µm)."""
+    """Solve the contact problem at each load (mN) or at each approach (µm)."""
     from stiction.mechanics.half_space_problem import Solver, to_contact_solution
 
     if problem.work_of_adhesion > 0:
@@ -543,7 +543,7 @@ def _solve(
 
 
 def _with_adhesion(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
-    """Add adhesion (mN/µm) with a range (µm) to a problem, and warn if the grid requires a longer range."""
+    """Add a work of adhesion (mN/µm) and its range (µm) to a problem. Warn if the grid requires a longer range."""
     smallest = resolved_range(work, max(problem.spacing), effective_modulus)
     if smallest > length:
         warnings.warn(
@@ -583,7 +583,7 @@ def _sum_patches(
 
 
 def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """Stack rows into arrays of shape (k,), or (d, k) for quantities that depend on several directions."""
+    """Combine the results of k loads into arrays (k,), or (d, k) for quantities that depend on d directions."""
     columns = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows])

@@ -1,4 +1,4 @@
-"""Half-space contact of two surfaces: the checked problem, its solver, and the solution at one load."""
+"""Half-space contact of two surfaces: the checked problem, the solver, and the solution at one load."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from stiction.surfaces.profile import Profile, combine_missing
 from stiction.surfaces.surface import Surface
 
 MAX_CACHED_POINTS = 2**20
-"""Largest number of grid points for which unused kernels remain cached. Kernels of this size take 35 MB.
+"""Largest number of grid points for which unused kernels remain cached. Kernels for so many points take 35 MB.
 
 Computing the kernels takes a quarter of the time of a free solution.
 """
 
-# Displacement of an edge due to the tilt in a linear response, relative to the displacement under the load.
+# Displacement of an edge by the trial tilt of a linear response, as a fraction of the displacement under the load.
 TILT_FRACTION = 0.01
 RESPONSE_TOLERANCE = 1e-7  # tolerance of linear responses
-# Upper bound on the pressure in linear responses to a mean pressure of 1. It is large enough for coarse grids.
+# Upper bound on the pressure in linear responses to a mean pressure of 1. This bound is high enough for coarse grids.
 RESPONSE_BOUND = 1e9
-MAX_CELL_RATIO = 1e6  # largest ratio of the sides of a grid cell
+MAX_CELL_RATIO = 1e6  # largest ratio of the longer to the shorter side of a grid cell
 
 
 _grids_by_key: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
@@ -45,7 +45,7 @@ _uniform: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.Weak
 def get_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    """Return the grids of a problem with their kernels. Problems share these grids as long as any problem uses them."""
+    """Return the grids of a problem with their kernels. Problems with equal arguments share the same grids."""
     key = shape, spacing, effective_modulus, periodic
     grids = _grids_by_key.get(key)
     if grids is None:
@@ -62,7 +62,7 @@ def _unpickle_grids(
     return get_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Copied grids and grids from another process recompute their kernels if this process does not have them.
+# Grids are pickled without kernels. A process that lacks the kernels computes them again.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
 
 
@@ -74,7 +74,7 @@ def threads() -> int:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Two surfaces with heights and gap (µm, minimum 0), and the conditions of their contact, in core units."""
+    """Contact problem of two surfaces: heights, gap (µm, with minimum 0) and conditions of contact, in core units."""
 
     upper: Floats
     lower: Floats
@@ -85,9 +85,9 @@ class Problem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    # mask of points that lack a height in at least one surface; these points make no contact
+    # mask of the points at which a height is missing in at least one surface; these points make no contact
     missing: NDArray[np.bool_] | None = None
-    # slopes along y and x, or along x, by which the upper surface is rotated about its centre
+    # slopes along y and x (profiles: along x) by which the upper surface is rotated about its centre
     tilt: Floats | float = 0.0
     turns: bool = False  # True if the upper surface rotates until the resultant force acts at the centre
 
@@ -108,12 +108,12 @@ class Problem:
 
     @property
     def has_approach(self) -> bool:
-        """True if distant points have a finite displacement, which is not the case on a free half-plane."""
+        """True if the approach of distant points is finite. It is infinite on a free half-plane."""
         return self.periodic or len(self.spacing) == 2
 
     @property
     def measured(self) -> Floats:
-        """Array that is 1 where both surfaces were measured, and 0 elsewhere."""
+        """Array that is 1 at points that were measured on both surfaces, and 0 elsewhere."""
         return np.ones_like(self.gap) if self.missing is None else np.where(self.missing, 0.0, 1.0)
 
     @cached_property
@@ -138,7 +138,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """Contact at one load (mN): pressure (GPa), contact fraction of the cell, and patch number of each point."""
+    """Contact at one load (mN), with the pressure (GPa), the contact fraction and the patch number of each point."""
 
     problem: Problem
     load: float
@@ -164,19 +164,19 @@ class ContactSolution:
         return self.approach - displacement * cell / self.problem.area
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return a grid array with the values at the points in contact, and 0 elsewhere."""
+        """Return an array on the grid that contains given values at the points in contact, and 0 elsewhere."""
         grid = np.zeros(self.problem.gap.size, values.dtype)
         grid[self.points] = values
         return grid.reshape(self.problem.gap.shape)
 
     def sums(self, directions: Floats) -> PatchSums:
-        """Compute the sums over each patch for horizontal unit vectors (m, 2)."""
+        """Compute the sums over each patch for motion along horizontal unit vectors (m, 2)."""
         problem = self.problem
         slope = [along[self.points] for along in problem.slope]
         return patch_sums(self.values * problem.cell, self.share * problem.cell, slope, self.patch, directions)
 
     def row(self) -> dict[str, Any]:
-        """Return the results that do not depend on friction; they form one row of a curve."""
+        """Return the results that do not depend on friction, as one row of a curve."""
         capped = self.values == self.problem.hardness
         return {
             "load": self.load,
@@ -197,7 +197,7 @@ class ContactSolution:
 
     @cached_property
     def stiffness(self) -> float:
-        """Stiffness dF/dδ (mN/µm) with constant contact points.
+        """Stiffness dF/dδ (mN/µm) at constant contact points.
 
         The stiffness is infinite at full periodic contact, and NaN without an approach.
         """
@@ -213,7 +213,7 @@ class ContactSolution:
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Stiffness dp/dc (GPa/µm) of nominal pressure over closure, with constant contact points.
+        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, at constant contact points.
 
         The stiffness is infinite at full contact.
         """
@@ -231,7 +231,7 @@ class ContactSolution:
         return self._compute_response(self.free)
 
     def _compute_response(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (GPa) with a sum of 1 that displace all free points equally, and the displacement."""
+        """Return the pressures (GPa, sum 1) that displace all free points equally, and this displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free), threads=threads())
         return TiltResponse.solve(self.problem, self.on_grid(free)).to_load()
@@ -244,14 +244,14 @@ class ContactSolution:
         return problem.cell / compliance if compliance > 0 else np.inf
 
 
-MAX_GAP_RATIO = 1e6  # largest ratio of the gap to the length; the model assumes slopes far below 1
+MAX_GAP_RATIO = 1e6  # largest ratio of the gap to the length, because the model assumes slopes far below 1
 
 
 def make_problem(
     upper: Profile | Surface, lower: Profile | Surface, effective_modulus: float, *, periodic: bool,
     compliance_share: float, hardness: float | None,
 ) -> Problem:  # fmt: skip
-    """Create the contact problem of two surfaces on the same grid from checked arguments."""
+    """Create the contact problem of two surfaces on the same grid. The other arguments must have been checked."""
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(
             f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
@@ -277,7 +277,7 @@ StepKind = Literal["loads", "approaches"]
 
 
 def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | None) -> tuple[StepKind, Floats]:
-    """Check the loads or approaches, and return their kind and their values."""
+    """Check the given loads or approaches, and return their kind ("loads" or "approaches") and their values."""
     name: StepKind = "loads" if approaches is None else "approaches"
     given = loads if approaches is None else approaches
     if given is None or (loads is not None and approaches is not None):
@@ -329,17 +329,17 @@ def lever_arms(problem: Problem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Linear responses to a mean load of 1 GPa and to slopes of the upper surface, with constant contact points."""
+    """Linear responses of fixed contact points to a mean load of 1 GPa and to slopes of the upper surface."""
 
     pressure: Floats  # pressure under the load, GPa
-    approach: float  # µm
+    approach: float  # approach under the load, µm
     moments: Floats  # (n,) moments under the load, GPa µm
     slope_pressures: list[Floats]  # pressure per unit slope at constant load, GPa, for each axis
-    turning: Floats  # (n, n) moments by slope and axis; negative definite except for single points
+    turning: Floats  # (n, n) moments by slope and axis; negative definite unless only one point is free
 
     @classmethod
     def solve(cls, problem: Problem, free: NDArray[np.bool_]) -> TiltResponse:
-        """Compute the response of the free points in a mask."""
+        """Compute the response of the points that a mask marks as free."""
         bound = np.where(free, RESPONSE_BOUND, 0.0)
         arms = lever_arms(problem)
 
@@ -361,7 +361,7 @@ class TiltResponse:
         return cls(level, approach, moments, slope_pressures, (turning + turning.T) / 2)
 
     def to_load(self) -> tuple[Floats, float]:
-        """Return the pressures with a sum of 1 for a load through the centre, and the approach."""
+        """Return the pressures with a sum of 1 whose resultant force acts at the centre, and the approach."""
         slopes = -np.linalg.lstsq(self.turning, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * turned_gradient for slope, turned_gradient in zip(slopes, self.slope_pressures, strict=True)
@@ -370,12 +370,12 @@ class TiltResponse:
 
 
 def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
-    """Return the mean moments about the centre, GPa µm."""
+    """Return the mean moments (GPa µm) of a pressure about the centre."""
     return np.array([float((pressure * arm).mean()) for arm in arms])
 
 
 class Solver:
-    """Solver of a problem for loads (mN) or approaches (µm) up to a maximum. Missing points never touch."""
+    """Solver of a contact problem for loads (mN) or approaches (µm) up to a maximum. Missing points never touch."""
 
     def __init__(
         self, problem: Problem, name: StepKind, limit: float, *, tolerance: float,
@@ -386,7 +386,7 @@ class Solver:
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
             # Missing points receive a gap that never closes.
-            # This increases the standard deviation of the gap, so the solver's tolerance is rescaled.
+            # This gap increases the standard deviation of all gaps, so the tolerance of the solver is rescaled.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)
@@ -437,7 +437,7 @@ def to_contact_solution(
     problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a solution to the contact at a load (mN). The default is the load of its pressures."""
+    """Convert a solution to the contact at a load (mN). If the load is None, the sum of the pressures determines it."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     patches: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)

@@ -1,4 +1,4 @@
-"""Interpolation of real contact area per load between the hardnesses of solved contacts.
+"""Interpolation of the ratio of real contact area to load between the hardnesses of solved contacts.
 
 With the elastic mean pressure p, (A/F)^m = H^-m + p^-m contains both limits: the plastic area F/H and the elastic area.
 For self-affine surfaces (Hurst exponents 0.5 and 0.8, p from 0.17 to 2.9 GPa, H from 0.23 to 1.7 GPa), m was 3.2
@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats, float_array
 
 MIXING_EXPONENT, MIXING_POWER = 3.2, 0.28
-"""Exponent m if the hardness equals the elastic pressure, and the power of the ratio of hardness to pressure in m."""
+"""Constants of the exponent m: its value if hardness and elastic pressure are equal, and the power of their ratio."""
 
 
 def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, elastic: ArrayLike) -> Floats:
-    """Interpolate A/F (1/GPa) between the hardnesses of solved contacts.
+    """Interpolate the ratio of area to load, A/F (1/GPa), between the hardnesses of solved contacts.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
 
 
 def _piecewise_linear(x: Floats, nodes: Floats, values: Floats) -> Floats:
-    """Interpolate values (..., n) linearly between increasing nodes (n,), and continue them as constants beyond.
+    """Interpolate values (..., n) linearly between increasing nodes (n,). Beyond the nodes, the values are constant.
 
     A sum over the changes of the slope is faster than a search for the panel of each x.
     """

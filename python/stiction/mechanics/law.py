@@ -16,7 +16,7 @@ from stiction._checks import check_choice, number
 
 
 def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
-    """Return a dataclass field for a parameter of a law with its unit ("µm", "GPa" or none) and its limits.
+    """Return a dataclass field for a parameter of a contact law, with the unit ("µm", "GPa" or "") and the limits.
 
     Parameters without limits must be above 0.
     """
@@ -25,7 +25,7 @@ def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, 
 
 @dataclass(frozen=True)
 class Law:
-    """Force and area of one contact: base class of the contact laws, which are listed in `LAWS`."""
+    """Base class of the contact laws, which give the force and area of one contact. `LAWS` lists all laws."""
 
     name: ClassVar[str]
 
@@ -111,8 +111,8 @@ class JacksonGreen(Law):
     poisson_ratio: float = parameter("", least=0.0, most=0.5)
 
 
-LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all laws
-# laws that have no required parameters and can be specified by name
+LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all contact laws
+# contact laws that have no required parameters and can therefore be specified by name
 LawName = Literal["hertz-sphere", "hertz-cylinder"]
 LAWS_BY_NAME: dict[str, Law] = {
     law.name: law() for law in LAWS if all(item.default is not MISSING for item in fields(law))
@@ -120,7 +120,7 @@ LAWS_BY_NAME: dict[str, Law] = {
 
 
 def as_law(law: Law | LawName) -> Law:
-    """Return a law, given as an object or by its name. Raises a `ValueError` for anything else."""
+    """Convert the name of a contact law to the law. A law is returned unchanged; other values raise a `ValueError`."""
     if isinstance(law, str):
         check_choice("law", law, LawName)
         return LAWS_BY_NAME[law]

@@ -40,11 +40,11 @@ class CurveInputs:
     model: ContactModel
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling, without the candidates, because objects of the core cannot be pickled."""
+        """Return the state for pickling. Candidates are omitted, because objects of the core cannot be pickled."""
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
-        """Return all contacts at an approach. They do not depend on the direction."""
+        """Return all contacts at an approach. The contacts do not depend on the direction of motion."""
         if not self.bodies:
             raise ValueError(
                 "the curve comes from another process and has lost its contact candidates, which an onset requires; "
@@ -190,7 +190,7 @@ class SurfaceLoadCurve(LoadCurve):
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the force (mN) that keeps the upper surface on its path, positive to the left of the motion.
+        """Return the lateral force (mN) that keeps the upper surface on its path. The left of the motion is positive.
 
         Shape and arguments are the same as for `normal_load`. Negative values point to the right.
         """

@@ -21,12 +21,13 @@ from stiction.surfaces.surface import Surface
 # Smallest sampled approach as a fraction of the range of the gap.
 # At smaller approaches, one contact bears the whole load.
 _MIN_APPROACH_RATIO = 1e-6
-# Ratio of successive sampled approaches. A load that is crossed twice within one step may be missed.
+# Ratio of successive sampled approaches.
+# A load that the curve crosses twice between two samples may be missed.
 _APPROACH_RATIO = 1.1
-# Number of approaches in a chunk.
-# Sampling ends with the chunk in which all loads are reached, because larger approaches cost more.
+# Number of approaches that are sampled together.
+# Sampling stops after the group in which all loads are reached, because larger approaches take longer.
 _CHUNK_STEPS = 16
-# Ratio of the depth of the candidate search to the requested depth.
+# Ratio of the depth to which candidates are searched to the requested depth.
 _DEPTH_MARGIN = 5.0
 
 
@@ -102,7 +103,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces for repeated evaluation, with cached gap minima."""
+    """Pair of surfaces that caches its gap minima for repeated evaluation."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -119,14 +120,14 @@ class SurfacePair:
     def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
-        """Find approaches at given loads, between `left` (F_N below the load) and `right` (F_N not below it)."""
+        """Find the approaches at given loads. F_N is below the load at approach `left`, but not at approach `right`."""
         arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
         return np.asarray(self._call_core(stiction._core.approaches_at, float(right.max()), model, arguments))
 
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a core function with the gap minima up to an approach if possible, and otherwise with both surfaces."""
+        """Call a core function with the gap minima up to an approach or, for "cell" detection, with both surfaces."""
         model = model_for_pair(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":
@@ -142,7 +143,7 @@ class SurfacePair:
 def find_crossings(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approaches that support loads (l,), and a status: "ok" or the reason for NaN."""
+    """Return the smallest approach that supports each load, and its status: "ok", or the reason why it is NaN."""
 
     def normal_load(sums: Sums) -> Floats:
         return friction.compute_load("normal", sums, mu0, tau0)
@@ -154,7 +155,7 @@ def find_crossings(
     todo = ~exceeded
     left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     touched = bool(curve.contact_count.any())
-    # Approaches increase by equal ratios until all points touch. This is impossible for parallel surfaces.
+    # Approaches increase by equal ratios until all points touch. Parallel surfaces have no such range of approaches.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)

@@ -180,7 +180,7 @@ def materials() -> tuple[Material, ...]:
 
 
 def compliance_fraction(upper: Material, lower: Material) -> float:
-    """Return the fraction of the compliance of a pair that the lower body contributes.
+    """Return the fraction of the compliance of two bodies that the lower body contributes.
 
     Parameters
     ----------
@@ -251,13 +251,13 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
 
 
 def softer_material(*bodies: Material) -> Material | None:
-    """Return the material that yields first, or None without bodies or if one of the bodies is an elastomer."""
+    """Return the material that yields first, or None if there are no bodies or one of them is an elastomer."""
     hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 
 
 def is_name_of(text: str, name: str) -> bool:
-    """Return True if a string is the name of a material in any spelling, excluding aliases."""
+    """Return True if two names are equal apart from case, blanks and punctuation. Aliases are not considered."""
     return _normalise_name(text) == _normalise_name(name)
 
 

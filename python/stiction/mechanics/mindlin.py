@@ -1,4 +1,4 @@
-"""Onset of sliding: partial slip of parallel asperity contacts and of a half-space.
+"""Partial slip before the onset of sliding, for parallel asperity contacts and for half-space contacts.
 
 A traction that decreases from the centre of an ellipse outwards is a sum of flat-punch tractions on smaller ellipses
 with the same aspect ratio and relative size t from 0 to 1. Each of these tractions causes a uniform displacement. A
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
-NUM_NODES = 24  # number of Gauss-Legendre nodes, sufficient for a smooth function of an angle
+NUM_NODES = 24  # number of Gauss-Legendre nodes for integrating a smooth function of an angle
 
 
 def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
@@ -53,7 +53,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def load_across(axes: Floats, angle: Floats) -> Floats:
-    """Return the mean of sin² over elliptic contacts, for the argument `across` of `compliance_ratio`.
+    """Return the argument `across` of `compliance_ratio` for elliptic contacts: the mean of sin² over each contact.
 
     The angles (rad) are between the motion and the larger axis.
     """
@@ -97,18 +97,19 @@ class SlidingAsperities:
         self.normal_load = float(load.sum())
         self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
         self.stiffness = float(self.spring.sum())
-        # displacements at which the contacts slide completely
+        # displacement at which each contact slides completely
         self.farthest = 2 * self._strength(np.ones((load.size, 1)))[:, 0] / self.spring
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the state in which all contacts together support a tangential load."""
         from scipy.optimize import brentq
 
-        del near  # unused, because this solution is not iterative
+        del near  # the initial guess is unused, because this solution is not iterative
         end = float(self.farthest.max())
         displacement = end
         if load < self.sliding_load:
-            # The load is a concave function of the displacement. The initial tangent therefore gives a lower bound.
+            # The load is a concave function of the displacement.
+            # The initial tangent therefore gives a lower bound on the displacement.
             start = min(load / self.stiffness, end)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,
@@ -126,7 +127,7 @@ class SlidingAsperities:
         )  # fmt: skip
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the dissipated energy: Σ Q (δ - 2 Q/k) over the slipping springs."""
+        """Return the energy (mN µm) that the slipping springs dissipate: Σ Q (δ - 2 Q/k)."""
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_NODES)
         # Integrate over φ, where t = cos φ, from the edge (φ = 0) to the end of the slip zone.
@@ -166,7 +167,7 @@ class SlidingHalfSpace:
         problem = pressed.problem
         self.grids, self.cell, self.moves = problem.grids, problem.cell, problem.has_approach
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # tractions on a profile are line loads across the motion
+        # on a profile, the tractions are line loads perpendicular to the motion
         across = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, across))
         self.points: NDArray[Any] = pressed.points
@@ -185,7 +186,7 @@ class SlidingHalfSpace:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver for the tractions. Every copy of the problem creates a new solver."""
+        """Solver for the tractions. A copy of the problem creates a new solver instead of sharing this one."""
         return _core.HalfSpaceSolver(
             np.zeros(self.shape), self.grids, bound=self.everywhere, tolerance=self.tolerance, threads=threads()
         )
@@ -194,7 +195,7 @@ class SlidingHalfSpace:
         return {name: value for name, value in vars(self).items() if name != "_solver"}
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the tractions that support a tangential load with the least energy."""
+        """Return the state with the tractions that support a tangential load with the least energy."""
         if load >= self.sliding_load:
             return self._slip(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
         load_fraction = load / self.sliding_load
@@ -208,7 +209,10 @@ class SlidingHalfSpace:
         return self._slip(load, solution.pressure[self.points], solution.approach * self.ratio)
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the dissipated energy: the sum of bound times slip. It does not depend on distant points."""
+        """Return the dissipated energy (mN µm): the sum of traction bound times slip.
+
+        The energy does not depend on the displacement of distant points.
+        """
         displacements = self._displacements(slip.traction)
         slips = slip.traction >= self.bound
         sticks = (slip.traction > 0) & ~slips

@@ -26,8 +26,8 @@ Sliding = Literal["opposing", "all"]
 DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus of the paper, GPa
 THICKNESS = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-FLIPPED_STEP = "turned over"  # history step that the method `flipped` adds
-# heights count as equal below this difference, relative to their range
+FLIPPED_STEP = "turned over"  # history entry that the function `flipped` adds
+# largest difference of heights that count as equal, as a fraction of their range
 _SAME_HEIGHT_TOLERANCE = 1e-9
 
 
@@ -137,7 +137,7 @@ class ContactModel:
         return replace(self, detection=detection, curvature=curvature)
 
     def core(self) -> stiction._core.ContactModel:
-        """Return the model as an object of the core. This object has only the first direction."""
+        """Return the model as an object of the C++ core. The object contains only the first direction."""
         return self._core
 
     @cached_property
@@ -149,7 +149,7 @@ class ContactModel:
         )  # fmt: skip
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling, without cached values such as the object of the core."""
+        """Return the state for pickling. Cached values, such as the object of the core, are omitted."""
         return {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
 
@@ -163,7 +163,7 @@ def _parse_angle(direction: Any) -> float:
 
 
 def _unit_vector(angle: float) -> tuple[float, float]:
-    """Return the unit vector at an angle. It is exact along the axes."""
+    """Return the unit vector at an angle (degrees). Its components are exact for multiples of 90 degrees."""
     quarter, rest = divmod(angle, 90.0)
     x, y = math.cos(math.radians(rest)), math.sin(math.radians(rest))
     return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter) % 4]
@@ -175,7 +175,7 @@ _SURFACE_DEFAULT = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactKeywords(TypedDict, total=False):
-    """Contact model as keyword arguments: a model, and parameters that override those of the model."""
+    """Keyword arguments that specify a contact model: a model, and parameters that override parameters of the model."""
 
     model: ContactModel
     effective_modulus: float
@@ -188,7 +188,7 @@ class ContactKeywords(TypedDict, total=False):
 
 
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
-    """Create the contact model from keyword arguments. The default model provides missing parameters."""
+    """Create a contact model from keyword arguments. The default model provides the parameters that are not given."""
     changes: dict[str, Any] = dict(keywords)
     model: ContactModel = changes.pop("model", default or _DEFAULT_MODEL)
     check_instance("model", model, ContactModel, "a ContactModel")
@@ -231,7 +231,7 @@ def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) ->
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` for a surface from a file, because its modulus must be given."""
+    """Raise a `ValueError` if any source is a file, because the modulus of a measured surface must be given."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}; the default "
@@ -240,7 +240,7 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def measured_source(body: Profile | Surface) -> str:
-    """Return the history step with the file name of a surface; empty for generated surfaces."""
+    """Return the history entry that contains the file name of a surface, or "" for generated surfaces."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
@@ -260,7 +260,7 @@ def show_model_keywords(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that both bodies are profiles or both are surfaces, on one grid. `whole` forbids missing points."""
+    """Check that two bodies are both profiles or both surfaces, with equal spacings. `whole` forbids missing points."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:
@@ -277,7 +277,7 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
 
 
 def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:
-    """Warn if a surface is pressed on itself, or on its own mirror image."""
+    """Warn if the two surfaces of a pair are the same surface, or mirror images of each other."""
     source, is_same = _find_source(upper), _find_source(upper) == _find_source(lower)
     flips = [body.history.count(FLIPPED_STEP) % 2 for body in (upper, lower)]
     message = ""
@@ -303,12 +303,12 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _find_source(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the history of a surface without the steps that only change its orientation."""
+    """Return the history of a surface without the entries for flipping."""
     return tuple(step for step in body.history if step != FLIPPED_STEP)
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return True if two arrays differ only by a constant. Comparing the first row first saves time."""
+    """Return True if two arrays differ only by a constant. To save time, the first row is compared first."""
     allowed = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first)) <= allowed and float(np.ptp(a - b)) <= allowed

@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
 # Loads that differ by less than this fraction of the sliding load share one solution.
 LOAD_TOLERANCE = 1e-9
-# Tolerance of a requested displacement, relative to the displacement at sliding.
+# Tolerance of a requested displacement, as a fraction of the displacement at which the surfaces slide.
 DISPLACEMENT_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
 class SlipState:
-    """Slip at one tangential load in first loading, in mN and µm. Arrays over points in contact are in GPa."""
+    """Slip at one tangential load in first loading. Units are mN, µm and, for the tractions at contact points, GPa."""
 
     load: float
     displacement: float
@@ -43,7 +43,10 @@ class SlipState:
 
 
 class TangentialProblem(Protocol):
-    """Contact under a normal load before tangential loading. `bound` is the largest traction (GPa) of each point."""
+    """Contact under constant normal load, to which a tangential load is applied.
+
+    `bound` is the largest traction (GPa) at each point.
+    """
 
     normal_load: float
     sliding_load: float
@@ -53,15 +56,15 @@ class TangentialProblem(Protocol):
     size: int
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the state at a load between 0 and the sliding load. `near` is an initial guess."""
+        """Return the state of slip at a tangential load between 0 and the sliding load. `near` is an initial guess."""
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) dissipated by friction in first loading: the sum of bound times slip."""
+        """Return the energy (mN µm) dissipated by friction in first loading: the sum of traction bound times slip."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Onset(PlotRepr):
-    """Onset of sliding of two surfaces as a tangential load grows from 0 at constant normal load (read-only arrays).
+    """Onset of sliding of two surfaces: a tangential load grows from 0 at constant normal load. Arrays are read-only.
 
     An onset is returned by ``curve.onset(index, mu0=..., tau0=...)`` of a `HalfSpaceCurve`, `LoadCurve` or
     `SurfaceLoadCurve`.
@@ -146,8 +149,9 @@ class Onset(PlotRepr):
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
-        """Return the traction (GPa) at `tangential_load[index]`, row by row; 0 outside the contact (points,).
+        """Return the traction (GPa) at all points, row by row (points,), at `tangential_load[index]`.
 
+        The traction is 0 outside the contact.
         For asperities, the mean over each contact is returned, (contacts,), in the order of `contacts`.
 
         Raises
@@ -158,7 +162,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(self._slips[self._place(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the smallest `tangential_load` (mN) at which each point slips; NaN at points without slip (points,).
+        """Return the smallest `tangential_load` (mN) at which each point slips (points,); NaN if the point never slips.
 
         For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
@@ -168,7 +172,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(first, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
-        """Return the energy loss (mN µm) per cycle between plus and minus a tangential load, for an array of loads.
+        """Return the energy loss (mN µm) per load cycle, for an array of amplitudes of the tangential load.
 
         Parameters
         ----------
@@ -187,7 +191,7 @@ class Onset(PlotRepr):
         return np.array(losses).reshape(loads.shape)
 
     def loop(self, amplitude: float) -> tuple[Floats, Floats]:
-        """Return a cycle between plus and minus a tangential load as displacements (µm) and loads (mN).
+        """Return the displacements (µm) and the tangential loads (mN) of a load cycle with a given amplitude.
 
         The cycle starts at the maximum. By Masing's rule, it consists of the points of the curve below the amplitude;
         more steps give a smoother cycle.
@@ -219,7 +223,7 @@ class Onset(PlotRepr):
         return pandas.DataFrame({name: np.concatenate([[0.0], column]) for name, column in columns.items()})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the tangential load as a function of the displacement, or of the slipped area without displacements.
+        """Draw the tangential load against the displacement or, without displacements, against the slipped area.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -270,7 +274,7 @@ class Onset(PlotRepr):
         return np.minimum(loads, self.sliding_load)
 
     def _solve_at_load(self, load: float) -> SlipState:
-        """Return the state at a load. The solution starts from the nearest solved state."""
+        """Return the state of slip at a tangential load. The solution starts from the solved state of nearest load."""
         near = min(self._slips, key=lambda slip: abs(slip.load - load))
         return near if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load else self._held.at(load, near)
 
@@ -279,7 +283,7 @@ def compute_onset(
     tangential_problem: TangentialProblem, *, mu0: float, tau0: float, direction: float, steps: int | Sequence[float],
     displacements: ArrayLike | None,
 ) -> Onset:  # fmt: skip
-    """Compute the onset curve at fractions of the sliding load, or at displacements."""
+    """Compute the onset curve at given fractions of the sliding load, or at given displacements."""
     at_sliding = tangential_problem.at(tangential_problem.sliding_load)
     slips: list[SlipState] = []
     if displacements is None:
@@ -307,11 +311,11 @@ def compute_onset(
 
 
 MIN_STRENGTH = 1e-9
-"""Smallest mu0, or ratio of tau0 to the modulus, for an onset; smaller strengths are lost in round-off."""
+"""Smallest mu0, or smallest ratio of tau0 to the modulus, for an onset. Smaller strengths are lost in round-off."""
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Convert an index that may count from the back to an index that counts from the front."""
+    """Convert an index that may be negative (counted from the end) to an index counted from the beginning."""
     try:
         checked_index = whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
@@ -322,7 +326,7 @@ def resolve_index(index: Any, count: int, items: str) -> int:
 
 
 def check_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
-    """Check that mu0 and tau0 (GPa) are not both negligible."""
+    """Check that mu0 and tau0 (GPa) are not both negligible, and return them."""
     values = check_strengths(mu0, tau0, effective_modulus)
     if max(values[0], values[1] / effective_modulus) < MIN_STRENGTH:
         raise ValueError(
@@ -343,7 +347,7 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
 
 
 def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
-    """Return the Poisson's ratios of the upper and the lower body, from one ratio or two."""
+    """Return the Poisson's ratios of the upper and the lower body. A single ratio applies to both bodies."""
     values = float_array("poisson", poisson)
     if values.shape not in ((), (1,), (2,)) or not ((values > -1) & (values <= 0.5)).all():
         raise ValueError(
@@ -355,7 +359,7 @@ def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
 
 
 def load_fractions(steps: int | Sequence[float]) -> Floats:
-    """Return fractions of the sliding load, from a number of equal steps up to 1 or from given fractions."""
+    """Return fractions of the sliding load. The argument is the number of equal steps up to 1, or the fractions."""
     if np.ndim(steps) == 0:
         count = whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count
@@ -386,7 +390,7 @@ def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target: float, at_sliding: SlipState, near: SlipState | None
 ) -> SlipState:
-    """Return the state at a displacement (µm), found by a root search over the load."""
+    """Return the state of slip at a displacement (µm). The load is found by root search."""
     from scipy.optimize import brentq
 
     far = at_sliding.displacement

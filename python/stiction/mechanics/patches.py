@@ -1,4 +1,4 @@
-"""Friction sums from pressures on a grid: connected patches, their real areas, slopes and sums."""
+"""Connected patches of a pressure map, their real areas and slopes, and the friction sums over each patch."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 
 MAX_LEVEL_SLOPE = 1e-6
-"""Ratio of the mean slope of a patch to the rms slope in contact below which the patch counts as level.
+"""A patch counts as level if the ratio of its mean slope to the rms slope in contact is below this limit.
 
 Level patches do not oppose the motion. For a sphere on a flat, solver errors give a ratio of 1e-9 at a tolerance of
 1e-6.
@@ -22,7 +22,7 @@ Level patches do not oppose the motion. For a sphere on a flat, solver errors gi
 
 
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
-    """Compute the slopes along each axis: spectrally for periodic heights, otherwise with natural cubic splines."""
+    """Compute the slopes along each axis, spectrally for periodic heights, and otherwise with natural splines."""
     if periodic:
         return [_spectral_slope(heights, axis, step) for axis, step in enumerate(spacing)]
     rows = np.atleast_2d(heights)
@@ -48,14 +48,14 @@ class PatchSums:
     Shapes are (patches,) or (directions, patches).
     """
 
-    force: Floats  # mN, Σ F n_z
+    force: Floats  # Σ F n_z, mN
     area: Floats  # area along the deformed interface, µm²
-    leaning: Floats  # mN, -Σ F s·n
+    leaning: Floats  # -Σ F s·n, mN
     upward: Floats  # Σ F t_z of the friction due to mu0, mN
     forward: Floats  # -Σ F s·t of the friction due to mu0, mN
     upward_area: Floats  # Σ A t_z of the friction due to tau0, µm²
     forward_area: Floats  # -Σ A s·t of the friction due to tau0, µm²
-    steepness: float  # rms slope in contact, weighted by the force
+    steepness: float  # rms slope over the contact area, weighted by the force
 
     @property
     def opposing(self) -> NDArray[np.bool_]:
@@ -63,7 +63,7 @@ class PatchSums:
         return np.asarray(self.leaning > MAX_LEVEL_SLOPE * self.steepness * self.force)
 
     def total(self, sliding: Sliding) -> dict[str, Any]:
-        """Return the sums over all patches, or over all opposing patches, for a sliding rule.
+        """Return the sums over the patches that contribute to friction according to a sliding rule.
 
         Sums that depend on the direction have the shape (directions,).
         """

@@ -1,4 +1,4 @@
-"""Presliding models fitted to an onset curve: the four-parameter Iwan model and the LuGre model."""
+"""Presliding models that are fitted to an onset curve: the four-parameter Iwan model and the LuGre model."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stiction._checks import Floats, float_array, read_only
 from stiction._repr import TextRepr
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
-# The first displacement counts as round-off if its ratio to the last displacement is smaller.
+# Below this ratio to the last displacement, the first displacement counts as round-off.
 ROUND_OFF_RATIO = 1e-12
 
 
@@ -70,11 +70,11 @@ class FourParameterIwan(TextRepr):
         return np.asarray(np.where(ratio < 1, rising, self.sliding_load))
 
     def energy_lost(self, displacement: ArrayLike) -> Floats:
-        """Return the energy loss per cycle (mN µm) between plus and minus a displacement (µm)."""
+        """Return the energy loss (mN µm) per cycle with a given displacement amplitude (µm)."""
         distance, limit = _check_displacement(displacement), self.displacement_at_sliding
         ratio = np.minimum(distance / limit, 1.0)
         softer = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
-        # By Masing's rule, the loss is 8 times the area under the loading curve minus 4 times load times displacement.
+        # Masing's rule: the loss is 8 times the area under the loading curve, minus 4 times load times displacement.
         rising = 4 * self.stiffness * softer * (self.chi + 1) / (self.chi + 3) * np.minimum(distance, limit) ** 2
         return np.asarray(rising + 4 * self.sliding_load * np.maximum(distance - limit, 0.0))
 

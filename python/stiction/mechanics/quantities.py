@@ -1,4 +1,4 @@
-"""Table of quantities: unit, names, dimensions and use of every number in a result.
+"""Table of the quantities in results, with their units, names, dimensions and uses.
 
 All lists of quantities are selections from `QUANTITIES`. Texts, reports and CSV files list quantities in the order of
 the table.
@@ -14,23 +14,23 @@ from typing import Any, Literal
 import stiction._core
 
 Kind = Literal["sum", "statistic", "ratio", "validity", "uncertainty", "coordinate"]
-"""Sum over contacts, statistic of a member, ratio, validity indicator, uncertainty of a mean, or coordinate."""
+"""Kinds of quantities: sum over contacts, statistic of a member, ratio, validity indicator, uncertainty, coordinate."""
 
 Axis = Literal["sliding", "direction", "axis", "step", "mu0", "tau0", "fraction_below", "fraction", "input", "wait"]
-"""Dimensions of a quantity in addition to cells and members; `step` is the approach or the load."""
+"""Dimensions that a quantity may have besides cells and members. `step` is the approach or the load."""
 
 Source = Literal["asperities", "areal", "half-space", "adhesion", "onset", "measured"]
-"""Studies whose results store a quantity.
+"""Kinds of studies whose results may store a quantity.
 
 These are studies of asperities, of asperities of surfaces, of the half-space, of adhesive bodies, of generated bodies
 with an onset of sliding, and of measured bodies.
 """
 
 Interval = Literal["sampling", "combined", "prediction", "conditional"]
-"""Interval of the mean over members, with all uncertain inputs, of one more test, or with one input exact."""
+"""Kinds of intervals: of the mean over members, with all uncertain inputs, of one more test, with one exact input."""
 
 View = Literal["table", "verbose", "report", "csv", "hatch"]
-"""Table of a result, verbose table, selection list of the report, CSV file, and hatching of maps."""
+"""Places that show a quantity: table, verbose table, selection list of the report, CSV file, hatching of maps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,28 +40,29 @@ class ResultQuantity:
     unit: str
     words: str  # phrase for axis labels and for the `long_name` of a variable
     brief: str = ""  # shorter phrase for tables, if `words` is too long
-    symbol: str = ""  # in TeX
+    symbol: str = ""  # symbol in TeX notation
     kind: Kind
     along: tuple[Axis, ...] = ()
     dtype: type = float
-    # numerator of a ratio; for a sum without a load, the corresponding sum under load
+    # Numerator of a ratio. For a sum at zero load, the corresponding sum under load.
     numerator: str = ""
-    denominator: tuple[str, ...] = ()  # denominator of a ratio, as the sum of these quantities
-    bounds: tuple[float, float] = (-math.inf, math.inf)  # limits that the ends of an interval must not exceed
+    denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a ratio
+    bounds: tuple[float, float] = (-math.inf, math.inf)  # lower and upper limit of the ends of an interval
     interval: Interval = "sampling"  # kind of the 95 % interval
     percent: bool = False  # True if tables and reports show the quantity in percent
     column_unit: str = ""  # unit in spreadsheets, if different from `unit`
     column_factor: float = 1.0
-    # True if the value is roughly proportional to the load; its ratio to the load is interpolated over the log load
+    # True if the value is roughly proportional to the load.
+    # The ratio of such a value to the load is interpolated over the logarithm of the load.
     proportional: bool = False
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
-    bound_fraction: str = ""  # name of the fraction of members that provide only a lower bound
+    bound_fraction: str = ""  # name of the quantity that is the fraction of members with only a lower bound
     stored: frozenset[Source] = frozenset()
     shown: frozenset[View] = frozenset()
 
     @property
     def short(self) -> str:
-        """Words for tables: `brief`, or `words` if `brief` is empty."""
+        """Label in tables: `brief`, or `words` if `brief` is empty."""
         return self.brief or self.words
 
     @property
@@ -72,7 +73,7 @@ class ResultQuantity:
 
 CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.quantities()}
 AREAL_CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.areal_quantities()}
-"""Units and words of the additional sums on surfaces, as declared by the core, in its order."""
+"""Units and descriptions of the additional sums on surfaces. The core declares them and determines their order."""
 
 _STEP: tuple[Axis, ...] = ("step",)
 _MOTION: tuple[Axis, ...] = ("sliding", "direction")
@@ -87,7 +88,7 @@ _MEASURED: frozenset[Source] = frozenset({"measured"})
 
 
 def _sum(name: str, *more: Source, **properties: Any) -> ResultQuantity:
-    """Return the table entry of a sum, with the unit and words that the core declares."""
+    """Return the table entry of a sum, with the unit and the description that the core declares."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: Source = "asperities" if name in CORE_SUMS else "areal"
     of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP, "stored": frozenset({source, *more})}
@@ -446,13 +447,13 @@ HALF_SPACE_SUMS = (
 """Numbers that a half-space result stores for each pair at each load."""
 
 UNLOADED = select(lambda each: "adhesion" in each.stored and each.along == _MOTION)
-"""Contributions to the tangential load that starts sliding without a load, for the evaluation at any mu0 and tau0."""
+"""Sums from which the tangential load that starts sliding at zero normal load is computed for any mu0 and tau0."""
 
 PULL_OFF = select(lambda each: "adhesion" in each.stored and not each.along)
-"""Pull-off force of a member, and a number that is 1 if the force is only a lower bound, and otherwise 0."""
+"""Pull-off force of a member, and a number that is 1 if this force is only a lower bound and 0 otherwise."""
 
 ADHESION = (*select(lambda each: "adhesion" in each.stored and "step" in each.along), *PULL_OFF, *UNLOADED)
-"""Additional numbers that results of adhesive bodies store; all but the first do not depend on the load."""
+"""Additional numbers in results of adhesive bodies. All of them except the first are independent of the load."""
 
 LOAD_INDEPENDENT = select(lambda each: "table" in each.shown and "step" not in each.along)
 """Quantities of adhesive bodies that do not depend on the load."""
@@ -467,7 +468,7 @@ GAP = select(lambda each: "measured" in each.stored and "step" not in each.along
 """Quantities of the gap of each member, which do not depend on the load."""
 
 STATISTICS = select(lambda each: "measured" in each.stored and each.along == _STEP)
-"""Statistics, with the status, that a result of measured bodies stores for each member at each load."""
+"""Statistics (including the status) that a result of measured bodies stores for each member at each load."""
 
 VALIDITY = select(lambda each: each.kind == "validity" and {each.numerator, *each.denominator} <= {*SUMS})
 """Fields of `Validity`."""
@@ -476,7 +477,7 @@ AREAL_VALIDITY = select(lambda each: each.kind == "validity" and bool({each.nume
 """Fields of `SurfaceValidity` in addition to those of `Validity`."""
 
 AT_HARDNESS = select(lambda each: "half-space" in each.stored and each.kind == "statistic")
-"""Fractions of the load and of the area at points at which the pressure equals the hardness."""
+"""Fractions of the load and of the area that belong to points at which the pressure equals the hardness."""
 
 PER_AREA = select(lambda each: each.kind == "ratio" and each.unit == "GPa/mm")
 """Stiffnesses divided by the nominal area."""
@@ -497,7 +498,7 @@ INTERPOLATED_QUANTITIES = tuple(
     for name, each in QUANTITIES.items()
     if each.stored and each.along == _STEP and (each.shown or name in RATIO_PARTS)
 )
-"""Stored quantities, besides friction and quantiles, that `at_load` interpolates to a load."""
+"""Stored quantities that `at_load` interpolates to a load. Friction and quantiles are not included."""
 
 
 def attributes_of(name: str) -> dict[str, str]:
@@ -507,7 +508,7 @@ def attributes_of(name: str) -> dict[str, str]:
 
 
 def column_of(name: str) -> tuple[str, float]:
-    """Return the title of a spreadsheet column, including its unit, and the conversion factor to this unit."""
+    """Return the title of the spreadsheet column of a quantity (with unit), and the conversion factor to this unit."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit
     return quantity.short + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor

@@ -1,4 +1,4 @@
-"""Dependence of area and friction on the shortest resolved wavelength, with the limits due to a hardness."""
+"""Area and friction as functions of the shortest resolved wavelength, and their limits if the bodies yield."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
 TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 """Default hardnesses (GPa) for which the plastic wavelength is computed, from polymers and soft metals to ceramics."""
 
-_MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, relative to the shortest side
-# the first rule corresponds to most measurements of mu0
+_MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, as a fraction of the shortest side
+# the first sliding rule corresponds to most measurements of mu0
 _SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_TEXT = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA = 2.2  # A E* h'/F at small loads; 2.1 to 2.4 on Gaussian surfaces
-# fields of a curve with one value per load, for all directions
+KAPPA = 2.2  # value of A E* h'/F at small loads, which is 2.1 to 2.4 on Gaussian surfaces
+# fields of a curve that have one value per load and do not depend on the direction
 _CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _RENAMED_VARIABLES = {
     "load_share_at_hardness": "load_fraction_at_hardness"
-}  # names of result variables that differ from the fields of the curve
+}  # variables of the result whose names differ from the names of the curve's fields
 
 
 def resolution(
@@ -59,7 +59,7 @@ def resolution(
     tolerance: float = 1e-6,
     progress: Callable[[int, int], object] | None = None,
 ) -> xr.Dataset:
-    r"""Compute area, pressure and friction of a pair as functions of a cutoff wavelength, with limits for finer scans.
+    r"""Compute area, pressure and friction of a pair as functions of a cutoff wavelength, and limits for finer scans.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ class _SolvedPair:
 
     @property
     def shortest(self) -> float:
-        """Shortest possible cutoff wavelength (µm): two points of the coarser spacing."""
+        """Shortest possible cutoff wavelength (µm), which is twice the larger spacing."""
         return 2 * max(self.upper.spacings)
 
     def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
@@ -284,7 +284,7 @@ class _SolvedPair:
 
 
 def _solve(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], **options: Any) -> dict[str, Floats]:
-    """Solve the contact at all loads.
+    """Solve the contact of two bodies at all loads.
 
     Returns numbers (load,) and sums (rule, load), averaged over directions, which are NaN without a solution.
     """
@@ -362,7 +362,7 @@ def _with_limits(
     result: xr.Dataset, pair: _SolvedPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Add the plastic limit, its wavelength, and the elastic extrapolation towards this wavelength."""
+    """Add the plastic limit, the plastic wavelength, and the elastic extrapolation towards this wavelength."""
     gap = pair.gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = brackets.gap_exponent(gap, pair.periodic)

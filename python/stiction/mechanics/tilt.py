@@ -23,10 +23,12 @@ from stiction.mechanics.half_space_problem import (
     to_contact_solution,
 )
 
-MAX_OFF_CENTRE = 1e-4  # largest distance of the resultant force from the centre along each axis, relative to the length
-MAX_TILT_SOLUTIONS = 60  # largest number of solutions per load
+# Largest distance of the resultant force from the centre along an axis, as a fraction of the length along this axis.
+MAX_OFF_CENTRE = 1e-4
+MAX_TILT_SOLUTIONS = 60  # maximum number of solutions per load
 MAX_EDGE_STEP = 0.5  # largest edge displacement in one step, in standard deviations of the gap
-# Smallest response of a moment to a slope, in units of load times length² divided by the standard deviation of the gap.
+# Smallest response of a moment to a slope.
+# The unit is the load times the squared length, divided by the standard deviation of the gap.
 MIN_RESPONSE = 1e-6
 
 
@@ -39,7 +41,7 @@ def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
 def solve_balanced(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
-    """Solve the contact at each load (mN) with the resultant force at the centre, starting from the previous tilt."""
+    """Find the tilt at which the resultant force acts at the centre, and return the contact, for each load (mN)."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     arms, shape = lever_arms(problem), problem.gap.shape
@@ -63,7 +65,7 @@ def solve_balanced(
             step = np.linalg.solve(np.diag(MIN_RESPONSE * mean * lengths**2 / height) - turning, moments)
             step *= min(1.0, MAX_EDGE_STEP * height / float(np.abs(step * lengths / 2).max()))
             # The energy is a concave function of the slopes.
-            # Beyond its maximum along the step, the moments change sign.
+            # The moments change sign beyond the maximum of the energy along the step.
             while num_tried < MAX_TILT_SOLUTIONS:
                 num_tried += 1
                 candidate = solve_at(tilt_problem(pressed.problem, np.asarray(step, np.float64)), load, near)
