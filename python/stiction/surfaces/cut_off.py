@@ -6,7 +6,8 @@ from stiction._checks import check_bool
 from stiction.surfaces.filters import check_cutoff, gaussian_mean
 from stiction.surfaces.surface import AnyBody, as_body
 
-# Longest cutoff wavelength as a fraction of the shortest side. A longer cutoff would leave too few periods.
+# Longest cutoff wavelength, as a fraction of the shortest side of the body.
+# A filter with a longer cutoff would leave too few periods.
 MAX_CUTOFF_FRACTION = 1 / 3
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Hills and dales below this fraction of the maximum height are merged with a neighbour (Wolf pruning).
+# A hill or dale with a height below this fraction of the maximum height is merged with a neighbour (Wolf pruning).
 PRUNING_FRACTION = 0.05
 NUM_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
 
@@ -68,7 +68,7 @@ def significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
 
 
 def _find_peaks_of_points(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
-    """Return for each point the flat index of the peak to which it belongs."""
+    """Return, for each point, the flat index of the peak whose hill contains the point."""
     from scipy.ndimage import maximum_filter
 
     above = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
@@ -82,7 +82,7 @@ def _find_peaks_of_points(rank: NDArray[np.int64], order: _IndexArray) -> _Index
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return both hills and the rank of each saddle in the maximum spanning tree, in descending order."""
+    """Return the two hills and the rank of each saddle in the maximum spanning tree, in descending order of rank."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 
@@ -108,7 +108,7 @@ def _find_saddles(
 
 
 class FeatureParameters(NamedTuple):
-    """Feature parameters of a surface; NaN if a map has too few peaks or pits."""
+    """Feature parameters of a surface. A parameter is NaN if the map has too few peaks or pits."""
 
     density: float
     curvature: float

@@ -1,4 +1,4 @@
-"""Gaussian filters of ISO 16610 for profiles and surfaces, linear and robust, with corrected ends."""
+"""Linear and robust Gaussian filters of ISO 16610 for profiles and surfaces, with end correction."""
 
 from __future__ import annotations
 
@@ -17,20 +17,22 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 Powers = tuple[int, ...]
-# shortest cutoff, in points; it transmits 96 % of the shortest wavelength
+# Shortest cutoff, in points. At this cutoff, the filter transmits 96 % of the amplitude of the shortest wavelength.
 MIN_CUTOFF_POINTS = 0.5
 _MIN_REGRESSION_POINTS = 4.0  # shortest cutoff, in points, for which straight lines are fitted near the ends
-# Half width of the weight function in cutoff wavelengths. Beyond it, weights are below 1e-15 of the largest weight.
+# Half width of the weight function, in cutoff wavelengths.
+# Beyond this distance, all weights are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
-# Minimum number of weights on each side.
-# For cutoffs of two or three points, weights decay slowly, to 1e-5 at this distance.
+# Minimum number of weights on each side of a point.
+# With a cutoff of two or three points, the weights decay slowly, to 1e-5 at this distance.
 _MIN_WEIGHTS = 64
-# Minimum fraction of the weights on measured points for which a mean line is estimated.
+# The mean line is estimated only where at least this fraction of the weights lies on measured points.
 _MIN_COVERAGE = 1e-6
-_MIN_PIVOT = 1e-9  # smallest pivot of the normalised local equations; with a smaller one, they count as singular
-# Biweight scale in median absolute deviations. It is three standard deviations of normally distributed heights.
+_MIN_PIVOT = 1e-9  # with a smaller pivot, the normalised local equations count as singular
+# Biweight scale, in median absolute deviations.
+# For normally distributed heights, this scale is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
-# The iteration has converged if the mean line changes by less than this, in biweight scales.
+# The iteration has converged if the mean line changes by less than this fraction of the biweight scale.
 _ROBUST_TOLERANCE = 1e-4
 _MAX_ITERATIONS = 200
 
@@ -184,7 +186,7 @@ def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Subtract the tilt of heights, continue them by reflection beyond their ends, and filter them.
+    """Filter heights after subtracting their tilt and reflecting them at their ends.
 
     Reflection is used for short cutoffs (in points), whose weights oscillate. A straight line fitted with the weights
     on one side would then be unstable.
@@ -227,7 +229,7 @@ def _quadratic_exponents(ndim: int) -> list[Powers]:
 
 
 class _Kernel:
-    """Gaussian weights times powers of the offset along an axis of `points` points, padded for a convolution."""
+    """Gaussian weights times powers of the offset, padded for a convolution along an axis of `points` points."""
 
     def __init__(self, points: int, length: float) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
@@ -253,7 +255,7 @@ class _Kernel:
 
 
 def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
-    """Fit a local straight line with Gaussian weights at each point along an axis, and return its value there."""
+    """Fit a local straight line with Gaussian weights at each point along an axis; return its value at the point."""
     from scipy.fft import irfft, rfft
 
     kernel = _Kernel(heights.shape[axis], length)
@@ -267,14 +269,13 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
 
 
 def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
-    """Fit a local polynomial with Gaussian weights times `weights` at each point, and return its value there."""
+    """Fit a local polynomial with Gaussian weights times `weights` at each point; return its value at the point."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_Kernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
     padded = [kernel.padded for kernel in kernels]
     inside = tuple(slice(points) for points in heights.shape)
-    # The sums are transformed as in rfftn:
-    # half transform along the last axis, full complex transforms along the others.
+    # The last axis has a half transform, and all other axes have full complex transforms, as in rfftn.
     lines = [
         [
             _broadcast_along((np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.line(power)), axis, heights.ndim)

@@ -11,7 +11,7 @@ import numpy as np
 from stiction._checks import Floats
 
 MIN_FLOOR_GAIN = 2.0  # smallest log-likelihood gain over power laws alone that makes a floor significant
-_START_LEVEL = 0.3  # first trial level, as a fraction of the highest possible level (set by the lowest density)
+_START_LEVEL = 0.3  # first trial level of the floor, as a fraction of the highest level that the lowest density allows
 
 
 class BinnedSpectrum(NamedTuple):
@@ -28,8 +28,8 @@ class FloorFit(NamedTuple):
 
     level: float
     gain: float  # log-likelihood gain over the best power laws without a floor
-    exponents: tuple[float, ...]  # s of every spectrum
-    ratios: tuple[float, ...]  # ratio of the floor to A q^-s at the largest wave number of every spectrum
+    exponents: tuple[float, ...]  # exponent s of each spectrum
+    ratios: tuple[float, ...]  # ratio of the floor to the power law at the largest wave number of each spectrum
 
     @property
     def is_significant(self) -> bool:
@@ -38,7 +38,7 @@ class FloorFit(NamedTuple):
 
 
 def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> FloorFit:
-    """Fit power laws with exponents in a given range and a common floor (level 0 or above) to spectra."""
+    """Fit a common noise floor (level at least 0) and power laws with exponents in a given range to several spectra."""
     from scipy.optimize import minimize
 
     unit = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)

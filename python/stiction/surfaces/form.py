@@ -58,7 +58,7 @@ def round_form(
 
 
 def _arc_heights(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Compute the heights of an arc from squared distances to the middle and from products of slope and distance."""
+    """Compute the heights of an arc from the squared distance to the middle and the product of slope and distance."""
     rise = curvature * square + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
@@ -102,7 +102,7 @@ def _estimate_parameters(form: RoundForm, points: Points, heights: Floats) -> Fl
     if form == "sphere":
         return np.array([height, xx + yy, slope_x, slope_y])
     values, vectors = np.linalg.eigh([[2 * xx, xy], [xy, 2 * yy]])
-    flat = vectors[:, int(np.argmin(np.abs(values)))]  # direction of the axis
+    flat = vectors[:, int(np.argmin(np.abs(values)))]  # direction of the axis of the cylinder
     angle = math.atan2(flat[1], flat[0])
     along = slope_x * flat[0] + slope_y * flat[1]
     slope = slope_y * flat[0] - slope_x * flat[1]

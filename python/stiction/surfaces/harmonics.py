@@ -10,7 +10,8 @@ from stiction._checks import Floats
 
 # Minimum distance between harmonics, in bins. With a smaller distance, the spectrum between them cannot be assessed.
 MIN_HARMONIC_DISTANCE = 10
-# Smallest bin of a first harmonic. It is above 2, because a Hann window spreads a line over two bins on each side.
+# Smallest bin in which a first harmonic may lie.
+# The limit is above 2, because a Hann window spreads a spectral line over two bins on each side.
 _MIN_PERIODS = 2.5
 _MAX_COMPARED_HARMONICS = 8  # largest number of harmonics that are compared with the spectrum between them
 # Minimum number of significant harmonics above the first.
@@ -18,11 +19,11 @@ _MAX_COMPARED_HARMONICS = 8  # largest number of harmonics that are compared wit
 _MIN_SIGNIFICANT_HARMONICS = 2
 _MAX_CANDIDATES = 6  # largest number of peaks that are tested as the first harmonic
 # Minimum ratio of the density of a harmonic to the density between harmonics.
-# About one bin in 1000 exceeds it by chance.
+# About one bin in 1000 exceeds this ratio by chance.
 _MIN_LINE_RATIO = 10.0
 _PEAK_HALF_WIDTH = 2.5  # half width of a harmonic's peak after a Hann window, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
-# This quantile of the density over one period is unaffected by harmonics, even by aliased ones.
+# This quantile of the density over one period is unaffected by harmonics, including aliased harmonics.
 _BACKGROUND_QUANTILE = 0.3
 
 
@@ -83,7 +84,7 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
 
 
 def _median_between_harmonics(padded: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density around every harmonic, halfway to the next harmonics on both sides."""
+    """Return the median density around each harmonic, up to halfway to its neighbours and without its own peak."""
     bins = np.arange(padded.size)
     levels = []
     for position in harmonics.tolist():

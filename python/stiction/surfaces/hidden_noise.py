@@ -1,4 +1,4 @@
-"""White instrument noise that is hidden in a spectrum without a flat end, below the spectrum of the surface."""
+"""White instrument noise that is hidden below the spectrum of the surface, so that the spectrum has no flat end."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ from stiction.surfaces.surface import Surface
 MAX_FITTED_POINTS = 16.0  # longest fitted wavelength, in points
 _BINS_PER_OCTAVE = 8
 _MIN_BINS = 8  # smallest number of bins for a fit
-_RELATIVE_MODEL_ERROR = 0.1  # relative error of a power law in a bin
+_RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectrum from a power law in each bin
 _EXPONENTS = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
-# Largest ratio of fitted noise to the median spectrum of a map at wavelengths below four points along both axes.
+# Largest accepted ratio of the fitted noise of a map to its median density at the shortest wavelengths.
+# These are the wavelengths below four points along both axes.
 _MAX_NOISE_RATIO = 2.0
 
 
@@ -37,7 +38,7 @@ class HiddenNoise:
     """White noise that a spectrum may hide."""
 
     slope_fraction: float  # fraction of the mean square slope that the noise contributes
-    cut_off: float  # cutoff (µm) that reduces the mean square slope by this fraction
+    cut_off: float  # cutoff (µm) of a low-pass filter that reduces the mean square slope by `slope_fraction`
 
 
 def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> HiddenNoise | None:
@@ -75,9 +76,10 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
 
 
 def _shortest_waves_variance(surface: Surface, periodic: bool) -> float:
-    """Return the variance (µm²) of white noise with the median density at wavelengths below four points on both axes.
+    """Return the variance (µm²) of white noise that has the median density of a map at its shortest wavelengths.
 
-    The densities of noise are exponentially distributed, so their median is ln 2 of their mean.
+    The median is taken over the wavelengths below four points along both axes. The densities of noise are
+    exponentially distributed, so their median is ln 2 of their mean.
     """
     spectrum = surface_spectrum(surface if periodic else levelled(surface, "plane"), periodic=periodic)
     y, x = (np.abs(q) for q in (spectrum.wave_number_y, spectrum.wave_number_x))
@@ -86,9 +88,9 @@ def _shortest_waves_variance(surface: Surface, periodic: bool) -> float:
 
 
 def _bin_short_wavelengths(spectrum: Spectrum, periodic: bool) -> BinnedSpectrum | None:
-    """Average the short wavelengths of a spectrum in bins; return None if there are too few bins."""
+    """Average a spectrum in bins at wavelengths of up to 16 points; return None if there are too few bins."""
     q, density, count, step = spectrum
-    if not periodic:  # exclude the first two harmonics, which contain leakage of the window
+    if not periodic:  # exclude the first two harmonics, into which the window leaks longer wavelengths
         q, density, count = q[2:], density[2:], count[2:]
     selected = q * MAX_FITTED_POINTS * step * (1 + 1e-9) >= 2 * math.pi
     q, density, count = q[selected], density[selected], count[selected]

@@ -22,18 +22,20 @@ MAX_INTERVAL_WIDTH = 0.5  # widest 95 % interval of H for which the estimate is 
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 _TREND_ROUND_OFF = 1e-13  # round-off of a subtracted straight line, relative to the largest height
-# Number of lowest harmonics that are excluded after a Hann window. They contain the mean and longer wavelengths.
+# Number of the lowest harmonics, which are excluded if a Hann window is applied.
+# These harmonics contain contributions of the mean and of longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of a spectrum with its own power law
-# Relative error of a power law in a bin. No measured spectrum is closer to a power law.
+_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that has its own power law
+# Assumed relative deviation of the true spectrum from a power law in each bin.
+# No measured spectrum is closer to a power law.
 _RELATIVE_MODEL_ERROR = 0.1
 # Minimum log-likelihood gain of an additional piece, which has three parameters and one break among about 50 bins.
 _PIECE_PENALTY = 10.0
-# Largest accepted deviance per bin. By chance it is about 1.
-# With a larger deviance, the spectrum consists of separate peaks.
+# Largest accepted deviance per bin. Random scatter about a power law causes a deviance of about 1 per bin.
+# A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # narrowest accepted band in ln q: half a decade
 # Minimum log-likelihood gain of a roll-off, which adds one parameter.
@@ -285,7 +287,7 @@ def estimate_hurst_exponent(
 
 
 def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the fitted wave numbers and powers of a profile, and the height unit of the powers."""
+    """Return the wave numbers and powers of a profile for the fit, and the scale (µm) that normalises its heights."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -304,7 +306,7 @@ def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
 
 
 def _fitted_wave_vectors(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the fitted wave numbers of a surface, powers times wave number, and the height unit."""
+    """Return the wave numbers, the powers times wave number, and the scale (µm) that normalises heights, for a fit."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -347,7 +349,7 @@ class _SpectrumBins:
 
 
 def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
-    """Find the harmonics of the widest self-affine piece of the spectrum.
+    """Return the range of harmonics of the widest self-affine piece of a spectrum.
 
     Also returns the bins of this piece and its roll-off.
     """
@@ -390,7 +392,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
 def _remove_noisy_end(
     q: Floats, power: Floats, variance_factor: float, selection: slice, piece: _SpectrumBins
 ) -> tuple[slice, _SpectrumBins]:
-    """Remove the shortest wavelengths of a band if white noise flattens the spectrum there."""
+    """Remove the shortest wavelengths of a band if white noise flattens the spectrum at these wavelengths."""
     bins = _SpectrumBins.of(q[selection], power[selection])
     fit = fit_floor([BinnedSpectrum(bins.log_q, bins.power, bins.count / variance_factor)], exponents=(1.0, 5.0))
     if not fit.is_significant:
@@ -405,13 +407,13 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLaw]:
-    """Fit power laws with a flat roll-off that ends at bin 0 (no roll-off), 1, 2 and so on."""
+    """Fit one power law for each possible end of a flat roll-off: bin 0 (no roll-off), bin 1, bin 2 and so on."""
     breaks = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
     return [PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
 
 
 def _fit_pieces(bins: _SpectrumBins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
-    """Return start, end, fitted exponent and loss of every possible piece of a binned spectrum."""
+    """Return the start, the end, the fitted exponent and the loss of every possible piece of a binned spectrum."""
     starts, ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     laws = [
         PowerLaw(bins.log_q[start:end], bins.power[start:end], weight[start:end])
@@ -421,7 +423,7 @@ def _fit_pieces(bins: _SpectrumBins, weight: Floats) -> tuple[NDArray[np.intp], 
 
 
 def _select_pieces(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], losses: Floats) -> list[int]:
-    """Return consecutive pieces that cover all bins with the smallest sum of losses and penalties."""
+    """Return the consecutive pieces that cover all bins and have the smallest sum of losses and penalties."""
     best, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     best[0] = 0.0
     for piece in np.argsort(ends, kind="stable"):

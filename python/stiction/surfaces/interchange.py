@@ -1,4 +1,4 @@
-"""Conversion of profiles and surfaces from and to other libraries, including heights, spacing and unit."""
+"""Conversion of profiles and surfaces from and to objects of other libraries, including heights, spacing and unit."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class ForeignHeights(NamedTuple):
 
 
 def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ForeignHeights:
-    """Extract heights and spacing from a body of this package, SurfaceTopography, surfalize or xarray.
+    """Extract heights and spacing from an object of this package, SurfaceTopography, surfalize or xarray.
 
     `unit` applies to all lengths if the object has no unit. Messages refer to the object by the argument name `name`.
     """

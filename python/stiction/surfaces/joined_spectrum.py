@@ -18,13 +18,14 @@ from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_sha
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 MIN_POINTS_PER_WAVELENGTH = (
-    # Minimum number of points per wavelength for a wavelength of a scan to be used.
-    # Averaging over a pixel then transmits 95 % of the power.
+    # Number of points of the shortest wavelength that is used from a scan.
+    # Averaging over a pixel transmits 95 % of the power of this wavelength.
     8
 )
 MAX_WAVELENGTH_FRACTION = (
     1 / 3
-    # Longest used wavelength of a scan, as a fraction of its shortest side. Longer wavelengths depend on the window.
+    # Longest wavelength that is used from a scan, as a fraction of the shortest side of the scan.
+    # At longer wavelengths, the measured spectrum depends on the window.
 )
 # Number of wave vectors per independent value. Opposite wave vectors are equal, and the window correlates neighbours.
 _WAVE_VECTORS_PER_VALUE = 4.0
@@ -99,7 +100,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio of the density of each scan to that of the other scans in the overlap (scans,).
+        """Mean ratio of the density of each scan to the density of all other scans at shared wavelengths (scans,).
 
         The ratio is NaN for a scan without overlap.
         """
@@ -120,7 +121,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def chance(self) -> Floats:
-        """Expected standard deviation of the logarithm of `disagreement` by chance (scans,)."""
+        """Standard deviation of the logarithm of `disagreement` that chance alone would cause (scans,)."""
         shared = (self.contribution > 0).sum(axis=0) > 1
         actual = self.contribution * self.count / _WAVE_VECTORS_PER_VALUE
         result = np.full(len(self.bands), np.nan)
@@ -133,7 +134,7 @@ class JoinedSpectrum(TextRepr):
         return read_only(result)
 
     def roughness(self) -> ScaleDependentRoughness:
-        """Return the rms slope and curvature of all wavelengths down to a shortest wavelength."""
+        """Return the rms slope and curvature as functions of the shortest included wavelength."""
         step = math.log(self.wave_number[1] / self.wave_number[0])
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
@@ -277,7 +278,7 @@ def _check_length(name: str, values: Sequence[float | None] | None, size: int) -
 
 
 def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
-    """Return the band of usable wavelengths of a scan, and the reason for its lower limit."""
+    """Return the band of usable wavelengths of a scan, and the reason for the lower limit of the band."""
     spacing, side = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
         shortest, reason = limit, "given"

@@ -19,16 +19,17 @@ from stiction.surfaces.surface import Surface, as_body, reject_flat
 # Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so more lines add little.
 MAX_FITTED_LINES = 64
 _BOTH: tuple[Along, Along] = ("x", "y")
-MAX_MISFIT = 1.5  # a power law is accepted up to this rms factor between spectrum and power law
-# Two bands count as equal up to this ratio of their ends.
+MAX_MISFIT = 1.5  # largest accepted rms factor between a spectrum and the fitted power law
+# Two bands of wavelengths count as equal if their ends differ by at most this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
-_MODEL_VARIANCE = 0.04  # model variance of the logarithm of a bin, added to its statistical variance
+# Variance of ln(density) in a bin that is due to the model. The statistical variance of the bin is added.
+_MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextRepr):
-    """Roughness of the parallel lines of a surface. Each line is levelled by its least-squares line.
+    """Roughness of the rows or columns of a surface. A least-squares straight line is subtracted from each of them.
 
     Attributes
     ----------
@@ -138,7 +139,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
             fitted.append(measured)
     result = [fit for line in fitted if (fit := _fit_line(line, band)) is not None]
     if band is not None and not result and (rough_lines := [line for line in fitted if not line.is_flat]):
-        estimate_hurst_exponent(rough_lines[0], band=band)  # this call raises the error
+        estimate_hurst_exponent(rough_lines[0], band=band)  # this call raises the error for the band
     estimates = result
     if band is None and 2 * len(result) >= len(fitted):
         ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in result], axis=0)
@@ -216,7 +217,10 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor between a binned spectrum and a power law in a band, without the variance `chance`."""
+    """Return the rms factor between a binned spectrum and a power law in a band, corrected for random scatter.
+
+    `chance` is the variance of ln(density) for a single harmonic.
+    """
     inside = in_band(bins.wave_number, *band) & (bins.density > 0)
     if not inside.any():
         return math.nan

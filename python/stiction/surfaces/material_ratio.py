@@ -137,7 +137,7 @@ def core_parameters(heights: Floats) -> CoreParameters:
 
 
 def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
-    """Fit the straight line through the core.
+    """Fit a straight line to the core of the material ratio curve.
 
     Returns the height difference of this line over the core, and its heights at material ratios of 0 and 100 %.
     """

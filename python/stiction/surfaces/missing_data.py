@@ -16,12 +16,13 @@ The robust standard deviation is 1.4826 times the median absolute deviation.
 MAX_OUTLIER_GROUP = 4  # largest number of adjacent outliers; a larger group is a feature of the surface
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
-# Minimum number of estimates of a height from its neighbours. One of three estimates may contain another outlier.
+# Minimum number of estimates of a height from neighbouring points.
+# With three estimates, one estimate may contain another outlier.
 _MIN_ESTIMATES = 3
-# Number of lines through neighbours, out of five or more, that may agree with an outlier by chance.
+# Number of lines through neighbouring points, out of at least five lines, that may pass near an outlier by chance.
 _MAX_CHANCE_LINES = 2
 _MAX_PASSES = 8
-_MIN_EDGE_POINTS = 20  # minimum number of edge points for estimating their scatter separately
+_MIN_EDGE_POINTS = 20  # minimum number of edge points for which the scatter of edge points is estimated separately
 
 
 def interpolate_missing(heights: Floats, *, extrapolate: bool) -> Floats:
@@ -101,7 +102,7 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
 
 
 def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
-    """Return the median deviation over all points, or over the neighbourhood if that is larger.
+    """Return, for each point, the median deviation over all points or over its neighbourhood, whichever is larger.
 
     Edge points are treated separately.
     """
@@ -120,7 +121,7 @@ def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edg
 
 
 def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return deviations from means of opposite neighbours and from lines through neighbours, and edge points.
+    """Return deviations from means of opposite neighbours, deviations from lines through neighbours, and edge points.
 
     Deviations are NaN at points with too few measured neighbours.
     """
@@ -139,7 +140,7 @@ def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, 
     sides = [np.stack([2 * shift(step, sign) - shift(step, 2 * sign) for step in steps]) for sign in (1, -1)]
     # Each height is extrapolated from both sides in profiles, and from eight directions in maps.
     lines = np.stack([_finite_median(side[:3], 1) for side in sides]) if heights.ndim == 1 else np.concatenate(sides)
-    off_lines = np.sort(np.abs(heights - lines), axis=0)  # NaN last
+    off_lines = np.sort(np.abs(heights - lines), axis=0)  # sorting puts NaN last
     count = np.isfinite(off_lines).sum(axis=0)
     if heights.ndim == 1:
         return off_means, off_lines[0], count < len(lines)
@@ -150,7 +151,7 @@ def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, 
 
 def _finite_median(values: Floats, min_count: int) -> Floats:
     """Return the median of the finite values along the first axis, or NaN if there are fewer than `min_count`."""
-    ordered = np.sort(values, axis=0)  # NaN last
+    ordered = np.sort(values, axis=0)  # sorting puts NaN last
     count = np.isfinite(ordered).sum(axis=0)
     lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)
     middle = (np.take_along_axis(ordered, index[np.newaxis], axis=0)[0] for index in (lower, upper))

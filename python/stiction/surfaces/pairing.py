@@ -1,4 +1,4 @@
-"""Pairs of surfaces from two scans: pairs of lines, of pieces of maps, and of surrogates.
+"""Pairs of surfaces from two scans: pairs of lines, pairs of pieces of maps, and pairs of surrogates.
 
 A pair depends only on the scans, the options and its index. It depends neither on the number of pairs nor on the
 process that computes it.
@@ -29,9 +29,11 @@ from stiction.surfaces.profile import Along, Profile, Side, index_mask
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Default number of pairs of lines. They take a second or two, and suffice for an interval.
+# Default number of pairs of lines.
+# Computing this number of pairs takes a second or two, and suffices for an interval.
 DEFAULT_LINES = 128
-# Largest shift of a map is its length divided by this number. After a shift by a quarter, three quarters overlap.
+# The largest shift of a map is its length divided by this number.
+# After a shift by a quarter of the length, three quarters of the maps overlap.
 SHIFT_DIVISOR = 4
 MIN_PIECE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
 MAX_SURROGATE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
@@ -72,14 +74,14 @@ class LinePairs:
     count: int | None = None  # number of equally spaced pairs, or None for a sequence of any length
 
     def max_count(self) -> int | None:
-        """Number of different pairs, or None if it is unlimited."""
+        """Return the number of different pairs, or None if the number is unlimited."""
         if self.surrogates != "none":
             return None
         widths = [self._line_count(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
         return min(widths, default=1)
 
     def place(self, index: int) -> float:
-        """Return the position (µm) of the upper line of a pair across the lines; 0 for profiles."""
+        """Return the position (µm) of the upper line of a pair, measured perpendicular to the lines; 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         across = self.upper.spacing[0 if self.along == "x" else 1]
@@ -118,14 +120,14 @@ class LinePairs:
         return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
     def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
-        """Return line `index` of a surface; `shifted` shifts it by a third of the width with wrap-around."""
+        """Return line `index` of a surface. With `shifted`, line 0 is a third of the width away from the edge."""
         if isinstance(body, Profile):
             return body
         line = body.row if self.along == "x" else body.column
         return line(self._line_number(body, index, shifted=shifted))
 
     def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the row or column number of line `index`. No line repeats before all lines are used."""
+        """Return the row or column number of line `index`. No line is used again before all lines have been used."""
         width = self._line_count(surface)
         start = max(width // 3, 1) if shifted else 0
         if self.count is not None:
@@ -155,7 +157,7 @@ def paired_lines(
     surrogates: Surrogates = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Convert two scans to pairs of profiles for `press`: flipped sliders and their counterfaces.
+    """Convert two scans to pairs of profiles for `press`. Each pair is a flipped slider and its counterface.
 
     Parameters
     ----------
@@ -219,7 +221,7 @@ def paired_lines(
 def _crop_to_equal_length(
     upper: Profile, lower: Profile, index: int, level: ProfileTrend | None
 ) -> tuple[Profile, Profile]:
-    """Crop the longer profile of a pair to the length of the shorter one, and level it again.
+    """Crop the longer profile of a pair to the length of the shorter profile, and level it again.
 
     The position depends on `index`.
     """
@@ -247,7 +249,7 @@ def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profil
 
 @dataclass(frozen=True, eq=False)
 class MapPairs:
-    """Pairs of pieces of two maps at different relative shifts, or of surrogates of the pieces.
+    """Pairs of pieces of two maps at different relative shifts, or pairs of surrogates of these pieces.
 
     All pieces have the same size.
 
@@ -265,13 +267,13 @@ class MapPairs:
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
-        """Spacings of rows and of columns (µm): the finer spacings of the two maps."""
+        """Spacings of rows and of columns (µm). For each axis, the spacing is the finer of the two maps' spacings."""
         (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
         return min(uy, ly), min(ux, lx)
 
     @cached_property
     def _points(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Numbers of points of both maps along y and x, at the finer spacing."""
+        """Numbers of points of both maps along y and x after resampling to the finer spacing."""
         return tuple(  # type: ignore[return-value]
             tuple(
                 points if actual == step else math.floor((points - 1) * actual / step + 1e-9) + 1
@@ -282,7 +284,7 @@ class MapPairs:
 
     @cached_property
     def _steps(self) -> tuple[tuple[int, int], ...]:
-        """Largest shifts of the upper map along y and x, in rows and columns."""
+        """Given shifts of the upper map along y and x, converted to rows and columns."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
@@ -322,12 +324,12 @@ class MapPairs:
 
     @property
     def used(self) -> tuple[float, float]:
-        """Fractions of the upper and of the lower map that a piece covers."""
+        """Fraction of the upper map and fraction of the lower map that a piece covers."""
         pieces = np.prod(self.shape)
         return tuple(float(pieces / np.prod(points)) for points in self._points)  # type: ignore[return-value]
 
     def max_count(self) -> int:
-        """Number of different relative positions that the shifts can reach."""
+        """Return the number of different relative positions that the shifts can reach."""
         if self.shifts is not None:
             return len(self.shifts)
         margins = [max(upper, lower) - size for upper, lower, size in zip(*self._points, self.shape, strict=True)]
@@ -335,7 +337,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of the upper piece and of the lower piece, at the finer spacing."""
+        """Return the first row and column of the upper piece and of the lower piece, in units of the finer spacing."""
         if self.shifts is not None:
             first, size = self._overlap(self._steps[index])
             below = tuple(start + (n - m) // 2 for start, n, m in zip(first, size, self.shape, strict=True))
@@ -412,7 +414,7 @@ class SquarePairs:
 class IsotropicPairs(SquarePairs):
     """Pairs of isotropic random surfaces generated from the spectra of two profiles."""
 
-    upper: Profile  # levelled profile, flipped so that its heights point upwards for the upper body
+    upper: Profile  # levelled and flipped profile of the upper body
     lower: Profile
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016
@@ -432,7 +434,7 @@ class IsotropicPairs(SquarePairs):
 
     @property
     def used(self) -> tuple[float, float]:
-        """Ratio of the side of the surface to the length of the profile, for the upper and the lower body."""
+        """Ratio of the side length of the surface to the length of the profile, for the upper and the lower body."""
         upper, lower = (self._num_side_points / len(item) for item in self._resampled_profiles)
         return upper, lower
 
@@ -453,7 +455,7 @@ class IsotropicPairs(SquarePairs):
 
 
 def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
-    """Return the isotropic spectrum of a scan in its reliable band, or a given spectrum unchanged."""
+    """Return the isotropic spectrum of a scan in its reliable band. A spectrum is returned unchanged."""
     return scan if isinstance(scan, JoinedSpectrum) else joined_spectrum([scan], names=["one scan"])
 
 
@@ -464,14 +466,15 @@ class SpectrumPairs(SquarePairs):
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    # Spectrum of the upper body. Flipping would not change it, because the phases are random.
+    # Spectrum of the upper body. Flipping does not change the spectrum, because the phases are random.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016
     cut_off: tuple[float, float] = (0.0, 0.0)  # cutoff wavelengths of the upper and the lower body, µm; 0 for no filter
     finest: float = (
-        # Shortest cutoff of a study, µm. It determines the grid, so that members have the same surfaces at all cutoffs.
+        # Shortest cutoff of a study, µm. This cutoff determines the grid for all cutoffs.
+        # Each member therefore has the same surfaces at all cutoffs.
         0.0
     )
 
@@ -486,7 +489,7 @@ class SpectrumPairs(SquarePairs):
 
     @property
     def side(self) -> float:
-        """Side of the whole generated surfaces, µm."""
+        """Side length (µm) of the generated surfaces, from which pieces are cut."""
         return self._num_side_points * self._step
 
     @property
@@ -510,5 +513,5 @@ class SpectrumPairs(SquarePairs):
 
 
 def _centred_origin(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
-    """Return the first row and column of a piece in the middle of a surface."""
+    """Return the first row and column of a piece that lies in the middle of a surface."""
     return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

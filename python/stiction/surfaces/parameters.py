@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stiction._repr import TextRepr, format_number_and_unit, table_html
 
-NOT_LEVELLED = "no"  # description of heights that were not levelled
+NOT_LEVELLED = "no"  # value that describes heights without levelling
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ _PROFILE = {
     "mrk1": ("material ratio at the upper end of the core", _RATIO, r"mr(\text{core line at 0})", ""),
     "mrk2": ("material ratio at the lower end of the core", _RATIO, r"mr(\text{core line at 100 \%})", ""),
 }  # fmt: skip
-"""Meaning, subject of the clause, formula and unit of profile parameters; keys omit the letter of the profile."""
+"""Meaning, clause of the standard, formula and unit of each profile parameter. Keys omit the letter of the profile."""
 
 _OF_PROFILE = {
     "P": ("a", "q", "t", "sk", "ku", "dq"),
@@ -84,7 +84,7 @@ def _profile_parameters(letter: str) -> tuple[Parameter, ...]:
 
 
 PROFILE_PARAMETERS = {letter: _profile_parameters(letter) for letter in "PRW"}
-"""Parameters of the primary, the roughness and the waviness profile, by the letter of the profile."""
+"""Parameters of the primary profile (key P), the roughness profile (R) and the waviness profile (W)."""
 
 _AREAL, _PEAKS = "ISO 25178-2", "five peaks"
 SURFACE_PARAMETERS = (

@@ -17,8 +17,9 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-Align = Literal["start", "middle"]  # part of the longer body that is kept: an end, or the middle
-# Tolerance of positions on a grid, in spacings. Despite round-off, 0.3 µm is point 3 at a spacing of 0.1 µm.
+Align = Literal["start", "middle"]  # part of the longer body that is kept: its start or its middle
+# Tolerance for positions on a grid, as a fraction of the spacing.
+# With this tolerance, the position 0.3 µm is point 3 at a spacing of 0.1 µm despite round-off.
 GRID_TOLERANCE = 1e-9
 LINE_ROUND_OFF = 1e-14  # round-off of a subtracted straight line, relative to the largest height
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
@@ -31,7 +32,7 @@ _LEVELLED = {
     "plane": "levelled by a plane",
 }
 
-# Distance from the end of a spline, in points, beyond which the end condition has no effect.
+# At this distance from the end of a spline, in points, the end condition no longer affects the spline.
 _SPLINE_MARGIN = 32
 _KEPT = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING = (np.floor, np.ceil)
@@ -109,7 +110,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
-    """Return polynomials of degree 0 to `degree`, orthogonal on a uniform grid and of order 1."""
+    """Return polynomials of degree 0 to `degree` that are orthogonal on a uniform grid and have values of order 1."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -233,7 +234,7 @@ def on_common_grid(a: Profile, b: Profile, *, align: Align = ...) -> tuple[Profi
 @overload
 def on_common_grid(a: Surface, b: Surface, *, align: Align = ...) -> tuple[Surface, Surface]: ...
 def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Resample two profiles or two surfaces to the finer of their grids, over their common length.
+    """Resample two profiles or two surfaces to the finer of their spacings, over their common length.
 
     Parameters
     ----------
@@ -286,12 +287,12 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
 
 
 def _count_points(length: float, spacing: float) -> int:
-    """Return the number of points from 0 to a length (µm), including the end despite round-off."""
+    """Return the number of grid points from 0 to a length (µm). Round-off does not exclude a point at the end."""
     return math.floor(length / spacing + GRID_TOLERANCE) + 1
 
 
 def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
-    """Resample a body to spacings (µm) and a shape, or return it unchanged if it already has both."""
+    """Resample a body to given spacings (µm) and a given shape. A body that already has both is returned unchanged."""
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
@@ -311,7 +312,7 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
 def resample_piece(
     surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
 ) -> Surface:
-    """Resample a piece of a surface that starts at `origin` (row, column) to spacings (µm) by natural splines."""
+    """Resample a piece of a surface to spacings (µm) by natural splines. The piece starts at `origin` (row, column)."""
     heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
         actual, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
@@ -345,7 +346,7 @@ def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
 
 
 def _resample_along(heights: Any, actual: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
-    """Resample heights along an axis by natural cubic splines, together with their masks.
+    """Resample heights, or a mask of missing points, along an axis. Heights are resampled by natural cubic splines.
 
     If the spacing does not change, the axis is only cropped.
     """
@@ -449,9 +450,9 @@ def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[flo
     """Return the height and width of the largest axis-parallel rectangle within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer, shorter = max(height, width), min(height, width)
-    if shorter <= 2 * sine * cosine * longer:  # here, two corners of the result lie on the longer sides
+    if shorter <= 2 * sine * cosine * longer:  # two corners of the result lie on the longer sides
         half_shorter = shorter / 2
-        across, along = half_shorter / cosine, half_shorter / sine  # here, the shorter side limits the result
+        across, along = half_shorter / cosine, half_shorter / sine  # the shorter side limits the result
         return (along, across) if height >= width else (across, along)
     span = cosine**2 - sine**2
     return (height * cosine - width * sine) / span, (width * cosine - height * sine) / span

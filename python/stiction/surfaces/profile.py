@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
-Side = Literal["lower", "upper"]  # body of a pair
-Along = Literal["x", "y"]  # direction of the lines of a surface: "x" for rows, "y" for columns
-MAX_POINTS = 100_000_000  # maximum number of points of a generated body (0.8 GB)
+Side = Literal["lower", "upper"]  # name of one body of a pair
+Along = Literal["x", "y"]  # axis along which the lines of a surface run: "x" for rows, "y" for columns
+MAX_POINTS = 100_000_000  # maximum number of points of a generated body; its heights take 0.8 GB
 MIN_POINTS = 4  # minimum number of points, so that a natural cubic spline has two interior points
 
 
@@ -192,7 +192,7 @@ class Profile(Body):
 
 
 def index_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return the indexed part of a mask, or None if the mask is None."""
+    """Return the part of a mask that an index selects, or None if the mask is None."""
     return None if mask is None else mask[index]
 
 
@@ -220,7 +220,7 @@ def reject_missing(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """Scale a profile to an amplitude, and write its heights into `scaled`, which saves an allocation."""
+    """Scale a profile to an amplitude. The heights are written into the existing array `scaled`."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):

@@ -26,7 +26,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     side[heights < -DISCRIMINATION_FRACTION * pit] = -1
     counting = np.flatnonzero(side)
     turns = np.flatnonzero(np.diff(side[counting]))
-    # last point of a feature, and first point of the next feature
+    # last point of each hill or dale, and first point of the next hill or dale
     last, following = counting[turns], counting[turns + 1]
     above = heights > 0
     crossings = np.flatnonzero(above[:-1] != above[1:])
@@ -36,7 +36,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     first = crossing_positions[np.searchsorted(crossings, last)]
     final = crossing_positions[np.searchsorted(crossings, following) - 1]
     ends = (first + final) / 2
-    # Search for the highest and the lowest point between two successive ends.
+    # Find the highest and the lowest point between successive ends of hills and dales.
     starts = np.ceil(ends).astype(np.intp)
     highest = np.maximum.reduceat(heights, starts)[:-1]
     lowest = np.minimum.reduceat(heights, starts)[:-1]
@@ -45,7 +45,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
 
 
 def mean_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
-    """Return the mean spacing (points) and mean height of the profile elements; NaN without elements."""
+    """Return the mean spacing (points) and the mean height of the profile elements, or NaN if there are no elements."""
     spacings, tall = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan

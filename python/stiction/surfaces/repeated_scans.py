@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 # Largest fraction of the mean square slope that may be noise. The error of h' is then below 5 %.
 MAX_NOISE_FRACTION = 0.1
-MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of smaller ranges would underflow
+MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of a smaller range would underflow
 MIN_CORRELATION = 0.5  # smallest correlation at which two scans are assumed to show the same area
 # widths (points) of the Gaussian filters in successive stages of the alignment
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NEWTON_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
-# number of points per independent value of white noise after a 1-point-wide filter
+# number of points per independent value of white noise after a Gaussian filter that is one point wide
 _CORRELATED_POINTS = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation requires
 _CANDIDATES = 400  # number of trial cutoffs
@@ -173,7 +173,7 @@ def _check_scans(first: Any, second: Any) -> None:
 
 
 def _find_noise_limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """Return the shortest cutoff wavelength at which the noise fraction of the mean square slope is small enough."""
+    """Return the shortest cutoff (µm) at which noise contributes at most `MAX_NOISE_FRACTION` of mean square slope."""
     if noise @ q**2 <= MAX_NOISE_FRACTION * (of_mean @ q**2):
         return shortest
     wave: float
@@ -201,7 +201,7 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
             step, residual = np.linalg.lstsq(columns, (item[above] - second_heights).ravel())[:2]
             shift_found = shift_found + np.clip(step[: second_heights.ndim], -2 - width, 2 + width)
         # The variance of the shift depends on the slopes of both scans, and on the residual.
-        # The filter correlates the residual.
+        # The Gaussian filter correlates the residuals of neighbouring points.
         variances = [float((actual * slope).mean()) for actual, slope in zip(_slopes(item[above]), slopes, strict=True)]
         spread = sum(
             float(np.square(slope).mean()) / variance**2 if variance**2 > 0 else math.inf
@@ -212,7 +212,7 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
     shift_found = best[1]
     above, positions = _overlap(a.shape, b.shape, shift_found)
     rounded_shift = np.round(shift_found)
-    if np.abs(shift_found - rounded_shift).max() < _INTEGER_SHIFT_TOLERANCE:  # no interpolation
+    if np.abs(shift_found - rounded_shift).max() < _INTEGER_SHIFT_TOLERANCE:  # an integer shift needs no interpolation
         shift_found, positions = rounded_shift, [np.round(place) for place in positions]
         return a[above], b[np.ix_(*(place.astype(np.intp) for place in positions))], shift_found
     return a[above], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5), shift_found
@@ -231,7 +231,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     ones, others = ([rfftn(value, shape) for value in (np.ones(c.shape), c, c**2)] for c in (a, b))
 
     def sum_products(of_a: int, of_b: int) -> Floats:
-        """Sum products of powers of both scans' heights over the overlap, at every shift."""
+        """Sum the product of powers of the two scans' heights over their overlap, for every shift."""
         return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -250,7 +250,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _overlap(
     shape: tuple[int, ...], other: tuple[int, ...], shift_found: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap in the first scan at a shift in points, and its positions in the second scan."""
+    """Return the overlap of two scans at a shift (points), as slices of the first and positions in the second scan."""
     selected, positions = [], []
     for points, others, step in zip(shape, other, shift_found.tolist(), strict=True):
         first = max(0, math.ceil(step) + (_OVERLAP_MARGIN if step > 0 else 0))

@@ -113,7 +113,7 @@ def roughness_parameters(
 
 
 def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    """Compute height and slope parameters about the mean line, with names that omit the first letter."""
+    """Compute height and slope parameters about the mean line. The names omit the letter of the profile."""
     scale = float(np.abs(z).max()) or 1.0
     unit = z / scale  # scaling prevents overflow and underflow of the fourth power
     rms = float(np.sqrt(np.mean(unit**2)))
@@ -321,7 +321,8 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
     for along_x in (corners[1] - corners[0], corners[3] - corners[2]):
         for along_y in (corners[2] - corners[0], corners[3] - corners[1]):
             squares = np.square(along_x / spacing[1]) + np.square(along_y / spacing[0])
-            total += float(np.mean(squares / (1 + np.sqrt(1 + squares)))) / 4  # this form avoids cancellation
+            # This form of sqrt(1 + squares) - 1 avoids cancellation.
+            total += float(np.mean(squares / (1 + np.sqrt(1 + squares)))) / 4
     return total
 
 
@@ -332,9 +333,10 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     """
     correlation = autocorrelation(deviation)
     half = [points // 2 for points in deviation.shape]
-    # the opposite directions have the same autocorrelation
+    # opposite directions have the same autocorrelation
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
-    # Steps are half of the finer spacing. They end where a direction leaves the central half of the surface.
+    # The step is half of the finer spacing.
+    # The search ends where a direction leaves the central half of the surface.
     towards = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):
         max_distance = np.min(np.array(half)[:, np.newaxis] / towards, axis=0)

@@ -25,39 +25,41 @@ TIP_FACTOR = 0.1
 _PER_DECADE = 48  # number of wave number bins per decade for slope and curvature
 _PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
 _WINDOW_OCTAVES = (1.0, 2.0)  # widths, in octaves, of the windows in which a spectral exponent is fitted
-# Minimum difference of a measured exponent from the exponent for H = 0,
-# the roughest self-affine surface, in standard deviations.
+# Minimum difference between a measured exponent and the exponent for H = 0, in standard deviations.
+# A surface with H = 0 is the roughest self-affine surface.
 _DEVIATIONS = 3.0
-# Largest wavelength, in points, of a hump that is attributed to the instrument.
+# Largest wavelength, in points, at which a hump in the spectrum is attributed to the instrument.
 # A hump at a longer wavelength is attributed to the surface.
 _MAX_HUMP_POINTS = 24.0
-# Wavelengths are trusted if their density exceeds the lowest density of the spectrum by this ratio.
+# Wavelengths are trusted if their density is at least this multiple of the lowest density.
 _MIN_TRUSTED_RATIO = 4.0
-# Smallest ratio of a density to the lowest density at longer wavelengths that counts as a rise.
-# No surface has such a rise.
+# A spectrum rises where its density exceeds this multiple of the lowest density at longer wavelengths.
+# The spectrum of a surface never rises in this way.
 _MIN_RISE_RATIO = 3.0
-# Largest fraction of the mean square slope at unattributed wavelengths for which a result may be quoted.
+# Largest fraction of the mean square slope that may come from wavelengths not attributed to the surface.
+# With a larger fraction, a result may not be quoted.
 MAX_UNKNOWN_FRACTION = 0.1
-# Ratio of a cutoff to the wavelength to be removed.
-# At this ratio, the Gaussian filter transmits 8 % of the amplitude of that wavelength.
+# Ratio of a cutoff to the wavelength that it is meant to remove.
+# At this ratio, the Gaussian filter transmits 8 % of the amplitude of the wavelength.
 CUTOFF_MARGIN = 1.9
 _MIN_SLOPE_FRACTION = 1e-4  # a smaller fraction of the mean square slope may be round-off
-# Smallest exponent of a rough surface in its last octave, including the effect of aliasing.
+# Smallest exponent of the spectrum of a rough surface in the last octave, including the effect of aliasing.
 _MAX_ALIASED_EXPONENT = 0.6
 # Heights count as quantised if rounding explains this fraction of the mean square second difference.
 _MIN_ROUNDED_FRACTION = 0.3
-# A spectrum counts as flat up to this exponent and up to this rms deviation of its log density.
+# A spectrum counts as flat if its exponent and the rms deviation of its log density are below this limit.
 _MAX_FLAT_EXPONENT = 0.35
-# Largest exponent of a noise floor if its fitted range includes a part of the spectrum of the surface.
+# Largest exponent of a noise floor if the fitted range also contains a part of the spectrum of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
-# Below this fraction of the limiting wavelength, the spectrum consists only of noise.
+# A spectrum consists only of noise below this fraction of the wavelength limit.
 _NOISE_WAVELENGTH_RATIO = 0.7
 # reasons that are always due to the instrument, never to the surface
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-_MAX_NOISE_RATIO = 2.0  # noise along two axes counts as equal up to this ratio of densities
-# smallest ratio of a density to a noise density that may be hidden in it; below 1 to allow for scatter
+_MAX_NOISE_RATIO = 2.0  # largest ratio of the noise densities along two axes that count as equal
+# Noise may be hidden in a spectrum whose density is at least this fraction of the noise density.
+# The limit is below 1 to allow for scatter.
 _MIN_HIDDEN_RATIO = 0.8
-_MIN_NOISE_LINES = 8.0  # minimum number of independent lines for noise that differs from line to line
+_MIN_NOISE_LINES = 8.0  # with fewer independent lines, the lines are assumed to share the same noise
 # Shortest wavelength of an extrapolation as a fraction of the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _HALVINGS = 60
@@ -162,7 +164,7 @@ class ScaleDependentRoughness(TextRepr):
 
 
 def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and two power laws with the lowest and the highest exponent.
+    """Return the fitted power law, and the power laws with the lowest and the highest exponent of its interval.
 
     All three power laws agree at the centre of the band.
     """
@@ -264,7 +266,7 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
 
 
 def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
-    """Interpolate linearly in logarithms at other wavelengths; zero above the longest wavelength."""
+    """Interpolate values linearly in logarithms at other wavelengths. They are zero above the longest wavelength."""
     lengths = float_array("wavelength", targets)
     if not (lengths > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {targets!r}")
@@ -471,7 +473,7 @@ def equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper
         middle = (low + high) / 2
         selected = float(slope @ np.square(transmission(q, math.exp(middle)))) / float(slope.sum())
         low, high = (middle, high) if selected > 1 - fraction else (low, middle)
-    # The cutoff is rounded to two digits, so that repeated scans give the same cutoff.
+    # Rounding to two digits lets repeated scans have the same cutoff.
     return max(lower, float(f"{math.exp(high):.1e}"))
 
 
@@ -511,7 +513,7 @@ def _independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> 
 
 
 def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, float]:
-    """Compare the noise of lines along x and along y, if it was found along at least one axis.
+    """Compare the noise of lines along x with the noise of lines along y. At least one of them must have noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -562,7 +564,7 @@ def _find_disturbance(
     if first > 0:
         if distance < MIN_HARMONIC_DISTANCE:
             return _Disturbance(math.nan, "noise floor", 0.0, period)
-        # Cusps of unequal depth cause a hump near the first harmonic.
+        # Cusps of unequal depth cause a hump near the first harmonic, which is therefore excluded.
         finer = slice(int(first), None)
         density, q, count = density_between_harmonics(density, count, distance)[finer], q[finer], count[finer]
     wave, kind = _find_noise(q, density, count, spacing, periodic=periodic)
@@ -570,7 +572,7 @@ def _find_disturbance(
         return _Disturbance(math.nan, kind, 0.0, period)
     below = q * wave > 2 * math.pi
     slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
-    # a noise floor has the same density at all wave numbers as at the end of the spectrum
+    # at all wave numbers, a noise floor has the density of the end of the spectrum
     if kind in INSTRUMENT_REASONS:
         level = float(density[q * math.sqrt(2) > q[-1]].mean())
         slope = min(slope, level * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
@@ -578,12 +580,12 @@ def _find_disturbance(
 
 
 def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
-    """Return the limit (µm) and the kind of noise in a spectrum without harmonics.
+    """Return the limit (µm) below which wavelengths contain noise, and the kind of noise. Harmonics must be removed.
 
     The limit is NaN if there is no noise.
     """
     nothing = math.nan, "noise floor"
-    if not periodic:  # exclude the first two harmonics, which contain leakage of the window
+    if not periodic:  # exclude the first two harmonics, into which the window leaks longer wavelengths
         q, density, count = q[2:], density[2:], count[2:]
     if q.size < _PER_OCTAVE:
         return nothing
@@ -629,7 +631,7 @@ def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
 
 
 def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
-    """Return True if the spectrum is nearly flat below a wavelength (µm), and flat at its end."""
+    """Return True if a spectrum is nearly flat below the wavelength `limit` (µm), and flat in its last octave."""
     for max_wave, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wave[-1]), _MAX_FLAT_EXPONENT),
@@ -650,7 +652,7 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
-    """Yield the bins, the exponent and its standard deviation for each window of a number of octaves.
+    """Yield the bins, the exponent and the standard deviation of the exponent for each window of `octaves` octaves.
 
     Bins are given as the first bin and the bin after the last.
     """
@@ -664,7 +666,7 @@ def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator
 def _find_flattening(
     law: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
 ) -> int | None:
-    """Return the lowest bin at which a decreasing spectrum becomes flatter than that of any surface.
+    """Return the bin of lowest density where a decreasing spectrum becomes flatter than the spectrum of any surface.
 
     Returns None if there is no such bin.
     """
@@ -680,7 +682,7 @@ def _find_flattening(
 
 
 def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
-    """Return the lowest bin before a strong rise at short wavelengths, or None if there is no such rise."""
+    """Return the bin of lowest density before a strong rise at short wavelengths, or None if there is no rise."""
     lowest, lowest_bin = math.inf, 0
     for bin_ in np.flatnonzero(chance < 1 / 4):
         if (
@@ -696,7 +698,7 @@ def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return True if the heights have so few levels that rounding explains the noise."""
+    """Return True if the heights of a body have so few levels that rounding explains the noise."""
     steps = np.diff(np.unique(body.heights))
     bends = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s has the variance s²/12.

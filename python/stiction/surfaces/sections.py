@@ -43,7 +43,7 @@ SETTING_CLASSES = (
     SettingClass("Sc4", 2500.0, 8.0, 5.0, 1.5, 10.0, 1300.0),
     SettingClass("Sc5", 8000.0, 25.0, 10.0, 5.0, math.inf, math.inf),
 )
-"""Setting classes of ISO 21920-3, selected by limits of Ra and, for periodic profiles, of RSm as in ISO 4288."""
+"""Setting classes of ISO 21920-3. Limits of Ra and, for periodic profiles, of RSm (as in ISO 4288) select a class."""
 
 _FIRST_CLASS = 2  # index of the class at which the search starts
 
@@ -226,7 +226,7 @@ def _compute_by_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_class(index: int) -> int:
-        """Return the setting class that matches the Ra and RSm computed with a given class."""
+        """Return the index of the setting class that matches the Ra and RSm computed with class `index`."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -246,7 +246,7 @@ def _compute_by_class(
                 f"{_format_length(lengths[targets])}; {remedy}"
             )
         index = following
-    if targets != index:  # neither class is consistent, because each one leads to the other
+    if targets != index:  # two classes lead to each other, so neither of them is consistent
         index = max(index, max(visited & {index - 1, index, index + 1}))
     elif index - 1 in fitting and find_matching_class(index - 1) == index - 1:
         index -= 1
@@ -266,7 +266,7 @@ def _format_length(length: float) -> str:
 
 
 def _min_section_length(spacing: float) -> float:
-    """Return the shortest possible section length (µm) at a spacing."""
+    """Return the shortest possible section length (µm) for a given spacing."""
     return SEVEN_POINTS.size * spacing
 
 

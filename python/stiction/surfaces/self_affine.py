@@ -236,7 +236,7 @@ def self_affine_surface(
         for size, extent in ((columns, extent_x), (rows, extent_y))
     ]
     # The indices are 0, 1, -1, 2, -2 and so on.
-    # In this order, the random word of a wave vector is independent of the grid.
+    # In this order, the random numbers of a wave vector do not depend on the grid.
     order = np.arange(1, 2 * along[1] + 2)
     j = np.where(order % 2 == 0, order // 2, -(order // 2))
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
@@ -246,7 +246,7 @@ def self_affine_surface(
         q = longest * np.hypot(i / extent_x, j / extent_y)
         selected = q * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
-            selected &= j > 0  # the other half of the coefficients are complex conjugates
+            selected &= j > 0  # the coefficients with j < 0 are complex conjugates
         count = int(np.flatnonzero(selected)[-1]) + 1 if selected.any() else 0
         if count == 0:
             continue

@@ -91,9 +91,9 @@ class PowerSpectrum(PlotRepr):
 
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the geometric mean wave number, mean density and number of harmonics of each bin of log q."""
+    """Return the geometric mean wave number, the mean density and the number of harmonics for each bin in log q."""
     # Harmonics are multiples of the first harmonic.
-    # Round-off must not move a harmonic at an exact decade to another bin.
+    # The summand 1e-9 prevents round-off from moving a harmonic at an exact decade to another bin.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     number = np.bincount(index, count).astype(np.float64)
     middle = np.exp(np.bincount(index, count * np.log(q)) / number)
@@ -381,7 +381,7 @@ class SurfaceSpectrum(TextRepr):
         y, x = self.wave_number_y[:, np.newaxis], self.wave_number_x
         q = np.hypot(y, x)
         limit = min(float(-value[0]) if value.size % 2 == 0 else float(value[-1]) for value in (y[:, 0], x))
-        # A wave vector and its opposite describe the same wave, so only one of them is used.
+        # Opposite wave vectors describe the same wave, so only one of them is used.
         selected = ((y > 0) | ((y == 0) & (x > 0))) & (q < limit * (1 - 1e-9))
         order = np.argsort(q[selected], kind="stable")
         angle = np.degrees(np.arctan2(np.broadcast_to(y, q.shape)[selected], np.broadcast_to(x, q.shape)[selected]))[

@@ -17,9 +17,11 @@ AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # a Profile, a Surface, or an array of heights
 
-# Core names of the amplitude measures that do not depend on the order of the points.
+# Names that the C++ core uses for the amplitude measures that do not depend on the order of the points.
 _CORE_MEASURES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-_MIN_HEIGHT = 1e-50  # smallest height (µm) whose fourth power does not underflow; its inverse does not overflow
+# Lower limit of the height of a body (µm). Fourth powers of smaller heights would underflow.
+# The inverse of this number is the upper limit, because fourth powers of larger heights would overflow.
+_MIN_HEIGHT = 1e-50
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -111,7 +113,7 @@ class Surface(Body):
 
 
 def parse_lengths(name: str, value: Any) -> tuple[float, float]:
-    """Parse a positive length for y and x, given as a pair or as one number for both axes."""
+    """Parse positive lengths along y and x. They are given as a pair, or as one number for both axes."""
     pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")

@@ -19,7 +19,8 @@ _ROUND_OFF_FRACTION = 1e-14  # a density below this fraction of the largest dens
 _MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit, typically about ten
 # The fit has converged if the logarithm of each density changes by less than this in one iteration.
 _CONVERGENCE_TOLERANCE = 1e-6
-# Default limit of the number of rows and columns. A half-space solution of this size takes some tenths of a second.
+# Default limit of the number of rows and of columns.
+# The half-space solution of a map of this size takes some tenths of a second.
 _MAX_DEFAULT_POINTS = 512
 
 
@@ -94,7 +95,7 @@ def surrogate(
     else:
         # The mirror image extends the profile without a jump, and halves the distance between harmonics.
         # Every second harmonic belongs to the original profile.
-        # Each other harmonic is split equally between its neighbours.
+        # The power of every harmonic between them is split equally between its two neighbours.
         image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         image = np.append(image, image[-2])
         actual = 2 * np.arange(points // 2 + 1)
@@ -246,18 +247,18 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
-    # Taking the real part combines opposite wave vectors, which halves the power.
+    # The real part combines opposite wave vectors, which halves the power.
     waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)
     return np.asarray(ifft2(waves, overwrite_x=True).real)
 
 
 def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Return the edges, the fitted densities C2D, and the number of harmonics of the rings."""
+    """Return the edges of the rings, their fitted densities C2D, and their numbers of harmonics."""
     check_bool("periodic", periodic)
     reject_flat(profile)
     reject_missing(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
-    # Each harmonic represents half a step on both sides.
+    # Each harmonic represents the wave numbers up to half a step away on both sides.
     k, step, limit = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
     bins = np.floor(_RINGS_PER_DECADE * np.log10(k / k[0]) + 1e-9)
     first = np.flatnonzero(np.diff(bins, prepend=-1))
@@ -269,7 +270,7 @@ def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats
     measured = np.maximum(measured, _ROUND_OFF_FRACTION * measured.max())
     # The corners of the grid belong to rings beyond the Nyquist wave number of both axes.
     edges = np.append(edges, math.sqrt(2) * limit * (1 + 1e-9))
-    # Section spectrum of a ring of unit density, averaged over the harmonics of every bin.
+    # Spectrum of a section through a surface with one ring of unit density, averaged over the harmonics of each bin.
     reach = np.minimum(np.sqrt(np.maximum(edges**2 - k[:, np.newaxis] ** 2, 0)), limit)
     of_harmonic = np.diff(reach, axis=1) / math.pi
     fraction = np.zeros((count.size, edges.size - 1))
@@ -287,7 +288,7 @@ def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats
 
 
 def _fit_densities(response: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit ring densities to a section spectrum by maximum likelihood with Fisher scoring."""
+    """Fit the densities of the rings to the spectrum of a section, by maximum likelihood with Fisher scoring."""
 
     def cost(logarithm: Floats) -> float:
         predicted = response @ np.exp(logarithm)

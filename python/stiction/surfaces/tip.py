@@ -12,7 +12,7 @@ from stiction._checks import Floats, number, read_only
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
-_TOUCH_TOLERANCE = 1e-9  # the tip counts as touching up to this distance, relative to the height of the scan
+_TOUCH_TOLERANCE = 1e-9  # largest distance at which the tip counts as touching, relative to the height of the scan
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
@@ -82,7 +82,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 def _tip_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Return grid points, their neighbours within the reach of the tip, and tip heights above its lowest point."""
+    """Yield the points, their neighbours and the height of the tip surface for each offset within the tip's reach."""
     reach, limit = _tip_reach(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in limit)):
         offsets = np.subtract(steps, limit)
@@ -98,6 +98,6 @@ def _tip_heights(
 
 
 def _tip_reach(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
-    """Return the reach of the tip from its lowest point over a range of heights, in µm and in points per axis."""
+    """Return the horizontal reach of a tip `deepest` above its lowest point, in µm and in points along each axis."""
     reach = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return reach, [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]

@@ -1,1 +1,1 @@
-"""Files of measured profiles and surfaces: readers for each format, interpretation of the content, and writing."""
+"""Files of measured profiles and surfaces: readers of each format, interpretation of the content, and writers."""

@@ -14,7 +14,7 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS = 25_000_000, 4_000_000
 """Maximum number of lines of a text, and maximum number of cells of a line."""
 
-# maximum number of lines, and of characters per line, in the search for a layout
+# maximum number of lines, and maximum number of characters per line, in the search for a layout
 HEAD_LINES, HEAD_WIDTH = 200, 1000
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that is quoted in a message
 
@@ -64,12 +64,12 @@ class Text:
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
-        """Offsets of all lines, and the offset of the end."""
+        """Byte offset of the start of each line, and of the end of the text."""
         ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
         return np.concatenate([[0], ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
-        """Return whether lines contain characters that numbers do not contain, such as words for missing points."""
+        """Return whether the given lines contain characters that do not occur in numbers, such as letters of words."""
         return bool((self.bits[lines] & _NON_NUMERIC_BIT).any())
 
     def __len__(self) -> int:
@@ -84,7 +84,7 @@ class Text:
         return self.raw(line_number).decode("utf-8", "replace").strip(" \r")
 
     def lines(self, first: int, end: int) -> list[str]:
-        """Return the non-empty lines of a range."""
+        """Return the non-empty lines in a range of lines."""
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
     def describe_line(self, line_number: int) -> str:
@@ -128,7 +128,7 @@ class Text:
             is_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBERS if is_row else TEXT
         # Lines of asterisks or dashes between rows of numbers are rows of missing points.
-        # Otherwise they are separators.
+        # Other lines of asterisks or dashes are separators.
         filled = np.flatnonzero(kinds != BLANK)
         is_ruler = (kinds[filled] == TEXT) & (bits[filled] & (_NON_NUMERIC_BIT | _DIGIT_BIT) == 0)
         others = np.flatnonzero(~is_ruler)
@@ -140,7 +140,7 @@ class Text:
 
 
 def is_text(data: bytes) -> bool:
-    """Return whether a file begins with text, in any encoding."""
+    """Return whether the bytes of a file begin with text in any encoding."""
     start = data[:4096]
     if start.startswith((b"\xff\xfe", b"\xfe\xff")) or _detect_utf16(start):
         return True
@@ -150,7 +150,7 @@ def is_text(data: bytes) -> bool:
 def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
     """Convert the bytes of a file to text. Raises `FormatError` if the file is binary or empty."""
     encoding, text = _to_utf8(data)
-    text = text.rstrip(b"\x1a")  # end-of-file mark of DOS
+    text = text.rstrip(b"\x1a")  # remove the end-of-file mark of DOS
     if not text or text.isspace():
         raise FormatError("contains only blanks")
     if b"\r" in text:
@@ -171,7 +171,7 @@ def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
 
 
 def _to_utf8(data: bytes) -> tuple[str, bytes]:
-    """Return the name of the encoding, and the text in UTF-8."""
+    """Convert the bytes of a text to UTF-8. Return the name of the original encoding, and the converted bytes."""
     for mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
         if data.startswith(mark):
             return encoding.removesuffix("-sig"), data.decode(encoding, "replace").encode()
@@ -186,7 +186,8 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
     else:
         return "utf-8", data
     start = data[:100_000]
-    start = start[: start.rfind(b"\n") + 1] or start  # the sample may end between two characters
+    # The sample ends after a complete line, so that it contains only complete characters.
+    start = start[: start.rfind(b"\n") + 1] or start
     candidates = []
     for encoding in _LEGACY_ENCODINGS:
         try:
@@ -202,7 +203,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
 
 
 def _detect_utf16(start: bytes) -> str | None:
-    """Return the UTF-16 encoding of text without a byte order mark, which has zeros in every second byte."""
+    """Return the UTF-16 encoding of text without a byte order mark. In this encoding, every second byte is mostly 0."""
     half = len(start) // 2
     if half < 4:
         return None

@@ -19,7 +19,8 @@ from stiction.surfaces.measured.text import parse_table
 
 # Maximum number of XML tags in a workbook. A number takes four tags, so this allows 2.5 million heights.
 MAX_TAGS = 10_000_000
-# Maximum number of XML tags in a row, which is stored in memory: eight for each column of the largest sheet.
+# Maximum number of XML tags in a row: eight tags for each column of the largest sheet.
+# The number is limited because a row is stored in memory.
 MAX_TAGS_PER_ROW = 8 * 16_384
 _ROW_TAG = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
@@ -79,7 +80,7 @@ def _reject_zip_bombs(data: bytes) -> None:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         remaining, tags = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
-            tags_in_row = -math.inf  # no row has started yet, or the tag is outside a sheet
+            tags_in_row = -math.inf  # no limit applies before the first row, or in a file that is not a sheet
             for chunk in read_chunks(archive, name, remaining):
                 remaining -= len(chunk)
                 tags += chunk.count(b"<")
@@ -105,7 +106,7 @@ def _is_number(cell: Any) -> bool:
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the columns with at least two numbers and a quarter as many as the fullest column."""
+    """Return the columns with at least two numbers and at least a quarter as many numbers as the fullest column."""
     numbers: Counter[int] = Counter(index for row in rows for index, cell in enumerate(row) if _is_number(cell))
     max_count = max(numbers.values(), default=0)
     return sorted(index for index, count in numbers.items() if count > 1 and 4 * count >= max_count)
@@ -120,7 +121,7 @@ def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> ra
 
 
 def _find_table_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the numeric columns and all columns next to them in the data rows.
+    """Return the numeric columns, and all columns that adjoin them in the data rows.
 
     An adjoining column contains words, or numbers in a few rows only. An empty column separates two tables.
     """

@@ -10,11 +10,12 @@ from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FormatError
 
 EXACT_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in steps
-# Largest deviation of a point from the grid in steps, beyond the rounding of the printed position.
+# Largest deviation of a point from the grid, in steps and in addition to the rounding of the printed position.
 MAX_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
 MIN_ROUNDED_STEP = 2.0  # smallest step of rounded positions, in units of the last printed digit
-# Largest scatter of rounded positions about a grid, in last printed digits: 1 plus a margin for the fitted step.
+# Largest scatter of rounded positions about a grid, in units of the last printed digit.
+# The scatter is at most 1, plus a margin for the fitted step.
 MAX_SCATTER_DIGITS = 1.2
 MIN_GAP_RATIO = 4.0  # smallest ratio of a gap between grid points to a gap due to rounding
 
@@ -82,7 +83,7 @@ def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats
 
 
 def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Return the step of a grid without missing nodes whose printed positions are rounded.
+    """Return the step of a grid that has no missing nodes and whose printed positions are rounded.
 
     Returns None if there is no such grid.
     """
@@ -97,7 +98,7 @@ def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> flo
 
 
 def estimate_step(positions: Floats) -> float | None:
-    """Return the median gap between positions that repeat with small deviations, ignoring gaps due to rounding."""
+    """Return the median step between positions. Positions that differ only by rounding count as one position."""
     distinct = np.unique(positions)
     gaps = np.diff(distinct)
     if not gaps.size:

@@ -19,7 +19,7 @@ _SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
 _UNIT_PATTERN = r"[^\W\d_]{1,12}"
 _LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
 _UNIT_GAP_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
-"""Space between a number and its unit, or a cell separator if the next cell contains only a unit of length."""
+"""Pattern of the space between a number and its unit, or of a separator before a cell with only a unit of length."""
 
 _SPACING_PATTERN = re.compile(
     r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
@@ -41,7 +41,7 @@ _STICTION_SPACING_PATTERNS = tuple(
     re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
     for axis in "yx"
 )
-"""Header lines with spacings that `write_surface` writes above a matrix."""
+"""Patterns of the header lines with spacings that `write_surface` writes above a matrix."""
 
 _SIZE_PATTERNS = tuple(
     re.compile(
@@ -55,7 +55,7 @@ _SIZE_PATTERNS = tuple(
         "x[ _-]?(?:length|size|range|amplitude)|length x",
     )
 )
-"""Header lines with the physical height and width of a matrix, as written by Gwyddion and other programs."""
+"""Patterns of header lines with the physical height and width of a matrix, as in files of Gwyddion."""
 
 _HEIGHT_UNIT_PATTERN = re.compile(
     r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+|"
@@ -71,7 +71,7 @@ _FACTOR_PATTERN = re.compile(
     re.IGNORECASE,
 )
 _CONVERSION_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
-"""Words that indicate that a scale converts numbers to heights. A scale without these words is often a colour range."""
+"""Pattern of words that indicate a scale from numbers to heights. Without them, a scale is often a colour range."""
 
 _CODE_PATTERN = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
@@ -102,7 +102,7 @@ NON_HEIGHT_NAME_PATTERN = re.compile(
     r"deflection|friction|lateral force|force|kraft|time|zeit|curvature|krümmung|gradient|temperature)\b",
     re.IGNORECASE,
 )
-"""Names of quantities that are not heights."""
+"""Pattern of the names of quantities that are not heights."""
 
 _HEIGHT_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:z|heights?|höhen?|hauteurs?|altezz[ae]|alturas?|topograph\w*|elevations?|amplitudes?)(?![^\W_])",
@@ -121,7 +121,7 @@ class ColumnHeads:
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    height_unit: str | None = None  # unit in a line that names only heights
+    height_unit: str | None = None  # unit of the heights, if a line names heights and no other quantity
 
 
 def normalise_line(line: str) -> str:
@@ -244,7 +244,7 @@ def _unit_of_factor(match: re.Match[str]) -> str | None:
 
 
 def _is_declaration(line: str) -> bool:
-    """Return whether a line is a declaration, as opposed to a line of column names."""
+    """Return whether a header line is a declaration, as opposed to a line of column names."""
     full_patterns = (_HEIGHT_UNIT_PATTERN, _FACTOR_PATTERN, _CODE_PATTERN, _POINT_COUNT_PATTERN)
     prefix_patterns = (_SPACING_PATTERN, *_AXIS_SPACING_PATTERNS.values(), *_SIZE_PATTERNS)
     return any(pattern.fullmatch(line) for pattern in full_patterns) or any(
@@ -258,7 +258,7 @@ def _last_line_of_names(lines: Sequence[str]) -> str | None:
 
 
 def _names_heights_alone(line: str) -> bool:
-    """Return whether a line names heights with their unit, but neither positions nor other lengths."""
+    """Return whether a header line names heights with their unit, but neither positions nor other lengths."""
     return bool(
         len(_units_in(line)) == 1
         and not _has_value(line)
@@ -278,7 +278,7 @@ def _units_in(line: str) -> list[str]:
 
 
 def _has_value(line: str) -> bool:
-    """Return whether a line has a number outside brackets, as in "Length (um): 1500".
+    """Return whether a header line has a number outside brackets, as in "Length (um): 1500".
 
     Such a line does not name columns.
     """
@@ -286,7 +286,7 @@ def _has_value(line: str) -> bool:
 
 
 def is_unit(word: str) -> bool:
-    """Return whether a word is a unit, of length or of another quantity."""
+    """Return whether a word is a unit of length or of another quantity."""
     return length_unit(word) is not None or NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 

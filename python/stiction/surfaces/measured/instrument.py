@@ -47,7 +47,7 @@ def _open_reader(path: Path) -> Iterator[Any]:
         raise
     except Exception as error:  # the readers raise many kinds of errors
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        # skip this message, which lists the errors of all readers
+        # omit the message of this error, which lists the errors of all readers
         if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
         raise FormatError(

@@ -58,7 +58,7 @@ def read_options(
     unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None, outliers: Outliers = "keep",
     crop: Any = None, missing_value: Any = None, accept: Any = None,
 ) -> ReadOptions:  # fmt: skip
-    """Validate the options of the caller for reading a file."""
+    """Validate the options for reading a file."""
     codes, words = _parse_codes(missing_value)
     accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
     if not set(accepted) <= set(CAVEATS):
@@ -100,7 +100,7 @@ def read_options(
 
 
 def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Split the markers of missing points into numbers and words."""
+    """Divide the markers of missing points into numbers and words."""
     values_given = given.split(",") if isinstance(given, str) else () if given is None else given
     values_given = (values_given,) if isinstance(values_given, (int, float)) else values_given
     codes, words = [], []
@@ -238,7 +238,7 @@ def _parse_units(unit: Any) -> tuple[str | None, str | None]:
 
 
 def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
-    """Parse a length above 0 or, with `zero`, a position of any sign."""
+    """Parse a positive length. With `zero`, zero and negative positions are accepted too."""
     try:
         length = quantity(text.strip() if zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -249,7 +249,7 @@ def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
 
 
 def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
-    """Return the unit from the file or from the caller. One of both is required, and they must agree."""
+    """Return the unit from the file or from the caller. At least one is required, and two units must agree."""
     file_unit = None if of_file is None else length_unit(of_file)
     if of_file is not None and file_unit is None:
         raise FormatError(
@@ -265,7 +265,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
-    """Return the given unit of the positions. A single unit for all lengths does not override a unit in the file."""
+    """Return the given unit of the positions. A unit in the file overrides a single given unit for all lengths."""
     has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
     return None if has_own_unit else options.position_unit
 
@@ -325,7 +325,7 @@ _NO_MAP_SPACING = (
 
 
 def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
-    """Reject a file that contains neither units nor a spacing, with one message for both."""
+    """Reject a file that contains neither units nor a spacing, with a single error message."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
         value is None for value in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
@@ -345,7 +345,7 @@ def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
 
 
 def _compare_with_unitless_spacing(raw: Raw, given: tuple[float, ...]) -> None:
-    """Reject a spacing that differs from a unitless declared spacing by more than a unit conversion."""
+    """Reject a given spacing if no unit makes it equal to the spacing that the header declares without a unit."""
     if raw.bare_spacing is None:
         return
     actual = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
@@ -456,7 +456,7 @@ def _declared_spacing(raw: Raw) -> tuple[float, float] | None:
 
 
 class _PositionDigits:
-    """Resolution of printed positions: the value of the last digit of each position (µm), computed on first use."""
+    """Resolution of printed positions: the value (µm) of the last digit of each position, computed on first use."""
 
     def __init__(self, raw: Raw, unit: str) -> None:
         self._raw, self._unit = raw, unit
@@ -473,14 +473,14 @@ class _PositionDigits:
 def _worst_printed_deviation(
     x: Floats, spacing: float, digit: _PositionDigits, slack: float
 ) -> tuple[int, float] | None:
-    """Return `_worst_deviation` with the printed digits, which are parsed only if needed."""
+    """Return `_worst_deviation` for the printed digits of the positions. The digits are parsed only if required."""
     if _worst_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
     return _worst_deviation(x, spacing, digit.values, slack)
 
 
 def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
-    """Return the point farthest from a uniform grid, or None if the printed digits explain the deviation."""
+    """Return the point farthest from a uniform grid, and its deviation, or None if rounding explains all deviations."""
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
     # Rounding displaces the first and the last point by up to half a digit each.
@@ -493,7 +493,7 @@ def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> 
 
 
 def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
-    """Reject positions that are not uniform, or that have too few digits for their spacing."""
+    """Reject positions that are not uniformly spaced, or that have too few digits for their spacing."""
     if measured == 0:
         raise FormatError("has its first and last point at the same position")
     worst = _worst_printed_deviation(x, measured, digit, MAX_UNEVENNESS * abs(measured))
@@ -530,7 +530,7 @@ def _check_spacing(spacing: float) -> float:
 def _fill_gaps(
     heights: Floats, spacing: tuple[float, ...], options: ReadOptions
 ) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
-    """Return cropped heights with missing points interpolated or masked, the mask, and history entries."""
+    """Crop heights, and interpolate or mask missing points. Return the heights, the mask, and history entries."""
     steps: list[str] = []
     if options.crop is not None:
         if len(options.crop) != 2 * heights.ndim:

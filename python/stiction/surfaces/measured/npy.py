@@ -16,7 +16,7 @@ from stiction.surfaces.measured.raw import ColumnTable, FormatError, Raw, Source
 from stiction.surfaces.profile import MAX_POINTS
 
 SPACINGS = ("spacing_y_um", "spacing_x_um")
-"""Fields of the second array in a file of `write_surface`. A file of `write_profile` has only the last one."""
+"""Fields of the second array in a file of `write_surface`. A file of `write_profile` has only the last field."""
 
 _MAX_HISTORY_LENGTH = 1_000_000  # maximum number of characters of the history (the third array)
 

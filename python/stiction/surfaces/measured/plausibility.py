@@ -47,7 +47,7 @@ class Scan:
 
 
 class PlausibilityCheck(NamedTuple):
-    """Named check: a function that yields findings, and the option or edit that resolves them."""
+    """Check for implausible data: its name, a function that yields findings, and the remedy for these findings."""
 
     name: str
     find: Callable[[Scan], Iterator[str]]
@@ -55,7 +55,7 @@ class PlausibilityCheck(NamedTuple):
 
 
 def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
-    """Return the caveats of a scan from all checks."""
+    """Apply all checks to a scan, and return the resulting caveats."""
     if scan.heights.size < MIN_CHECKED_POINTS:
         return ()
     findings = [(check, text) for check in CHECKS[:1] for text in check.find(scan)]
@@ -171,6 +171,6 @@ READER_CAVEATS = (
     "points",
     "scale",
 )
-"""Names of further caveats, which the file readers add."""
+"""Names of the caveats that the file readers add to the caveats of the checks."""
 
 CAVEATS = (*(check.name for check in CHECKS), *READER_CAVEATS)

@@ -30,7 +30,7 @@ not in words.
 MAX_BYTES = 2_000_000_000
 MAX_TEXT_BYTES = 300_000_000  # parsing text needs about ten times its size in memory
 _CHUNK = 1 << 16
-# Compression methods that can be read in pieces of limited size.
+# compression methods of archives that can be read in pieces of limited size
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -92,16 +92,16 @@ class StatedLength:
 
 @dataclass(frozen=True)
 class Source:
-    """Location of the heights in a file: the layout, the part that was read, and the number of skipped lines."""
+    """Location of the heights in a file: its layout, the part that was read, and the numbers of other lines."""
 
     layout: str = ""
     column: str = ""  # column, channel or block of the heights
-    encoding: str = ""  # of a text
+    encoding: str = ""  # encoding of a text file
     separator: str = ""
     decimal_mark: str = ""
     lines: tuple[int, int] | None = None  # first and last line of the data, counted from 1
-    lines_above: int = 0  # lines that do not belong to the data
-    lines_below: int = 0
+    lines_above: int = 0  # number of lines above the data
+    lines_below: int = 0  # number of lines below the data
 
 
 Digits = Callable[[], Floats]
@@ -135,7 +135,7 @@ class WordColumn:
     place: int  # column number
     words: str  # the most frequent words with their counts
     rarest: str  # the least frequent word
-    missing: NDArray[np.bool_]  # (rows,) True where the caller declared the word as a missing point
+    missing: NDArray[np.bool_]  # (rows,) True at rows whose word marks a missing point according to the caller
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,8 @@ class ColumnTable:
     row_digits: Callable[[int], Floats] | None = None
     declared: Declarations = field(default_factory=lambda: Declarations())
     history: tuple[str, ...] = ()  # processing steps applied before the heights were written
-    area: bool = False  # True if two columns may be a map; equal steps then identify its positions
+    # True for an array in which two columns may be a map. A first column with equal steps then contains positions.
+    area: bool = False
     source: Source = Source()
     places: tuple[int, ...] | None = None  # column numbers in the file, if columns were skipped
     caveats: tuple[FileCaveat, ...] = ()
@@ -171,7 +172,7 @@ class Declarations:
     spacings: tuple[StatedLength, StatedLength] | None = None  # spacings of the rows and of the columns of a map
     size: tuple[StatedLength, StatedLength] | None = None  # height and width of a map
     bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
-    unit: str | None = None  # unit of the heights; it may be the unit of another quantity than length
+    unit: str | None = None  # unit of the heights; it is possibly not a unit of length
     factor: float | None = None  # factor from the numbers to `unit`
     codes: tuple[float, ...] = ()  # values that mark missing points
     counts: tuple[float, ...] = ()  # integers that are either codes for missing points or numbers of missing points

@@ -359,7 +359,7 @@ def _read_body(
     """Return the body in a file, and issue its caveats as warnings."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
-        # stacklevel 3 is the code that calls a public reader
+        # stack level 3 refers to the code that calls a public reader
         warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)
     return reading.body
 
@@ -430,7 +430,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
 
 
 def _read_binary(path: Path) -> Content:
-    """Read a binary file that has the name of a text file, using SurfaceTopography."""
+    """Read a binary file with SurfaceTopography, although its name ends like the name of a text file."""
     if is_available():
         try:
             return read_instrument(path)
@@ -443,7 +443,7 @@ def _read_binary(path: Path) -> Content:
 
 
 def _read_by_instrument(path: Path, start: bytes, words: tuple[str, ...]) -> Content:
-    """Read a file with SurfaceTopography or, if it is text with an unknown ending, as a table."""
+    """Read a file with SurfaceTopography. If this fails and the file is text, read it as a table."""
     try:
         return read_instrument(path)
     except FormatError as error:

@@ -37,11 +37,12 @@ MAX_LISTED_NAMES = 12  # maximum number of names in a message
 MAX_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
 MIN_JITTERED_POSITIONS = 8  # minimum number of positions for recognising slightly uneven, measured positions
 MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
-# a surface counts as tilted above this correlation between heights and their index
+# a surface counts as tilted if the correlation between heights and their index is above this limit
 MIN_TILT_CORRELATION = 0.98
 # A first number with fewer decimals is suspicious if at least this many heights have equally many decimals.
 MIN_COMPARED_NUMBERS = 20
-# Smallest step of positions, in units of the last digit. Coarsely rounded heights may also have small equal steps.
+# Smallest step of positions, in units of the last printed digit.
+# Smaller equal steps may also occur in coarsely rounded heights.
 MIN_STEP_DIGITS = 3.0
 Selection = str | int
 
@@ -141,7 +142,7 @@ def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> Raw:
 def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: Any) -> Raw:
     """Return the heights of a table together with all declarations in its header."""
     declared = table.declared
-    # these integers are too large to be numbers of missing points
+    # counts above the number of heights cannot be numbers of missing points
     counts = tuple(count for count in declared.counts if count > heights.size)
     caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
@@ -167,7 +168,7 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
 
 
 def _select_profile(table: ColumnTable, *places: int) -> Raw:
-    """Return the heights of one column, or positions and heights of two columns where both have numbers."""
+    """Return the heights of one column, or the positions and heights in rows in which both columns have numbers."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
     raw = _to_raw(
@@ -205,7 +206,7 @@ def _describe_column(table: ColumnTable, place: int) -> str:
 
 
 def _height_unit(table: ColumnTable, place: int) -> str | None:
-    """Return the unit of a column of heights. Raises `FormatError` if its name is not a height."""
+    """Return the unit of a column of heights. Raises `FormatError` if the column name denotes another quantity."""
     unit = _units(table)[place]
     if unit is not None and length_unit(unit) is None:
         return unit
@@ -219,7 +220,7 @@ def _height_unit(table: ColumnTable, place: int) -> str | None:
 
 
 def _remove_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Return a column of heights without its first number if this number counts the other numbers."""
+    """Remove the first number of a column of heights if it is the count of the other numbers."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         if heights[place] == heights.size - 1 - place:
             if place:
@@ -252,7 +253,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
 
 
 def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the positions may be point numbers."""
+    """Return a caveat if the numbers that are used as positions may only count the points."""
     name = table.names[place] if table.names else ""
     if _units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
         return ()
@@ -274,7 +275,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
 
 
 def _without_words(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
-    """Remove columns of words, and the heights of rows with a word for missing points.
+    """Remove columns of words. In rows with a word for missing points, replace the heights by NaN.
 
     Raises `FormatError` unless the caller gave such a word for each of these columns, or chose the columns.
     """
@@ -445,7 +446,7 @@ def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 
 
 def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line contains positions. If all lines rise alike, the surface is tilted."""
+    """Return whether the first line contains positions. Lines that all rise alike are heights of a tilted surface."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _counts_evenly_as_printed(first, digits):
@@ -455,7 +456,8 @@ def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
     steps = np.diff(first[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions have unequal steps. The heights of a tilted surface rise similarly, but in all lines.
+    # Measured positions have unequal steps.
+    # The heights of a tilted surface rise in the same way, but in all lines.
     return any(_correlation(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 
@@ -496,7 +498,7 @@ def _counts_evenly_as_printed(values: Floats, digits: Callable[[], Floats] | Non
 
 
 def _is_labelled(table: ColumnTable) -> bool:
-    """Return whether the first row and column contain positions and the corner is empty."""
+    """Return whether the first row and the first column of a table contain positions and the corner is empty."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
         return False
@@ -581,7 +583,7 @@ def _reject_columns(table: ColumnTable) -> Raw:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return the end of a sentence that lists the further information that a table lacks."""
+    """Return the end of a sentence, which lists the unit or spacing that a table lacks."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

@@ -45,7 +45,7 @@ class Dialect:
     separator: str | None
     point: str
     thousands: str = ""
-    pairs: bool = False  # True if the comma is separator and decimal mark, so that two cells form one number
+    pairs: bool = False  # True if the comma is both separator and decimal mark, so that two cells form one number
 
     def __str__(self) -> str:
         names = {"\t": "tab", None: "space", ";": "semicolon", ",": "comma", "|": "bar"}
@@ -96,7 +96,7 @@ class NumberBlock:
     lines: Lines  # line numbers of the rows, counted from 0
     dialect: Dialect
     values: Floats  # (rows, columns)
-    # First line below which lines have fewer cells, for example because of a shorter profile next to a longer one.
+    # First line of the end of a table where lines have fewer cells, for example below the shorter of two profiles.
     short: int | None = None
     omitted: tuple[int, ...] = ()  # line numbers of counts and sizes that precede the rows
 
@@ -110,7 +110,8 @@ class NumberBlock:
         max_decimals = -1000
         count = self.lines.size
         sample = np.arange(count)
-        if count > MAX_SAMPLED:  # half of the sample is from the beginning, half from the whole column
+        # Half of the sampled rows are at the beginning, and the other half is spread over the remaining rows.
+        if count > MAX_SAMPLED:
             half = MAX_SAMPLED // 2
             sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
         for line in sample.tolist():
@@ -133,7 +134,7 @@ class NumberBlock:
 
 
 def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the value of the last printed digit of numbers from their decimals and significant digits."""
+    """Return the value of the last printed digit of numbers with given counts of decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
     by_digits = np.where(np.isfinite(size), size, -400) + 1 - digits
@@ -213,7 +214,7 @@ def _truncate(line: str, width: int) -> str:
 
 
 def _with_decimal_commas(text: Text, first: int, sample: list[str], dialect: Dialect) -> Dialect:
-    """Return the dialect of lines in which commas may be cell separators, decimal marks, or both."""
+    """Return the dialect of lines with commas, which may be cell separators, decimal marks, or both."""
     rows = [dialect.cells(line) for line in sample]
     width = len(rows[0])
     odd_cells = [cell for row in rows for cell in row[1::2]]
@@ -235,7 +236,7 @@ def _with_decimal_commas(text: Text, first: int, sample: list[str], dialect: Dia
 
 
 def _line_above(text: Text, first: int) -> str:
-    """Return the last non-empty line above a run."""
+    """Return the last non-empty line above line `first`."""
     return next((line for index in range(first - 1, -1, -1) if (line := text.line(index)).strip("\t")), "")
 
 
@@ -275,7 +276,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
     starts, cells = _cells_of_rows(blob, joint)
     usual = Counter(cells.tolist()).most_common(1)[0][0]
     if usual == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
-        usual = 2  # these are two columns in which most heights are missing
+        usual = 2  # the table has two columns, but most heights are missing
     if usual > MAX_CELLS:
         raise FormatError(
             f"has lines of {usual} cells; at most {MAX_CELLS} can be read; write one number per line, or .npy"
@@ -313,7 +314,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
 
 
 def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
-    """Return whether single numbers in the first rows are positions that continue in the rows below."""
+    """Return whether the numbers in the first `count` rows are positions that continue in the rows below."""
     first = [row.split(joint)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
     if not count or not all(map(_is_number, first)):
         return False
@@ -322,7 +323,7 @@ def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
 
 
 def numbers_in(text: Text, first: int, last: int) -> Floats:
-    """Return all numbers in a range of lines that are separated by blanks or line breaks."""
+    """Return all numbers in a range of lines. The numbers are separated by blanks or line breaks."""
     blob = text.data[text.starts[first] : text.starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
         blob = text.missing.sub(b"nan", blob)
@@ -333,7 +334,7 @@ def numbers_in(text: Text, first: int, last: int) -> Floats:
 
 
 def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
-    """Return the lines of a run that are rows, including lines with only empty cells and separators."""
+    """Return the lines of a run that are rows of a table, including rows in which all cells are empty."""
     kinds = text.kinds[first : last + 1]
     filled = kinds != BLANK
     if dialect.separator is not None and not filled.all():
@@ -343,7 +344,7 @@ def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
 
 
 def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Return rows with decimal points, without quotes and blanks, and the separator of their cells."""
+    """Convert lines to rows with decimal points and without quotes and blanks; return them and their cell separator."""
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
         blob = text.data[text.starts[first] : text.starts[last + 1] - 1]
@@ -381,7 +382,7 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # this pattern matc
 
 
 def _has_dashes(blob: bytes) -> bool:
-    """Return whether two dashes are adjacent."""
+    """Return whether a text contains two adjacent dashes."""
     is_dash = np.frombuffer(blob, np.uint8) == ord("-")
     return bool((is_dash[1:] & is_dash[:-1]).any())
 
@@ -395,7 +396,7 @@ def _reject_blanks_in_numbers(text: Text, lines: Lines) -> None:
 
 
 def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
-    """Return the start of each row and the number of its cells."""
+    """Return the byte offset of each row, and the number of cells in each row."""
     codes = np.frombuffer(blob, np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
     if starts.size * _LONG_LINE < len(blob):
@@ -407,7 +408,7 @@ def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
 
 
 def _parse_numbers(text: Text, lines: Lines, width: int, column: bytes) -> Floats:
-    """Parse one column of text as correctly rounded numbers; empty lines become NaN."""
+    """Parse text with one number per line. Numbers are correctly rounded, and empty lines become NaN."""
     import pandas
 
     # Before version 3.1, the default parser of pandas has errors in the last bit.

@@ -1,4 +1,4 @@
-"""Second step of reading text: find an instrument layout, or else read a table with header and footer."""
+"""Second step of reading text: find an instrument layout or, if there is none, read a table with header and footer."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entr
 MAX_HISTORY_STEPS = 1000
 # Maximum number of numeric lines below the data, as a fraction of the number of data lines.
 MAX_FOOTER_FRACTION = 0.1
-# Minimum number of rows of a block above the data. A smaller block is a size or a count.
+# Minimum number of rows of a separate block above the data. A smaller block is a size or a count.
 MIN_BLOCK_ROWS = 2
 
 
@@ -88,7 +88,7 @@ def parse_table(text: Text) -> ColumnTable | Channels:
 
 
 def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence[FoundColumn] = ()) -> ColumnTable:
-    """Return a table of a block with its footer and its header, which begins at line `begin`."""
+    """Convert a block to a table with its footer and its header. The header begins at line `begin`."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = text.lines(begin, first), text.lines(end, len(text)) if begin == 0 else []
     width = block.values.shape[1]
@@ -157,7 +157,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
             continue
         cells = dialect.cells(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
-        # skip lines of the form "name value"
+        # lines of the form "name value" above the data do not count
         numbers = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or None not in kinds or _are_labels(cells, dialect):
             continue
@@ -167,7 +167,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
 
 
 def _repeats_words(text: Text, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
-    """Return whether a line has the same words as another line and otherwise numbers, unlike a header."""
+    """Return whether a line and another line have the same words, and numbers in all other cells, unlike a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     others = dialect.cells(text.line(other))
@@ -184,7 +184,7 @@ def _reject_word(text: Text, line: int, word: str) -> None:
 
 
 def _are_labels(cells: list[str], dialect: Dialect) -> bool:
-    """Return whether the cells of a line after the first cell are positions."""
+    """Return whether all cells of a line except the first cell are positions."""
     matches = [dialect.number.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False
@@ -195,7 +195,7 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_equal_runs(
     text: Text, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs as wide as the main run. One or two numbers above a run are a size or a count."""
+    """Return the runs with as many columns as the main run. One or two numbers above a run are a size or a count."""
     width = len(dialect.cells(text.line(main[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:
@@ -211,7 +211,7 @@ def _find_equal_runs(
 def _to_channels(
     text: Text, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundColumn] = ()
 ) -> Channels:
-    """Convert blocks with equal numbers of columns to channels with separate headers."""
+    """Convert blocks with the same number of columns to channels. Each channel has a separate header."""
     begins = [0, *(last + 1 for _, last in runs)]
     names = []
     for (first, last), begin in zip(runs, begins, strict=False):

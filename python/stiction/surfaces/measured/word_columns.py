@@ -13,10 +13,10 @@ from stiction._text import printable
 from stiction.surfaces.measured.decode import BLANK, NUMBERS, TEXT, Text
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs, split_cells
 
-# The comma is last, because it may be the decimal mark in cells with another separator.
+# The comma is tried last, because it may be the decimal mark in cells with another separator.
 _SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-_MISSING = "nan"  # text that replaces a word
+_MISSING = "nan"  # text that replaces each word
 _MAX_SEPARATOR_LINES = 400  # number of lines for determining the possible separators
 MIN_ROWS = 4  # minimum number of rows for a search for columns of words
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
@@ -32,7 +32,7 @@ class FoundColumn:
 
 
 def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
-    """Replace the words in columns without numbers by ``nan``; return the text and these columns."""
+    """Replace the words in columns without numbers by ``nan``, and return the new text and these columns."""
     runs = find_number_runs(text)
     if not (text.words or _has_words_at_numbers(text, runs)):
         return text, ()
@@ -68,7 +68,7 @@ def describe_words(counts: Mapping[str, int]) -> str:
 
 
 def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
-    """Return whether no line consists only of numbers, or a line with words adjoins a line of numbers."""
+    """Return whether a text may have words next to numbers, in lines below the first numbers or right above them."""
     if not runs:
         return True
     kinds = text.kinds[text.kinds != BLANK]
@@ -83,13 +83,13 @@ class _WordTable:
     numeric: set[int] = field(default_factory=set)  # indices of the columns with numbers
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
-    words: dict[int, Counter[str]] = field(default_factory=dict)  # by column
-    # lines with a word for a missing point, by column
+    words: dict[int, Counter[str]] = field(default_factory=dict)  # count of each word, by column
+    # lines in which a word marks a missing point, by column
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 
 def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
-    """Return the lines of the most frequent width whose cells are numbers, except in the columns of words."""
+    """Find the rows of a table with columns of words: rows of equal width with numbers in the same columns."""
     rows = [split_cells(text.line(line), separator) for line in lines]
     is_number = [[_NUMBER_CELL.fullmatch(cell) is not None for cell in row] for row in rows]
     widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))

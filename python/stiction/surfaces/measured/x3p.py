@@ -21,10 +21,10 @@ _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN_XML = "main.xml"
 
 _XML_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
-"""Numbers of XML Schema, with ASCII digits and without underscores."""
+"""Pattern of numbers in XML Schema, which have ASCII digits and no underscores."""
 
-_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml in bytes, without the points that it lists
-_MAX_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, without its points
+_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml in bytes, not counting the points that it lists
+_MAX_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, not counting the points that it lists
 _MAX_BYTES_PER_POINT = 200
 _MAX_SPARE_BYTES = 64  # maximum number of bytes of the validity mask beyond the last point
 _MAX_DEPTH = 6
@@ -88,7 +88,7 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
 
 
 class _MainXml:
-    """Texts of main.xml by element path, and the points that main.xml lists."""
+    """Texts in main.xml by element path, and the points that main.xml lists."""
 
     def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
         self.folder = folder
@@ -155,7 +155,7 @@ class _StoredAxis:
         self.stored = _TYPES[stored]
         self.increment = _get_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
-        if self.absolute and stored in ("F", "D"):  # floating-point lengths are not multiplied by an increment
+        if self.absolute and stored in ("F", "D"):  # floating-point lengths must not be multiplied by an increment
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
                     FileCaveat(

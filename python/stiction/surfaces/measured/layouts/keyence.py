@@ -1,4 +1,4 @@
-"""CSV export of Keyence VK and VR microscopes in any language: calibration in three cells, counts and a unit.
+"""CSV export of Keyence VK and VR microscopes in any language. The header contains calibration, counts and unit.
 
 ::
 
@@ -48,7 +48,7 @@ def _rows(text: Text) -> list[list[str]]:
 
 
 def _calibration(rows: list[list[str]]) -> int | None:
-    """Return the calibration row, which consists of a name, a length and the unit of this length."""
+    """Return the index of the calibration row, which consists of a name, a length and the unit of this length."""
     for index, row in enumerate(rows):
         if len(row) == 3 and _UNSIGNED_NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
             return index
@@ -93,7 +93,7 @@ def _read(text: Text) -> Raw:
 
 
 def _only_image(text: Text, values: np.ndarray, last: int) -> np.ndarray:
-    """Return the heights. Raises `FormatError` if the numbers of another image follow."""
+    """Return the heights of an image. Raises `FormatError` if the file also contains the numbers of another image."""
     if (text.kinds[last + 1 :] == NUMBERS).any():
         place = last + 1 + int(np.argmax(text.kinds[last + 1 :] == NUMBERS))
         raise FormatError(
