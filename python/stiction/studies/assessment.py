@@ -43,38 +43,38 @@ YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of the mean contact pressure to E* above which every material (first) and most metals (second) have yielded.
 """
 
-MAX_RUBBER_MODULUS = 0.1  # GPa: bodies with a smaller E* are assumed to be rubber or gels, which do not yield
+MAX_RUBBER_MODULUS = 0.1  # Bodies with a smaller E* (GPa) are assumed to be rubber or gels, which do not yield.
 
 MIN_TOTAL_CONTACTS = 10  # smallest total number of contacts in all members for which a mean may be quoted
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
 
-MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # largest fraction of the load on one contact at which a value may be quoted
-CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # fraction of the load at the edge above which a caveat is issued
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # fraction of the load on one contact above which a caveat is issued
+MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # largest fraction of the load on one contact for which a value may be quoted
+CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # A caveat is issued if contacts at the edge carry a larger fraction of the load.
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # A caveat is issued if one contact carries a larger fraction of the load.
 
 MERGED_AREA_FRACTION = 0.3  # ratio of true to nominal area above which contacts are assumed to have merged
-MAX_AFFECTED_FRACTION = 0.5  # fraction of the load, members or scan length above which a caveat is issued
-MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated scan points above which a caveat is issued
-MAX_SPACING_RATIO = 3.0  # ratio of the grid spacings of two scans above which a caveat is issued
+MAX_AFFECTED_FRACTION = 0.5  # A caveat is issued if a larger fraction of the load, members or scan length is affected.
+MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if a larger fraction of the scan points is interpolated.
+MAX_SPACING_RATIO = 3.0  # A caveat is issued if the ratio of the grid spacings of two scans is larger.
 
 NEARLY_BULK_STRENGTH = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
-MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above which the interval has no upper limit
+MAX_SEIZING_FRACTION = 0.025  # The interval has no upper limit if a larger fraction of the samples seizes.
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
 
-MAX_NEGLECTED_ADHESION = 0.05  # load added by adhesion, relative to the applied load, above which a caveat is issued
-TYPICAL_WORK_OF_ADHESION = 5e-5  # mN/µm (50 mJ/m²), a typical value for solids in air
+MAX_NEGLECTED_ADHESION = 0.05  # A caveat is issued if adhesion adds a larger load, relative to the applied load.
+TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
 RIM_ATTRACTION_FACTOR = 4.3
-"""Factor of the attraction in the rim around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
+"""Factor in the estimated attraction around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
 
 docs/explanation/adhesion.md describes the fit.
 """
 
 MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
 ROUND_UP_FACTOR = 1 + 1e-12  # rounds up ties such as 2.25, as the report does
-MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which a caveat is issued
+MAX_RELATIVE_HALF_WIDTH = 0.5  # A caveat is issued if the relative half width of an interval is larger.
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,7 @@ class Caveat:
     has_readings: bool = False
     """True if the interval covers the results with and without the wavelengths that the caveat concerns."""
     name: str = ""
-    """Name of the number that was compared with a limit, in `QUANTITIES` or `_compute_checked_numbers`; may be empty.
-    """
+    """Name (in `QUANTITIES` or `_compute_checked_numbers`) of the number compared with a limit; may be empty."""
     value: float = field(default=math.nan, compare=False)
     """Value of the named number, in core units."""
     limit: float = field(default=math.nan, compare=False)
@@ -303,7 +302,7 @@ def compute_value_numbers(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute the numbers to be checked from coefficients and contact counts, for one point or arrays of points.
+    """Compute the numbers that checks compare with limits, from coefficients and contact counts of points.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -330,7 +329,8 @@ def compute_value_numbers(
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, Any]:
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan  # for maps
+    # area of a grid cell of maps with the half-space; otherwise NaN
+    cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     checked = {
         check.name: value_of(point, check.name)
         for group in ([STEEP_SURFACE_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS)

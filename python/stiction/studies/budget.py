@@ -39,15 +39,15 @@ if TYPE_CHECKING:
 POSITIONS_INPUT, UNRESOLVED_INPUT = "positions", "unresolved roughness"
 UPPER_SCANS_INPUT, LOWER_SCANS_INPUT = "which piece of the upper part", "which piece of the lower part"
 SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
-"""Sources of uncertainty of the mean over scans and positions, which are not inputs of the study."""
+"""Sources of uncertainty that are not inputs of the study: the choice of scans and of positions."""
 
 INTERFACE_INPUT = "interface"  # name of the joint input of mu0 and tau0
 # quantiles at which an input is fixed for the uncertainty budget
 EXACT_QUANTILES = (0.1, 0.5, 0.9)
-MAX_BUDGETS = 100  # largest number of coefficients with an uncertainty budget
+MAX_BUDGETS = 100  # largest number of coefficients for which uncertainty budgets are computed
 # largest relative difference at which mu0 or tau0 counts as the value in the study
 SAME_INPUT_TOLERANCE = 1e-3
-MAX_EXPONENT = 50.0  # largest exponent in the factor between two tests, to prevent an overflow
+MAX_EXPONENT = 50.0  # largest exponent in the factor between a single test and the mean, which prevents an overflow
 DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
@@ -275,7 +275,7 @@ class _CoefficientSamples:
         # The first entry has joint samples of mu0 and tau0; the other entries have mu0 or tau0 at its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
-        self.growth = find_junction_growth(study)  # α of junction growth
+        self.growth = find_junction_growth(study)  # estimate of the junction-growth coefficient α
         # ratio of true areas with and without junction growth
         self.own_growth = float(point.get("area_growth", 1.0))
         hardness = study.contact.hardness
@@ -332,7 +332,7 @@ class _CoefficientSamples:
         return self._ends(fixed)
 
     def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
-        """Return the limits of the 95 % interval of the samples, multiplied by a factor.
+        """Multiply the samples by a factor, and return the limits of their 95 % interval.
 
         The interval is extended to include the samples with mu0 or tau0 at its bound.
         """
@@ -478,7 +478,10 @@ class _CoefficientSamples:
         return self.areas.cache[key]  # type: ignore[no-any-return]
 
     def _area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
-        """Return the ratio of the true area before shear to the study's true area, cached for each load."""
+        """Return samples of the true area before shear, divided by the true area at the study's values.
+
+        The samples are cached for each load.
+        """
         key = "area ratio", self.names, tuple(fixed.items()), wait, self.load
         if key not in self.areas.cache:
             *_, hardness, modulus = self._input_samples(fixed, wait)

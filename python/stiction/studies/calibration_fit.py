@@ -33,9 +33,9 @@ from stiction.studies.interfaces import (
 )
 
 MIN_VARIATION = 0.1  # smallest relative standard deviation of A/F at which the tests separate mu0 and tau0
-# number of nuisance points in a round of adaptation, and largest number for the result
+# number of nuisance points (sets of nuisance parameters) in a round of adaptation, and largest number for the result
 ROUND_POINTS, MAX_POINTS = 256, 8192
-# number of nuisance points for the result: initial value (doubled for each parameter) and maximum
+# initial number of nuisance points for the result: base value (doubled for each parameter) and upper limit
 FINAL_POINTS = 256, 1024
 MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores are clipped
 MAX_ROUNDS = 8  # largest number of rounds of adaptation
@@ -58,11 +58,11 @@ class _Best:
     """Best fit of a calibration problem: mu0, tau0, nuisance parameters and residuals."""
 
     mu0: float
-    tau0: float  # GPa
-    scores: Floats  # (nuisances,)
-    residuals: Floats  # (tests with sliding,), in units of the errors
-    slope: Floats  # Jacobian of weighted residuals and scores (free strengths and scores)
-    robust: Floats  # (tests,) square roots of weights, smaller for outliers
+    tau0: float  # best tau0 (GPa)
+    scores: Floats  # normal scores of the nuisance parameters (nuisances,)
+    residuals: Floats  # residuals of the tests with sliding (tests,), in units of the errors
+    slope: Floats  # Jacobian of the weighted residuals and the scores with respect to the free parameters
+    robust: Floats  # square roots of the weights of the tests (tests,), which are smaller for outliers
     scale: float  # factor that multiplies the assumed errors if no errors are given
 
 
@@ -70,7 +70,7 @@ class _Best:
 class _Cells:
     """Limits of the grid of mu0 and tau0 for each nuisance point."""
 
-    triangle: Floats  # first two rows of the triangular factors (points, 2, 3)
+    triangle: Floats  # triangular QR factors of the equations (points, 3, 3)
     depth: float
     # limits of the range of tau0 in GPa (points,)
     low: Floats
@@ -140,7 +140,7 @@ class CalibrationProblem:
             *([GAIN_NUISANCE] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
             *([SPREAD_NUISANCE] if len(self._members) else []),
         ]  # fmt: skip
-        """Names of the nuisance parameters, each of which is a standard normal score."""
+        """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
         middle = self._columns(np.zeros((1, len(self.nuisances))))
         self.ratio = middle[1][0] / middle[0][0]
         """A/F (1/GPa) of each test at zero scores. If contacts grow, A is the area at the measured coefficient."""
@@ -163,7 +163,8 @@ class CalibrationProblem:
         score_of = dict(zip(self.nuisances, np.clip(scores, -MAX_SCORE, MAX_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in cells)
         probability = {name: ndtr(values).reshape(shape) for name, values in score_of.items()}
-        areas: dict[Hashable, Floats] = {}  # cached by load and surfaces
+        # cached area factors, by equation and (with junction growth) by measured coefficient
+        areas: dict[Hashable, Floats] = {}
 
         def area(test: int) -> Floats:
             equation, factor = self._friction[test], np.ones(shape)
@@ -194,7 +195,7 @@ class CalibrationProblem:
         return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
 
     def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return directions (runs, tests) and sizes (runs,) of the relative offsets of runs, in units of the errors.
+        """Return unit vectors (runs, tests) and norms (runs,) of the relative offsets of runs, in units of the errors.
 
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
         the fit low.
@@ -236,12 +237,18 @@ class CalibrationProblem:
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return decorrelated equations (points, tests with sliding, 3) in units of errors, and log norms (points,)."""
+        """Return decorrelated equations (points, tests with sliding, 3) in units of the errors.
+
+        Also returns the logarithms of the normalization factors (points,).
+        """
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
         return self._independent(rows, scale, spread)
 
     def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return rows (points, tests with sliding, k) decorrelated within runs, and their log norms (points,)."""
+        """Decorrelate rows (points, tests with sliding, k) within runs.
+
+        Also returns the logarithms of the normalization factors (points,).
+        """
         norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
             unit = self._offsets[:, self.slid]
@@ -254,7 +261,9 @@ class CalibrationProblem:
     def _residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return residuals (points, tests with sliding, ...) in units of the errors, and columns with junction growth.
+        """Return residuals in units of the errors (points, tests with sliding, ...), and coefficients of the equations.
+
+        The coefficients include junction growth.
 
         mu0 and tau0 (GPa) have the shape (points, ...). Residuals are infinite at seizure.
         """
@@ -376,7 +385,7 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _mean_ratio(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return the weighted mean A/F in 1/GPa of the tests with sliding (samples,)."""
+        """Return samples of the weighted mean A/F (1/GPa) over the tests with sliding."""
         rub, stick, _ = self._columns(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
@@ -391,7 +400,7 @@ class CalibrationProblem:
         return parse_input("junction_growth", 0.0) if any(depend) else None
 
     def _growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of α of the tests, or NaN if α differs between tests or has no effect on them."""
+        """Return samples of the α that all tests share, or NaN if α differs between tests or has no effect on them."""
         from scipy.special import ndtr
 
         if self.growth is None or self.growth.is_exact:
@@ -421,7 +430,7 @@ class CalibrationProblem:
         hardnesses = {equation.hardness for equation in self._friction}
         return np.full(NUM_STRENGTH_PAIRS, first.hardness if len(hardnesses) == 1 else math.nan)
 
-    # ---- Density of mu0 and tau0 given the nuisances ----------------------------------------------------------------
+    # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
 
     def _grid(self, points: Floats) -> _Grid:
         """Return the grids of mu0 and tau0 for all nuisance points.
@@ -551,7 +560,7 @@ class CalibrationProblem:
         high = np.maximum(best + above, low + above)
         return low, (high - low) / NUM_MU0_CELLS
 
-    # ---- Nuisances --------------------------------------------------------------------------------------------------
+    # ---- Nuisance parameters ----------------------------------------------------------------------------------------
 
     def _sample(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
         """Return samples of mu0, tau0 (GPa) and the scores of the nuisance parameters.
@@ -715,9 +724,9 @@ def _triangle(rows: Floats) -> Floats:
 
 
 def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density) exceeds its minimum by at most `depth` at the best mu0."""
+    """Return the range of tau0 (GPa) in which -2 ln(density), minimized over mu0, is within `depth` of its minimum."""
     first, second = triangle[:, 0], triangle[:, 1]
-    curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # for mu0 = 0
+    curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
     centre, at_bound = (
         second[:, 2] / second[:, 1],
         (second[:, 1] * second[:, 2] + first[:, 1] * first[:, 2]) / curvature,
@@ -741,7 +750,7 @@ def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
 
 
 def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) as in `_range`, but for a fixed mu0."""
+    """Return the range of tau0 (GPa) in which -2 ln(density), at a fixed mu0, is within `depth` of its minimum."""
     first, second = triangle[:, 0], triangle[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2
     centre = (second[:, 1] * second[:, 2] + first[:, 1] * (first[:, 2] - first[:, 0] * mu0)) / curvature

@@ -60,7 +60,7 @@ _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um
 
 
 def contact_picture(result: Result | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Return the heights, contacts and pressures of the member with the true area nearest to the mean.
+    """Return heights, contacts and pressures of the member whose true area is nearest to the mean.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 
 
 def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:
-    """Return the first two measured profiles that touch at a load (mN), and their approach and offset (µm).
+    """Return the first pair of measured profiles that touch at a load (mN), with their approach and offset (µm).
 
     Returns None if no pair touches.
     """
@@ -239,7 +239,7 @@ def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
 
 
 def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None) -> pandas.DataFrame:
-    """Return all contacts of some members at elastic loads (mN), in the format of `Result.contacts`."""
+    """Return a table of all contacts of some members at elastic loads (mN); `Result.contacts` documents its columns."""
     import pandas
 
     study = result.study
@@ -281,7 +281,7 @@ def _check_members(members: int | Sequence[int], available: list[int]) -> list[i
 
 
 def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] | None) -> Iterator[tuple[float, int]]:
-    """Yield each load with the given members, or with the member whose area is nearest to the mean."""
+    """Yield pairs of a load and a member: the given members, or the member whose area is nearest to the mean."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -74,16 +74,16 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 class ContactList:
     """Table of the contacts of a pair at one load, with the distribution of the pressure; lengths are in µm."""
 
-    x: Floats  # centre of the contact, weighted by the pressure; y is 0 for profiles
-    y: Floats
-    force: Floats  # mN
-    area: Floats  # projected
-    slope_x: Floats  # mean slope; the contact opposes motion in directions of positive slope
-    slope_y: Floats
-    cells: Floats  # number of grid cells
+    x: Floats  # centre of each contact along x, weighted by the pressure
+    y: Floats  # centre of each contact along y, weighted by the pressure; 0 for profiles
+    force: Floats  # normal load on each contact (mN)
+    area: Floats  # projected area of each contact (µm²)
+    slope_x: Floats  # mean slope of each contact along x; a contact opposes motion in directions of positive slope
+    slope_y: Floats  # mean slope of each contact along y; 0 for profiles
+    cells: Floats  # number of grid cells that each contact covers
     at_edge: NDArray[np.bool_]  # True if the contact reaches the edge of the grid
-    pressure: Floats  # (p,), GPa
-    weight: Floats  # (p,), fraction of the true contact area under each pressure
+    pressure: Floats  # values of the contact pressure (p,), GPa
+    weight: Floats  # weight of each pressure (p,), proportional to the contact area under this pressure
 
     def compute_statistics(self) -> dict[str, Any]:
         """Compute the stored statistics: load fractions, and quantiles of contact area and pressure."""
@@ -161,7 +161,7 @@ def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> Conta
 
 
 def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
-    """Compute the fraction of the load on the steepest tenth of each body from the mean slopes of the contacts."""
+    """Compute, from the mean slopes of the contacts, the fraction of the load on the steepest tenth of each body."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total = table.force.sum()
     return {
@@ -171,7 +171,7 @@ def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[
 
 
 def find_load_on_steep_points(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
-    """Compute the fraction of the load on the steepest tenth of each body from a half-space solution."""
+    """Compute, from a half-space solution, the fraction of the load on the steepest tenth of each body."""
     total = solution.values.sum()
     return {
         f"share_on_steepest_{side}": float(solution.values[mask.ravel()[solution.points]].sum() / total)

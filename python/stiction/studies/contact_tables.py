@@ -43,10 +43,10 @@ from stiction.studies.values import (
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # directions of motion of measured areas, in degrees
 MAX_DIRECTIONS = 360  # largest number of directions of motion of measured areas
-# factor by which the load curve of lines extends below and above the given loads (asperities)
+# factor by which the load curve of lines extends below and above the given loads (asperity model)
 LINE_LOAD_MARGIN = 30.0
 NUM_LINE_LOADS = 25
-# factor by which the load curve of lines extends below and above the given loads (half-planes)
+# factor by which the load curve of lines extends below and above the given loads (half-plane model)
 HALF_PLANE_LOAD_MARGIN = 10.0
 NUM_HALF_PLANE_LOADS = 7
 MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio of successive loads of areal contacts
@@ -184,7 +184,7 @@ class ContactTable(Case):
 
 
 class GeneratedContact(ContactTable):
-    """Keys of the contact table for the motion of generated surfaces."""
+    """Keys of the contact table that describe the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
@@ -214,13 +214,13 @@ class GeneratedContact(ContactTable):
         return chosen if isinstance(chosen, tuple) else (chosen,)
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are lists and therefore dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that are lists, because only lists are dimensions."""
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
         return {name: values for name, values in super().motions().items() if is_list[name]}
 
 
 class GeneratedLoads(GeneratedContact):
-    """Keys of the contact table for the loads on generated surfaces."""
+    """Keys of the contact table that describe the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 

@@ -18,7 +18,7 @@ from stiction.mechanics.materials import compliance_fraction, is_name_of, materi
 class Elasticity:
     """Elasticity of a pair of bodies, with the properties of the softer body."""
 
-    effective_modulus: float  # GPa
+    effective_modulus: float  # effective modulus E* (GPa)
     compliance_share: float = 0.5  # contribution of the lower body to the compliance; 0.5 if only E* is given
     poisson_ratio: float | None = None  # Poisson's ratio of the softer body
     hardness: float | None = None  # hardness of the softer body, GPa

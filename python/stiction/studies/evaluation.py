@@ -135,7 +135,7 @@ def at_load(
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
     if measured and _is_requested("reading_difference", names):
-        # largest relative difference between coefficients at equal elastic load and at equal normal load
+        # `reading_difference` compares the coefficients at equal elastic load with those at equal normal load.
         other_reading: Reading = "normal" if reading == "elastic" else "elastic"
         members = _members_before_growth(result, values, *material, other_reading, of, names)
         if areas is not None:
@@ -163,7 +163,7 @@ def unloaded_load(result: Result) -> float:
 
 
 def _pull_offs(result: Result) -> list[float]:
-    """Return the mean pull-off force (mN) of each part of a result."""
+    """Return the mean pull-off force (mN) of the members in each piece of a result."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
 
@@ -171,7 +171,7 @@ def _pull_offs(result: Result) -> list[float]:
 
 
 def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes (degrees, 0 to 180) along which there are two opposite directions, and their indices (a, 2)."""
+    """Return the axes (degrees, 0 to 180) that have two opposite directions, and the direction indices (a, 2)."""
     angles = np.mod(directions, 360.0)
     axes, places = [], []
     for index, angle in enumerate(angles):
@@ -188,13 +188,13 @@ def _is_requested(name: str, names: Collection[str] | None) -> bool:
     return names is None or name in names
 
 
-# ---- The ensemble's mean load ----------------------------------------------------------------------------------------
+# ---- Evaluation at the mean load of the ensemble ---------------------------------------------------------------------
 
 
 def _evaluate_ensemble(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Return the ensemble means at the given loads as `friction_map` does, with the dimension `statistic`."""
+    """Return ensemble means at the given mean loads, with interval limits along the dimension `statistic`."""
     import xarray
 
     def read(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
@@ -301,7 +301,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     variables: dict[str, Any] = {}
     for name in members.data_vars:
         if name in ("normal_load", "tangential_load") and not _is_requested(name, names):
-            continue  # reported only for single members
+            continue  # These loads are reported only for single members.
         values = tables[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
@@ -342,7 +342,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, attributes_of("axis"))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # NaN if no member has a coefficient
+        warnings.simplefilter("ignore", RuntimeWarning)  # Quantiles are NaN if no member has a coefficient.
         low, high = np.nanquantile(coefficient, SPREAD_QUANTILES, axis=(0, direction_axis))
     variables |= {
         "spread_low": (other_dims, low, attributes_of("spread_low")),
@@ -418,7 +418,7 @@ def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, 
     return found.mean, float(ends[0]), float(ends[1])
 
 
-# ---- What each member has --------------------------------------------------------------------------------------------
+# ---- Values of each member -------------------------------------------------------------------------------------------
 
 Reading = Literal["mean", "elastic", "normal"]
 Kind = Literal["shifts", "surrogates"]
@@ -465,7 +465,7 @@ def _members_before_growth(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, of: Kind | None,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Return `member_values` without junction growth."""
+    """Evaluate each member of a result at given loads, without junction growth."""
 
     def read(piece: xarray.Dataset) -> xarray.Dataset:
         return _evaluate_piece(piece, result.study, loads, mu0, tau0, reading, names)
@@ -529,7 +529,7 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
 
 
 def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
-    """Return member values with adhesive forces for the true area at the onset of sliding."""
+    """Return member values whose adhesive forces are based on the true area at the onset of sliding."""
     import xarray
 
     study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
@@ -566,7 +566,7 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolato
 def member_sums(
     result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, of: Kind | None = None
 ) -> xarray.Dataset:
-    """Return contact sums of all members at elastic loads (mN), by default the six sums of both forces.
+    """Return contact sums of all members at elastic loads (mN), by default the six sums that determine both forces.
 
     The dimensions are cells, repetition, sliding, direction and load.
     """
@@ -589,7 +589,7 @@ def member_sums(
 
 
 def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
-    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN) and its jackknife interval.
+    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN), with its jackknife interval.
 
     The dimensions are cells, sliding, load, mu0, tau0 and statistic. The value is NaN if mean(F_N) is not above 0.
     """
@@ -598,7 +598,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
     six = member_sums(result, loads).mean("direction")
     dims = [str(dim) for dim in six[SIX_SUMS[0]].dims if dim != "repetition"]
     sums = {name: six[name].transpose("repetition", *dims).values for name in SIX_SUMS}
-    members = np.stack(compute_loads(sums, mu0, tau0))  # (2, members, ..., mu0, tau0)
+    members = np.stack(compute_loads(sums, mu0, tau0))  # shape (2, members, ..., mu0, tau0)
     total = members.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.where(total[0] > 0, total[1] / total[0], np.nan)
@@ -614,7 +614,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
 
 @dataclass(frozen=True, kw_only=True)
 class PerLoad:
-    """Coefficients of the forces per elastic load, which are linear in mu0 and tau0."""
+    """Coefficients of both forces, which are linear in mu0 and tau0, divided by the elastic load."""
 
     elastic: float = 0.0
     rub: float = 1.0
@@ -632,7 +632,7 @@ class PerLoad:
         )  # fmt: skip
 
     def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """Compute mu_s for a true area of `area` times the computed true area."""
+        """Compute mu_s if the true area is `area` times the computed true area."""
         tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
         return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
@@ -664,7 +664,7 @@ def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading,
     names: Collection[str] | None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate the members of a piece in memory as `member_values` does.
+    """Evaluate the members of a piece, which is a group of members in memory, at given loads.
 
     If the steps are loads, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate
     besides `_FRICTION`; None stands for all.
@@ -684,7 +684,7 @@ def _evaluate_piece(
             crossing.below[..., None, None, :, None, None],
         )
     else:
-        # values at the step where the normal load equals the given load (..., load, mu0, tau0)
+        # Values are taken at the step where the normal load equals the given load; shape (..., load, mu0, tau0).
         normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
@@ -725,7 +725,7 @@ def _evaluate_piece(
         if name in tables:
             variables[name] = tables[name]
     if "pull_off" in tables:
-        # 1 for a lower bound, 0 for a value
+        # An element is 1 if the pull-off force of the member is only a lower bound, and 0 if it is a value.
         bounds = (_over(tables["pull_off_is_bound"], lead) != 0).astype(np.float64)
         variables["share_of_pull_off_bounds"] = (lead, bounds, attributes_of("share_of_pull_off_bounds"))
         parts = {name: _over(tables[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
@@ -779,7 +779,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
         ratios["nominal_pressure"] = np.broadcast_to(elastic, elastic.shape) / area
         for name in PER_AREA:
             if (stiffness := QUANTITIES[name].numerator) in variables:
-                ratios[name] = 1e3 * variables[stiffness][1] / area  # of mN/µm³
+                ratios[name] = 1e3 * variables[stiffness][1] / area  # converts mN/µm³ to GPa/mm
     with np.errstate(divide="ignore", invalid="ignore"):
         carried = variables["contact_load"][1] if "contact_load" in variables else elastic
         ratios["mean_pressure"] = carried / variables["contact_area"][1]
@@ -811,7 +811,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = find_step_dimension(piece)
     if "status" in piece:
-        # Without a coefficient, the status at the first step above the load applies.
+        # A member without a coefficient has the status of the first step at or above the load, unless that is "ok".
         codes = _over(piece.variables["status"], (*cells_of(piece), "repetition", step)).astype(int)
         ladder = piece[step].values
         step_index = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)

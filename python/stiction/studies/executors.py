@@ -16,7 +16,7 @@ from stiction._text import MAX_PATH_LENGTH, printable
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
-# smallest number of grid points at which several threads speed up a transform
+# smallest number of grid points at which several threads speed up a Fourier transform
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
@@ -59,7 +59,7 @@ def thread_executor(workers: int | None = None) -> Iterator[Executor]:
 def use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Return the function of a task, wrapped so that idle threads help with its transforms.
+    """Wrap the function of a task so that idle threads help with its Fourier transforms.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.

@@ -1,4 +1,4 @@
-"""Tables of friction, true area and stiffness of self-affine surfaces, as contact laws for other codes."""
+"""Tables of friction, true area and stiffness of self-affine surfaces, for use as contact laws in other codes."""
 
 from __future__ import annotations
 
@@ -24,14 +24,10 @@ if TYPE_CHECKING:
 
 TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
 MIN_STIFFNESS_PRESSURES = 3  # smallest number of pressures needed to compute a stiffness
-AVERAGED_DIRECTIONS = (
-    0.0,
-    90.0,
-    180.0,
-    270.0,
-)  # degrees; coefficients are averaged over these directions, because the surfaces are isotropic
+# directions of motion (degrees) over which coefficients are averaged, because the surfaces are isotropic
+AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 MAX_FITTED_AREA = 0.1  # largest true area fraction at which the laws are fitted
-MAX_LAW_DEVIATION = 0.1  # relative deviation of a fitted law above which a caveat is issued
+MAX_LAW_DEVIATION = 0.1  # A caveat is issued if the relative deviation of means from a fitted law is larger.
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 

@@ -47,7 +47,7 @@ AreaAmplitude = Annotated[
 ]
 
 
-# largest number of directions times frequencies, to which the run time is proportional
+# largest product of the numbers of directions and frequencies; the run time is proportional to this product
 MAX_HARMONICS = 1_000_000
 
 
@@ -95,12 +95,12 @@ class GeneratedSurfaceKeys(Case):
         return array_of(self.amplitude)
 
     def cells(self) -> dict[str, Floats]:
-        """Return the dimensions of a result other than the members, with their values."""
+        """Return the fractal dimensions and the amplitudes (µm), which are dimensions of a result."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
 class GeneratedProfiles(GeneratedSurfaceKeys):
-    """Keys of `[surfaces]` for pairs of fractal profiles by Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal profiles that Eq. 1 of the paper generates."""
 
     place: ClassVar[str] = "fractal profiles"
     bodies: ClassVar[str] = "generated lines"
@@ -153,7 +153,7 @@ class GeneratedAreas(GeneratedSurfaceKeys):
 
 
 class WeierstrassMandelbrotSurfaces(GeneratedAreas):
-    """Keys of `[surfaces]` for pairs of fractal height maps by Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal height maps that Eq. 1 of the paper generates."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 AREAS_FILE = "hardness.nc"
-"""File in a result folder that contains the true areas of the first members at the nodes."""
+"""Name of the companion file with the true areas of the first members at the nodes."""
 
 NUM_MAP_MEMBERS, NUM_LARGE_MAP_MEMBERS, NUM_PROFILE_MEMBERS = 4, 2, 16
 """Numbers of members that are computed at the nodes, for maps, large maps and profiles."""
@@ -50,13 +50,13 @@ some contacts yield.
 MIN_ERROR_MEMBERS = 2  # smallest number of members for an error estimate of the interpolated area
 
 NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
-"""Positions of the nodes in the range of ln H, from 0 to 1, for one or three moduli.
+"""Positions of the nodes within the range of ln H, as fractions from 0 to 1, for one or three moduli.
 
 The hardness of the study and infinite hardness (elastic bodies) are additional nodes.
 """
 
 MAX_NARROW_HALF_RANGE = 0.2
-"""Half width of the range of ln E* up to which the contacts are not computed at other moduli.
+"""Largest half width of the range of ln E* for which contacts are not computed at other moduli.
 
 The area at another modulus is then derived from the dependence of the area on the load.
 """
@@ -164,7 +164,7 @@ def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Flo
     return find_moduli(study).relative_modulus(samples)
 
 
-# ---- Areas over hardness ---------------------------------------------------------------------------------------------
+# ---- Area as a function of hardness ----------------------------------------------------------------------------------
 
 
 def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
@@ -210,7 +210,7 @@ def _choose_shear_nodes(study: Study, softest: float) -> Floats:
 
 
 def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
-    """Compute the true areas (µm²) of the first members at all nodes and loads, or return None without nodes."""
+    """Compute the true areas (µm²) of the first members at all nodes and loads, or return None if no node exists."""
     import xarray
 
     hardnesses, moduli = choose_area_nodes(study)
@@ -250,7 +250,7 @@ def _list_area_names(study: Study) -> tuple[str, ...]:
 
 
 def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
-    """Compute the true areas (µm²) of a member at a single node (areas, loads).
+    """Compute the true areas (µm²) of a member at a single node, as an array (areas, loads).
 
     `task` contains the index of the member, the relative modulus, and the hardness divided by the relative modulus.
     With junction growth, the second area is the area of contacts that oppose the motion, weighted by slope factors and
@@ -306,16 +306,16 @@ def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
 
 
 def _average_areas(solved: xarray.Dataset) -> xarray.Dataset:
-    """Return e A/F (1/GPa) at the nodes, averaged over the members (loads, m, n).
+    """Return A/F times the relative modulus of each node (loads, m, n), averaged over the members.
 
-    e is the relative modulus of a node.
+    A is the true area, and F is the load. The unit of the result is 1/GPa.
     """
     means = solved.mean("repetition")
     return (means * means["relative_modulus"] / means["load"]).transpose("load", "relative_modulus", "hardness")
 
 
 class SampledAreas:
-    """Function A/F of ln H, five times faster than `area_per_load` for many hardnesses.
+    """Area per load A/F as a function of ln H; for many hardnesses, it is five times faster than `area_per_load`.
 
     Areas at many hardnesses are interpolated linearly in a table of ln(A/F) with `NUM_TABLE_STEPS` equal steps of ln H,
     with a relative error below 1e-5. Areas at few hardnesses, or outside the table, are computed exactly.
@@ -353,16 +353,16 @@ class AreaInterpolator:
     is the load.
     """
 
-    hardness: float | None  # GPa, hardness of the study
-    node_hardnesses: Floats  # (n,) hardnesses H/e at the nodes, GPa
-    node_areas: Floats  # (loads, m, n) e A/F at the nodes, 1/GPa
-    elastic_areas: Floats  # (loads, m) e A/F of elastic bodies, 1/GPa
-    moduli: Floats  # (m,) relative moduli e at the nodes
-    growth: Floats  # (loads,) logarithmic derivative d ln(A/F) / d ln F
-    errors: Floats  # (loads, n) relative standard error of the ratio of A at the nodes to A in the study
-    pressures: Floats  # (loads,) nominal pressures, GPa
-    opposing_areas: Floats | None = None  # (loads, n) A/F of contacts that oppose the motion
-    cache: dict[Any, Any] = field(default_factory=dict)  # samples that several points share
+    hardness: float | None  # hardness of the study (GPa), or None for elastic bodies
+    node_hardnesses: Floats  # hardnesses H/e at the nodes (n,), GPa
+    node_areas: Floats  # areas per load e A/F at the nodes (loads, m, n), 1/GPa
+    elastic_areas: Floats  # areas per load e A/F of elastic bodies (loads, m), 1/GPa
+    moduli: Floats  # relative moduli e at the nodes (m,)
+    growth: Floats  # logarithmic derivatives d ln(A/F) / d ln F (loads,)
+    errors: Floats  # relative standard errors of the ratios of A at the nodes to A in the study (loads, n)
+    pressures: Floats  # nominal pressures (loads,), GPa
+    opposing_areas: Floats | None = None  # areas per load A/F of contacts that oppose the motion (loads, n)
+    cache: dict[Any, Any] = field(default_factory=dict)  # cached samples that several points of a result share
 
     @classmethod
     def from_result(
@@ -423,7 +423,7 @@ class AreaInterpolator:
         )
 
     def area_ratio(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
-        """Return the ratio of the true area to the true area of the study, for hardnesses (GPa) and relative moduli."""
+        """Return the true area at hardnesses (GPa) and relative moduli, divided by the true area of the study."""
         if hardness is None or self.hardness is None:
             areas, study_areas = self.elastic_areas[load][:, np.newaxis], self.elastic_areas[load][:, np.newaxis]
         else:
@@ -437,7 +437,7 @@ class AreaInterpolator:
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
-        """Return the relative standard error of the area ratio, given hardness divided by relative modulus (GPa)."""
+        """Return the relative standard error of the area ratio for hardnesses divided by the relative modulus (GPa)."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.node_hardnesses), self.errors[load]))
 
     def growth_ratio(
@@ -472,7 +472,8 @@ class AreaInterpolator:
         key = "areas", load, rule
         if key not in self.cache:
             areas, elastic_areas, middle = self.node_areas[load], self.elastic_areas[load], self.moduli.size // 2
-            if rule == "opposing" and self.opposing_areas is not None:  # available only at the E* of the study
+            # `opposing_areas` contains areas only for the E* of the study.
+            if rule == "opposing" and self.opposing_areas is not None:
                 elastic_areas = elastic_areas[[middle]] * self.opposing_areas[load, -1] / areas[middle, -1]
                 areas = self.opposing_areas[[load]]
             self.cache[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
@@ -502,7 +503,7 @@ class AreaInterpolator:
 
 
 def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
-    """Interpolate areas over the load by power laws, with constant areas outside the loads of the dataset."""
+    """Interpolate areas per load between loads by power laws, with constant values outside the loads of the dataset."""
     import xarray
 
     known_loads = areas["load"].values

@@ -49,7 +49,7 @@ HEIGHT_SCALE_FOLDER = "height_scale"
 """Name of the subfolder of a result folder that contains a study for each factor."""
 
 FACTOR_STEP = 0.5
-"""Largest difference of log2(factor) between neighboring factors for an interpolation."""
+"""Largest difference of log2(factor) between neighboring factors that are used for an interpolation."""
 
 FACTOR_DIGITS = 6  # number of significant digits of a factor in its folder name
 
@@ -195,7 +195,8 @@ def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float
         expected = scale_study_heights(result.study, factor, scaled)
         if find_member_differences(stored.study, expected):
             continue
-        stored = StoredResult(stored.path, expected, stored.blocks)  # with the friction parameters of the result
+        # The stored blocks are opened with the friction parameters of the given result.
+        stored = StoredResult(stored.path, expected, stored.blocks)
         if stored.count == expected.ensemble.repetitions and not _lacks_hardness(stored):
             studies[factor] = stored
     return dict(sorted(studies.items()))
@@ -254,7 +255,7 @@ def compute_factors(
                 export(areas, folder / AREAS_FILE, replace=True)
 
 
-# ---- At a load -------------------------------------------------------------------------------------------------------
+# ---- Evaluation at a load --------------------------------------------------------------------------------------------
 
 
 def evaluate_height_scale(

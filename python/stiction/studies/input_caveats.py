@@ -35,49 +35,49 @@ LIMIT_REASONS = {
     "hump": "the spectrum has a hump",
     "tip": "features are sharper than the tip resolves",
 }
-"""Texts about the reasons why wavelengths are not attributed to the surface."""
+"""Explanations of why wavelengths are not attributed to the surface, by reason."""
 
 MAX_HEIGHT_OVER_EXTENT = 10.0  # ratio of height to length above which the height unit must be wrong
-MAX_PLAUSIBLE_MU0 = 2.0  # larger than all published values, including values of clean metals in vacuum
+MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0, above all published values, even for clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
-"""Contribution of a fitted parabola to the mean square height above which a caveat about form is issued.
+"""Fraction of the mean square height due to a fitted parabola, above which a caveat about form is issued.
 
-The contribution is about one half if the longest wavelengths dominate the heights of a surface without form error.
+The fraction is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
 
 MAX_SPIKE_RATIO = 12.0
-"""Multiple of the robust standard deviation of second differences above which a point is a spike.
+"""Largest second difference at a point that is not a spike, as a multiple of the robust standard deviation.
 
 The robust standard deviation is the median of the absolute second differences, divided by 0.67.
 """
 
 MAX_SPIKE_HEIGHT = 6.0
-"""Distance of a point of a map from the median of its neighbourhood above which the point is a spike.
+"""Largest distance between a point of a map and the median of its neighbourhood, unless the point is a spike.
 
 It is a multiple of the robust standard deviation of the heights. The distance is at most 4 for machined surfaces, and 5
 for white noise.
 """
 
-MAX_NOISE_SLOPE_FRACTION = 0.01  # fraction of the mean square slope from the instrument above which a caveat is issued
-MAX_PEAK_FRACTION = 0.1  # fraction of the fourth spectral moment in a peak above which a caveat is issued
+MAX_NOISE_SLOPE_FRACTION = 0.01  # A caveat is issued if the instrument adds a larger fraction of the mean square slope.
+MAX_PEAK_FRACTION = 0.1  # A caveat is issued if a peak contributes a larger fraction of the fourth spectral moment.
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # ratio of two spectra of a surface above which a caveat is issued
+MAX_SPECTRA_RATIO = 2.0  # A caveat is issued if the ratio of two spectra of a surface is larger.
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Ratio of nominal pressure to E* above which the load is probably the load on the whole component."""
 
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
     """Return caveats about two bodies that were read from files, about their study, and about loads (mN)."""
-    bowed = study.surfaces.level == "quadratic"  # no caveat about form if form is subtracted
+    bowed = study.surfaces.level == "quadratic"  # No caveat about form is issued if form is subtracted.
     vouched = bool(study.surfaces.vouched)
 
     def of_part(file: MeasuredFile, body: Body) -> list[Caveat]:
-        """Return caveats about the scans of a body, keeping only the longest wavelength for each kind of caveat."""
+        """Return caveats about the scans of a body: for each kind, the caveat with the longest cutoff."""
         kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
@@ -120,7 +120,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
 
 
 def _without_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, without a cutoff that is longer than the longest allowed cutoff (µm)."""
+    """Return the remedy of a caveat, replaced if it suggests a cutoff above the longest allowed cutoff (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -138,7 +138,7 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without numbers."""
+    """Return the text of a caveat with all numbers removed."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
@@ -218,7 +218,7 @@ def _of_instrument(
     try:
         limit = instrument_limit(body, texture=textured)
         blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
-    except ValueError:  # flat
+    except ValueError:  # The body is flat.
         return
     shortest = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest:
@@ -261,7 +261,7 @@ def _of_instrument(
 
 def _waves(limit: InstrumentLimit) -> str:
     """Describe the fraction of the mean square slope from unreliable wavelengths."""
-    # rounded, so that caveats of similar scans are equal
+    # The fraction is rounded, so that caveats of similar scans are equal.
     fraction = f"{100 * limit.slope_fraction:.0f} %"
     along = f" along {limit.axis}" if limit.axis else ""
     wavelength = format_with_unit(limit.wavelength, "um")
@@ -286,7 +286,7 @@ def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
 
 
 def _of_spikes(body: Profile | Surface) -> Iterator[Caveat]:
-    """Yield a caveat about points that are sharper than usual, or far from their neighbours on a map."""
+    """Yield a caveat about spikes: sharp points of a profile, or points of a map far from their neighbours."""
     from scipy.ndimage import median_filter
 
     if isinstance(body, Profile):

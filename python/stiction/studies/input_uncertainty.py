@@ -47,7 +47,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# relative half width of a hardness range converted from HRC (10 to 20 HV)
+# relative half width of the range (10 to 20 HV) that represents the error of the conversion from HRC
 ROCKWELL_CONVERSION_ERROR = 0.05
 _VICKERS_PRESSURE = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
@@ -57,26 +57,26 @@ The projected area is 0.9272 of this surface.
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
-_PERCENT_PATTERN = re.compile(
-    r"(.+?)\s*%\s*(.*)"
-)  # uncertainty in per cent, optionally followed by the unit of the value
+# matches an uncertainty in per cent, which may be followed by the unit of the value
+_PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
-_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # as in "HV10", "HV 0.5"
+# matches a Vickers scale with its test load, as in "HV10" or "HV 0.5"
+_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
 MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
-MAX_JUNCTION_GROWTH = 100.0  # largest α; α is 27 for a von Mises body with a hardness of three yield strengths
-MAX_CREEP_EXPONENT = 0.5  # largest exponent; the hardness falls to a third within a decade of time
+MAX_JUNCTION_GROWTH = 100.0  # largest α of junction growth; α is 27 for a von Mises body whose H is 3 yield strengths
+MAX_CREEP_EXPONENT = 0.5  # largest exponent of creep, at which the hardness falls to a third per decade of time
 
 
 @dataclass(frozen=True)
 class UncertainInput:
     """Input as a probability distribution, in core units."""
 
-    value: float  # number, or middle of the range (geometric mean for a log-normal distribution)
+    value: float  # central value: the number, or the middle of the range (geometric mean if log-normal)
     low: float  # lower limit of the 95 % interval, or of a uniform distribution
-    high: float
+    high: float  # upper limit of the 95 % interval, or of a uniform distribution
     distribution: Distribution
-    text: str  # text as written by the user
+    text: str  # input as written by the user
     maximum: float = math.inf  # upper bound of the samples
 
     @property
@@ -269,13 +269,13 @@ def draw_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
 
-# ---- As a table of a study -------------------------------------------------------------------------------------------
+# ---- Table of uncertain inputs in a study ----------------------------------------------------------------------------
 
 INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
     "poisson": "", "creep": "", "junction_growth": "",
 }  # fmt: skip
-"""Kinds of quantity of the inputs that may be ranges."""
+"""Kind of quantity of each input that may be a range."""
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:

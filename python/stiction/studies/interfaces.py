@@ -50,9 +50,9 @@ MAX_INTERFACE_BYTES = 50_000_000  # largest size of an interface file, in bytes
 _NUMBER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
-"""Probability of the residuals below which a sliding rule is excluded (first), or the errors are scaled (second)."""
+"""Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
 
-# largest distance of a lower limit from the bound (in interval widths) that is treated as zero
+# A lower limit is set to the bound if its distance from the bound, in interval widths, is smaller than this number.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the value
 SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
@@ -108,7 +108,7 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # E* for the central values of the moduli
+    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # elasticity at the central moduli
     moduli: Moduli = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
 
     def __post_init__(self) -> None:
@@ -173,7 +173,7 @@ class _AreaFactor:
         return [self.key(name) for name in self.known]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return the values of the inputs for probabilities of the nuisance parameters."""
+        """Return the values of the inputs at given probabilities of the nuisance parameters."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
@@ -182,7 +182,7 @@ class _AreaFactor:
         return None
 
     def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area for probabilities of the nuisance parameters."""
+        """Return the ratio of the true area to the computed area at given probabilities of the nuisance parameters."""
         return self.area_of(self.values(columns), strength)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
@@ -196,7 +196,7 @@ class _AreaFactor:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(_AreaFactor):
-    """Area factor of a Hertzian point contact, with an area proportional to E*^(-2/3)."""
+    """Area factor of a Hertzian point contact, whose area is proportional to E*^(-2/3)."""
 
     moduli: Moduli
 
@@ -207,7 +207,7 @@ class _BallAreaFactor(_AreaFactor):
 
 @dataclass(frozen=True)
 class _ResultAreaFactor(_AreaFactor):
-    """Area factor of a result of measured bodies at a load."""
+    """Area factor at a load, for a result of measured bodies."""
 
     areas: AreaInterpolator
     study: Study
@@ -374,14 +374,12 @@ class Fit:
     probability: float  # probability of a larger chi_squared; NaN without errors or degrees of freedom
     scale: float  # factor by which the errors were multiplied
     trend: float  # p-value of the trend of the residuals with the load
-    mu0: Floats  # samples
-    tau0: Floats  # GPa, same samples as mu0
-    hardness: Floats  # GPa, same samples; NaN if the tests have different hardnesses
-    junction_growth: Floats  # α, same samples; NaN if α differs between tests or has no effect
-    area_per_load: Floats  # A/F (1/GPa) of the tests at the onset of sliding, same samples; NaN if unknown
-    scores: Mapping[Hashable, Floats] = field(
-        default_factory=dict
-    )  # normal scores of the nuisance parameters, same samples
+    mu0: Floats  # samples of mu0
+    tau0: Floats  # samples of tau0 (GPa), paired with `mu0`
+    hardness: Floats  # samples of the hardness (GPa), paired with `mu0`; NaN if the tests have different hardnesses
+    junction_growth: Floats  # samples of α, paired with `mu0`; NaN if α differs between tests or has no effect
+    area_per_load: Floats  # samples of the A/F (1/GPa) of the tests at the onset of sliding; NaN if unknown
+    scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of the nuisance parameters
 
 
 @dataclass(frozen=True)
@@ -424,7 +422,7 @@ class Interface:
     about: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """Describe the interface: the sum mu0 + tau0 A/F and, if they are separated, mu0 and tau0."""
+        """Describe the interface by the sum mu0 + tau0 A/F, and by mu0 and tau0 if the tests separate these values."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             entries += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
@@ -455,7 +453,7 @@ class Interface:
 
     @cached_property
     def strength_intervals(self) -> tuple[Interval, Interval]:
-        """Intervals of the molecular friction coefficient and adhesive shear strength (GPa), even if not separated."""
+        """Intervals of mu0 and tau0 (GPa), even if the tests do not separate these values."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @cached_property
@@ -509,7 +507,7 @@ class Interface:
         return pandas.DataFrame({"mu0": fit.mu0, "tau0": fit.tau0, "hardness": fit.hardness})
 
     def predict(self, result: Any, load: float | str) -> Interval:
-        """Predict the coefficient of other surfaces at a load with its 95 % interval.
+        """Predict the coefficient of other surfaces at a load, with a 95 % interval.
 
         Parameters
         ----------
@@ -534,7 +532,8 @@ class Interface:
         fit, random = self.fits[0], np.random.default_rng(1)
         friction = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
-        def scores(name: Hashable) -> Floats:  # the prediction uses the samples of the inputs of the tests
+        def scores(name: Hashable) -> Floats:
+            # Inputs that also occur in the tests keep the samples of the tests.
             return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
 
         area = np.exp(friction.scatter * scores(friction.surfaces))
@@ -812,7 +811,7 @@ def interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read an interface file, or all interface files in a folder, and return their entries as `interfaces` does.
+    """Read an interface file, or all interface files in a folder, and return the entries of each file by its name.
 
     Other files in the folder are ignored.
     """

@@ -1,4 +1,4 @@
-"""Confidence intervals (95 %) of means over independent repetitions at a load and over neighboring positions.
+"""Confidence intervals (95 %) of means, over independent repetitions at a load or over neighboring positions.
 
 The script docs/scripts/intervals.py measures the coverage of the intervals, and their width relative to the best
 possible interval.
@@ -18,10 +18,10 @@ from stiction._checks import Floats
 CONFIDENCE = 0.95
 SLOPE_STEPS = 4  # number of steps on each side of a crossing for the fit of a slope
 MAX_LOAD_RATIO = 10.01
-"""Largest ratio of successive computed loads for an interpolation between these loads."""
+"""Largest ratio of two successive computed loads between which values are interpolated."""
 CHUNK_SIZE = 2**15  # number of values in a batch that fits into the processor cache
 MIN_SAMPLE_SIZE = 3  # smallest number of values for which an interval is computed
-MIN_NEIGHBORS = 8  # smallest number of neighboring values for an interval
+MIN_NEIGHBORS = 8  # smallest number of values at neighboring positions for which an interval is computed
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # skewness below which the scale is linear except for round-off
@@ -37,20 +37,20 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class Crossing:
-    """First crossings of loads (l,) by curves (..., k).
+    """Points at which curves (..., k) first cross given loads (l,).
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
 
-    index: NDArray[np.intp]  # (..., l)
-    fraction: Floats  # (..., l)
-    reached: NDArray[np.bool_]  # (..., l)
-    below: NDArray[np.bool_]  # (..., l) True for loads below the first step
+    index: NDArray[np.intp]  # index of the step at or after each crossing (..., l)
+    fraction: Floats  # position of each crossing between the steps, from 0 to 1 (..., l)
+    reached: NDArray[np.bool_]  # True for loads that the curve reaches (..., l)
+    below: NDArray[np.bool_]  # True for loads below the first step (..., l)
     scale: tuple[Floats, Floats] | None = None  # curves and loads for an interpolation of ratios, or None
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
-        """Find the first upward crossings of loads (l,) by curves (..., k) with linear interpolation.
+        """Find where curves (..., k) first cross loads (l,) upwards, with linear interpolation between steps.
 
         With `ratio`, the ratio of value to load is interpolated over the logarithm of the load. A load between two
         steps is then reached only if the ratio of the loads at these steps is at most `MAX_LOAD_RATIO`.
@@ -61,7 +61,7 @@ class Crossing:
                 below, above = straight._around(curve)
                 near = ~(above > MAX_LOAD_RATIO * below) | (above == loads)
             return cls(straight.index, straight.fraction, straight.reached & near, straight.below, (curve, loads))
-        at_least = curve[..., np.newaxis] >= loads  # (..., k, l)
+        at_least = curve[..., np.newaxis] >= loads  # shape (..., k, l)
         first = curve[..., :1, np.newaxis] == loads
         reaches = np.concatenate([first, ~at_least[..., :-1, :] & at_least[..., 1:, :]], axis=-2)
         reached: NDArray[np.bool_] = np.any(reaches, axis=-2)
@@ -84,8 +84,9 @@ class Crossing:
         return before, after
 
     def at(self, values: Floats, *, sums: bool = True) -> Floats:
-        """Interpolate values (..., more, k) at the loads (..., more, l), with NaN at loads that are not reached.
+        """Interpolate values at the loads, with NaN at loads that are not reached.
 
+        The values have the shape (..., more, k), and the result has the shape (..., more, l).
         With `sums`, the ratio of value to load is interpolated if the crossings were found with `ratio`.
         """
         num_dims = self.index.ndim - 1
@@ -100,14 +101,14 @@ class Crossing:
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
         # For a crossing exactly at a step, the value at the previous step may be NaN.
-        with np.errstate(invalid="ignore"):  # infinite values, such as the stiffness of complete contact
+        with np.errstate(invalid="ignore"):  # Values may be infinite, such as the stiffness of complete contact.
             interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
         if sums and self.scale is not None:
             interpolated = interpolated * self.scale[1]
         return np.where(reached, interpolated, np.nan)
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return the slopes of values over other values (..., k) at the crossings (..., l)."""
+        """Return the slopes (..., l) of one quantity over another quantity (..., k) at the crossings."""
         index = np.maximum(self.index, 1)
         rise, run = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -116,11 +117,11 @@ class Crossing:
         return np.asarray(rise / run)
 
 
-# ---- Over repetitions ------------------------------------------------------------------------------------------------
+# ---- Means over repetitions ------------------------------------------------------------------------------------------
 
 
 class MeansAtLoads:
-    """Means of values at given mean normal loads with jackknife intervals (docs/explanation/intervals.md).
+    """Means of values at given mean normal loads, with jackknife intervals (docs/explanation/intervals.md).
 
     Let v and n be the values and the normal loads of the repetitions at the crossing, and e the exponent of the mean
     curve, mean(v) ~ mean(n)^e. If one repetition is omitted, the logarithm of the mean at the load changes by the
@@ -145,7 +146,7 @@ class MeansAtLoads:
         self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
-        """Add repetitions with normal loads and values (c, k, r)."""
+        """Add repetitions, given as arrays of normal loads and of values (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
         at_a_time, others = max(1, CHUNK_SIZE // max(1, self._load.size)), self._repetitions - 1
@@ -153,7 +154,8 @@ class MeansAtLoads:
             each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
         )
         for first in range(0, normal.shape[2], at_a_time):
-            # Values of each repetition (p, r), and change of the mean if the repetition is omitted.
+            # Loads and values of each repetition have the shape (p, r).
+            # `by_load` and `by_value` are the changes of the means if the repetition is omitted.
             own_load, own_value = (self._at(each[..., first : first + at_a_time]) for each in (normal, values))
             self._loads.add(own_load)
             self._values.add(own_value)
@@ -252,11 +254,11 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
     return np.asarray(np.divide((x * y).sum(axis=1), squares, out=np.zeros_like(squares), where=squares > 0))
 
 
-# ---- Over a sample ---------------------------------------------------------------------------------------------------
+# ---- Means over a sample ---------------------------------------------------------------------------------------------
 
 
 def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of values (r, ...) along the first axis, ignoring NaN, and its Student's t interval.
+    """Return the mean of values along the first axis (r, ...) and its Student's t interval, ignoring NaN.
 
     If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
     """
@@ -272,7 +274,7 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the limits of the interval of a mean with a given half width.
+    """Return the limits of the interval of a mean, for a given half width.
 
     The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
     """
@@ -284,12 +286,12 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
     return np.where(by_logarithm, lower, mean - half_width), np.where(by_logarithm, upper, mean + half_width)
 
 
-# ---- Over neighbours -------------------------------------------------------------------------------------------------
+# ---- Means over neighbours -------------------------------------------------------------------------------------------
 
 
 @lru_cache(maxsize=32)
 def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants of the mixture: 1' R^-1 1, variance inflation, and Student's t quantile and density."""
+    """Return constants of the mixture of processes: 1' R^-1 1, variance inflation, and t quantile and density."""
     rho, lags = _CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -298,7 +300,7 @@ def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
 
 
 def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of correlated neighboring values (r, ...) along the first axis and its interval.
+    """Return the mean of correlated values at neighboring positions (first axis), and its interval.
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
     and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/intervals.md). The interval lies within the range
@@ -318,7 +320,7 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the limits of the intervals of rows of values (c, r), or NaN for rows of equal values."""
+    """Return the interval limits of the mean of each row of values (c, r), or NaN if all values of a row are equal."""
     from scipy.special import stdtr
 
     # Values are divided by their standard deviation to avoid overflow.
@@ -330,7 +332,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     # Closed forms for the autoregressive process: 1' R^-1 1, weighted mean, and weighted sum of squares.
     ones, inflation, quantile, density = _mixture_constants(count)
     inner = y[:, 1:-1].sum(axis=1)[:, np.newaxis]
-    centre = (y[:, :1] + y[:, -1:] + (1 - rho) * inner) / (1 + rho) / ones  # (c, rho)
+    centre = (y[:, :1] + y[:, -1:] + (1 - rho) * inner) / (1 + rho) / ones  # shape (c, rho)
     squares = np.empty_like(centre)
     for index, correlation in enumerate(rho):
         deviation = y - centre[:, index, np.newaxis]
@@ -362,12 +364,13 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
 
 
 def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of values (r, ...) at neighboring positions and its interval, averaging each line first."""
+    """Average values (r, ...) along each line, and return the mean over neighboring positions with its interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
-    if first.size > 1:  # one value per line, with the mean of all values
+    if first.size > 1:
+        # Each line gives one value. The mean of these values equals the mean of all values.
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first.size, *values.shape[1:]))
         np.add.at(sums, index, values)
@@ -377,19 +380,19 @@ def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Flo
     return mean, np.maximum(lower, values.min(axis=0)), np.minimum(upper, values.max(axis=0))
 
 
-# ---- Over scans of parts ---------------------------------------------------------------------------------------------
+# ---- Means over pairs of scans ---------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class ScansMean:
-    """Mean over the members of several scans of two parts, with variance components."""
+    """Mean over the members of all pairs of scans, with its variance components."""
 
     mean: float
     # variance of the mean due to upper scans, lower scans and positions
     variances: tuple[float, ...]
     freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
     test: float  # standard deviation of a single new test around the mean
-    test_freedom: float
+    test_freedom: float  # degrees of freedom of the variance of a single new test
 
     @property
     def half_width(self) -> float:

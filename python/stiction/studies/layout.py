@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray
 
 RESULT_TITLE = "stiction study"  # value of the attribute `title` in every result
-MAX_PIECE_BYTES = 2**26  # largest size (bytes) of a piece of a result in memory
+MAX_PIECE_BYTES = 2**26  # largest size (bytes) of a piece, a group of members that is loaded into memory together
 
 MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
@@ -103,7 +103,7 @@ def member_bytes(study: Study) -> int:
 
 
 def piece_length(size: int) -> int:
-    """Return the number of members of `size` bytes in a piece, which is a power of two."""
+    """Return the number of members in a piece, a power of two, if each member has `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -136,7 +136,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build the dataset of some repetitions from arrays of `stack_members` after checking their shapes."""
+    """Check the shapes of arrays from `stack_members`, and build the dataset of some repetitions from the arrays."""
     import xarray
 
     variables = list_variables(study, repetitions)
@@ -173,7 +173,7 @@ _DIVISORS = {
     "um^2": (0, 2, "L²"),
     "um": (0, 1, "L"),
 }
-"""Divisor for each unit: its powers of E* and L, and its text."""
+"""Exponents of E* and L in the divisor of each unit, and the divisor as text."""
 
 
 def nondimensional(

@@ -210,7 +210,7 @@ def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate a quantity of the ensemble as `friction_map` does, after applying `change` to each piece."""
+    """Evaluate a quantity of the ensemble at given mean normal loads, after applying `change` to each piece."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
@@ -268,7 +268,7 @@ class _EnsembleQuantity:
         """Return the names of the variables to be read from the result."""
         variables = _list_needed_variables(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
-            variables = (*variables, "approach")  # needed for the derivative
+            variables = (*variables, "approach")  # The approach is needed for the derivative.
         return (*variables, *(name for name in SUMS if self.judged and name not in variables))
 
     def curves(
@@ -330,7 +330,7 @@ class _EnsembleQuantity:
 
 
 def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape values at loads on curves for all mu0 and tau0 (c, l) to (load, mu0, tau0)."""
+    """Reshape values at all loads (c, l) of the curves for all mu0 and tau0 to (load, mu0, tau0)."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
@@ -369,7 +369,7 @@ def _compute_values(sums: Sums, quantity: str, mu0: Floats, tau0: Floats) -> Flo
 
 
 def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str) -> tuple[Sums, Sums, int]:
-    """Return the means of `_compute_sums` over the members, and the number of members."""
+    """Return the means over the members of both kinds of sums (see `_compute_sums`), and the number of members."""
     total: list[Sums] = []
     count = 0
     for piece in solved():

@@ -64,7 +64,7 @@ from stiction.surfaces.surface import Surface, parse_lengths
 
 Column = int | str
 Body = Profile | Surface | JoinedSpectrum  # kinds of bodies in a file
-MAX_FILE_NAME_LENGTH = 4096  # characters
+MAX_FILE_NAME_LENGTH = 4096  # largest length of a file name in characters
 MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
 MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
@@ -131,7 +131,7 @@ MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # limits of `height_factor`
 
 
 class BodyInMemory:
-    """Wrapper of a body in memory.
+    """Wrapper around a body in memory.
 
     The class is not a dataclass, so that copies of a study share the body.
     """
@@ -218,7 +218,7 @@ class MeasuredFile(Table):
 
     @property
     def scans(self) -> tuple[MeasuredFile, ...]:
-        """All scans of the part: this file, and the scans at other places."""
+        """All scans of the body: this file, and the scans at other places."""
         return self, *(self.others or ())
 
     @property
@@ -299,11 +299,11 @@ class MeasuredFile(Table):
 
     @property
     def bodies(self) -> list[Profile | Surface]:
-        """Profiles and surfaces of the part, without spectra."""
+        """Scans of the body that are profiles or surfaces, without spectra."""
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def cut_off_at(self, wavelength: float) -> float:
-        """Return the cutoff wavelength (µm) of this scan if the pair has the given cutoff."""
+        """Return the cutoff wavelength (µm) of this scan for a given cutoff of the pair."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated(self) -> Floats:
@@ -418,7 +418,7 @@ def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
 
 @dataclass(frozen=True)
 class Member:
-    """Member of a study of measured bodies: a pair, its origin, and the shift of the upper body (µm)."""
+    """Pair of measured bodies, with the shift of the upper body (µm) and the origin of the pair."""
 
     pair: Pair
     x: float
@@ -447,7 +447,7 @@ class SharedProperties:
 class BodyAttributes:
     """Metadata of measured bodies in a result, empty for generated bodies."""
 
-    nominal_area: float | None = None  # µm²
+    nominal_area: float | None = None  # nominal area of each member (µm²)
     attributes: dict[str, Any] = field(default_factory=dict)
 
 
@@ -495,11 +495,11 @@ class MeasuredSurfaceKeys(Case):
     )
 
     def cells(self) -> dict[str, Floats]:
-        """Return the dimensions of a result other than the members, with their values."""
+        """Return the cutoffs (µm), which are a dimension of a result."""
         return {"cut_off": array_of(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
-        """Cutoff (µm) of the quoted result, which is the first cutoff in the study."""
+        """Return the cutoff (µm) of the quoted result, which is the first cutoff in the study."""
         return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
@@ -513,7 +513,7 @@ class MeasuredSurfaceKeys(Case):
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Numbers of scans of the upper and the lower part."""
+        """Numbers of scans of the upper and the lower body."""
         return len(self.upper.scans), len(self.lower.scans)
 
     def scans_of(self, members: Any) -> tuple[Any, Any]:
@@ -526,14 +526,14 @@ class MeasuredSurfaceKeys(Case):
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
-        """Return the members of two scans after low-pass filtering each scan at its own cutoff (µm, 0 for none).
+        """Low-pass filter each scan at its own cutoff (µm, 0 for no filter), and return the members of both scans.
 
         Raises a `ValueError` if there are no members.
         """
         raise NotImplementedError
 
     def filtered(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
-        """Yield both scans after low-pass filtering each scan at its own cutoff (µm, 0 for none)."""
+        """Yield both scans, each low-pass filtered at its own cutoff (µm, 0 for no filter)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
@@ -609,7 +609,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
 
 @dataclass(frozen=True, eq=False)
 class LineMembers:
-    """Members of a study of lines."""
+    """Members of a study of profiles, or of lines of height maps."""
 
     pairs: LinePairs
     scans: tuple[Body, Body]
@@ -657,7 +657,7 @@ class LineMembers:
 
 
 def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedProperties:
-    """Return the shared properties of lines.
+    """Return the properties that all members of a study of lines share.
 
     `used` is the fraction of the upper scan that the slider covers.
     """
@@ -775,11 +775,11 @@ def build_map_pairs(
 
 @dataclass(frozen=True, eq=False)
 class AreaMembers:
-    """Members of a study of areas."""
+    """Members of a study of height maps, or of surrogates."""
 
     pairs: MapPairs | IsotropicPairs | SpectrumPairs
     scans: tuple[Body, Body]
-    # number of pairs of surrogates, which are the first members; None for all members
+    # number of pairs of surrogates, which are the first members; None if all members are surrogates
     surrogates: int | None = None
 
     def member(self, index: int) -> Member:

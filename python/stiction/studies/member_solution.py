@@ -60,9 +60,9 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 STIFFNESS_STEP = 0.02
-"""Half width of the finite difference for the stiffness of asperities, relative to the approach."""
+"""Half width of the finite difference that gives the stiffness of asperities, relative to the approach."""
 
-MPA_OVER_MM = 1e6  # MPa/mm per GPa/µm, for lines with a width of 1 µm
+MPA_OVER_MM = 1e6  # conversion factor from GPa/µm to MPa/mm
 
 JUMP_DISTANCE = 1e-11
 """Relative distance from a jump of the load to an approach just before the jump.
@@ -99,7 +99,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
-    """Return the value of a variable if the solver fails: NaN, 0 contacts, or the status "not-solved"."""
+    """Return the values that a variable has if the solver fails: NaN, 0 contacts, or the status "not-solved"."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
     shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
     if name == "status":
@@ -127,7 +127,7 @@ def _solve_half_space(
     sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
-        """Yield the load curve for each sliding rule and direction, derived from a curve for the direction +x."""
+        """Return the load curve for each sliding rule and direction, derived from the solved curve."""
         ways = (
             [curve]
             if areal
@@ -182,7 +182,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     interpolated between the states just before and just after the jump.
     """
     model, areal = contact.model(), isinstance(upper, Surface)
-    if areal:  # a single curve for all directions of a map, or a curve for each direction of a profile
+    if areal:  # A map needs a single curve for all directions, and a profile needs a curve for each direction.
         models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
     else:
         models = [
@@ -240,7 +240,7 @@ def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactM
     return (candidates(upper, lower, deepest=deepest, curvature=model.curvature),)
 
 
-# ---- At one load ----------------------------------------------------------------------------------------------------
+# ---- Contact at a single load ----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,7 +250,7 @@ class PressedPair:
     upper: Any
     lower: Any
     curve: HalfSpaceCurve | LoadCurve  # load curve with only this load, for motion along +x
-    model: ContactModel | None = None  # contact model of the asperities
+    model: ContactModel | None = None  # contact model of the asperities; None for the half-space
 
     @classmethod
     def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
@@ -283,7 +283,7 @@ class PressedPair:
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
-CACHE_LINE = 64  # bytes
+CACHE_LINE = 64  # size of a cache line of the processor in bytes
 SLIP_LOAD_FRACTION = 0.5  # fraction of the sliding load at which the slipped fraction is stored
 
 MEMBER_COSTS = {
@@ -298,13 +298,13 @@ asperities on measured areas and lines. "half-space" and "half-plane" are times 
 """
 
 SOLUTION_COSTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
-"""Coefficient and exponent of the time (s) of a half-space solution on one core, as a power of the number of points.
+"""Power law of the time (s) of a half-space solution on one core: coefficient and exponent of the number of points.
 
 The keys are False for lines and True for areas.
 """
 
 ITERATION_COSTS = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
-"""Coefficient and exponent of the time (s) of an iteration with adhesion on one core, as a power of the points.
+"""Power law of the time (s) of an iteration with adhesion on one core: coefficient and exponent of the points.
 
 The keys are False for lines and True for areas.
 """
@@ -403,7 +403,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
 
 
 def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
-    """Yield the values of a repetition for each cell with its index, fractal dimension and amplitude."""
+    """Yield the index of each cell (fractal dimension, amplitude), and the values of a repetition in this cell."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return

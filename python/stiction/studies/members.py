@@ -24,17 +24,18 @@ from stiction.surfaces.profile import Profile, Side, combine_missing, scale_prof
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
-# largest size (bytes) of the profiles of a body in a batch
+# largest total size (bytes) of the profiles of one body that are generated in a batch
 MAX_BATCH_BYTES = 64_000_000
 MAX_CACHED_PAIRS = 16  # number of pairs of filtered and levelled scans in the cache
 NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
-TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # key: True for maps, False for profiles
+# number of grid points assumed if files are missing; the key is True for maps
+TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
-# ---- Generated -------------------------------------------------------------------------------------------------------
+# ---- Generated bodies ------------------------------------------------------------------------------------------------
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """Return the random phases (rad) of Eq. 1 for a body (directions, frequencies)."""
+    """Return the random phases (rad) of Eq. 1 for a body as an array (directions, frequencies)."""
     surfaces: Any = study.surfaces
     return fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
@@ -43,7 +44,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _equation_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the arguments of Eq. 1 in a study, except phases and grid."""
+    """Return the arguments of Eq. 1 that a study specifies, except phases and grid."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -162,7 +163,7 @@ def pair_of(
     return next(generate_pairs(study, repetition, np.array([fractal_dimension]), amplitude))
 
 
-# ---- Measured --------------------------------------------------------------------------------------------------------
+# ---- Measured bodies -------------------------------------------------------------------------------------------------
 
 
 def _describe_grid(body: Any) -> tuple[Any, ...]:
@@ -196,7 +197,7 @@ class LoadedBodies:
         self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_members)
 
     def _prepare_members(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
-        """Return the members of two scans after filtering at a cutoff (µm, 0 for none).
+        """Low-pass filter two scans at a cutoff (µm, 0 for no filter), and return their members.
 
         Raises a `ValueError` if the scans have no members.
         """
@@ -241,7 +242,7 @@ class LoadedBodies:
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         fractions = []
-        with contextlib.suppress(ValueError, IndexError):  # the study has fewer members
+        with contextlib.suppress(ValueError, IndexError):  # The study may have fewer members.
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing(*self.member(index, self._surfaces.quoted_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))

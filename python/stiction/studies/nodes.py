@@ -1,4 +1,4 @@
-"""Results at nodes of (mu0, tau0), between which a report interpolates by cubic polynomials.
+"""Results at nodes of mu0 and tau0. A report interpolates between the nodes with cubic polynomials.
 
 The nodes are chosen so that interpolation errors are within the tolerances below. The remaining error is measured
 between nodes.
@@ -30,7 +30,10 @@ if TYPE_CHECKING:
 VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value; the report prints up to four digits
 ENDS_TOLERANCE = 1e-2  # largest error of an interpolated interval limit, relative to the interval width
 PRINTED_TOLERANCE = 0.025
-"""Ratio of error to interval width above which a number is hidden, equal to the rounding of printed limits."""
+"""Ratio of interpolation error to interval width above which a report hides the number.
+
+The ratio equals the rounding error of printed limits.
+"""
 
 MIN_NODES = 5  # number of interpolation nodes on an axis before refinement
 MAX_NODES, MAX_MEASURED_NODES = 7, 10
@@ -43,7 +46,7 @@ LOAD_STEPS = 40  # number of loads in a report of generated surfaces
 # number of loads at which nodes are chosen and errors are measured (generated surfaces)
 SAMPLED_LOADS = 4
 CHOICE_LOADS = 2  # number of loads at which nodes are chosen (measured surfaces)
-# quantities at nodes besides friction (measured surfaces)
+# quantities besides friction that are evaluated at the nodes (measured surfaces)
 MEASURED_NAMES = ("contact_count", "gentle_friction")
 # largest number of mu0 or tau0 values in a study that become nodes; longer lists are thinned
 MAX_STUDY_NODES = 9
@@ -54,7 +57,7 @@ MIN_NODE_DISTANCE = 0.35
 CHECKED_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
 """Positions at which errors are measured, as fractions of the ranges of mu0 (first) and tau0 (second)."""
 
-# largest distance (relative to the axis length) at which a value is identified with a node
+# largest distance from a node (relative to the axis length) at which a value counts as the node
 NODE_TOLERANCE = 1e-9
 MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 on the axis relative to E*, if the study has no larger value
 MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
@@ -89,18 +92,18 @@ class Axis:
         return Axis(np.unique([*self.rising, *additional]), self.ranged)
 
     def middles(self) -> Floats:
-        """Return the middles of the panels between rising nodes, shifted out of the bounds of ranged nodes."""
+        """Return the midpoint of each panel between rising nodes, shifted if it is within bounds of a ranged node."""
         middles = (self.rising[1:] + self.rising[:-1]) / 2
         return np.where(self._is_ranged(middles), 0.5 * (middles + self.rising[1:]), middles)
 
     @property
     def panel_middles(self) -> Floats:
-        """Middle of the panel (n,) that starts at each node; the node itself if no panel starts there."""
+        """Midpoint (n,) of the panel that starts at each node, or the node itself if no panel starts there."""
         return np.concatenate([self.middles(), self.rising[-1:], self.ranged])
 
     @property
     def panel_ends(self) -> NDArray[np.intp]:
-        """Index (n,) of the last node of the panel that starts at each node; the node itself without such a panel."""
+        """Index (n,) of the node that ends the panel starting at each node; the node's own index without a panel."""
         indices = np.arange(self.values.size)
         return np.where(indices < self.rising.size - 1, indices + 1, indices)
 
@@ -110,7 +113,7 @@ class Axis:
         )
 
     def weights(self, value: float, *, cubic: bool = True) -> Floats:
-        """Return the interpolation weights of the nodes at a value (n,)."""
+        """Return the weights (n,) of the nodes for interpolation at a value."""
         weights = np.zeros(self.values.size)
         for index, (low, high) in enumerate(self.bounds):
             if low <= value <= high:
@@ -126,7 +129,7 @@ class Axis:
         return self._lagrange_weights(value, np.arange(first, first + number))
 
     def corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
-        """Return two changes of the weights (n,): if the preceding node is added, and if the following node is added.
+        """Return how the weights (n,) change if the preceding node is used too, and if the following node is used too.
 
         A change is 0 at a node, and NaN if there is no such node.
         """
@@ -192,7 +195,7 @@ class Nodes:
 
     @cached_property
     def kinds(self) -> list[Kind | None]:
-        """Kinds of members, starting with the quoted kind."""
+        """Kinds of members (shifts, surrogates), starting with the kind whose friction is quoted."""
         head = self.result.head
         if "surrogate" not in head.coords:
             return [None]
@@ -228,7 +231,7 @@ class Nodes:
         return largest_errors(self.axes, table, partial(self._friction, loads))
 
     def is_interpolated(self, points: Floats) -> NDArray[np.bool_]:
-        """Return True for panels in which points (..., m, t, 3) at the nodes may be interpolated."""
+        """Return a mask of the panels in which the values (..., m, t, 3) at the nodes may be interpolated."""
         return is_interpolated(self.axes, points)
 
     @property
@@ -281,7 +284,7 @@ def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Axis:
         study_values = study_values[
             np.unique(np.linspace(0, study_values.size - 1, MAX_STUDY_NODES).round().astype(int))
         ]
-    # closer together near 0, where interval limits have the largest curvature
+    # The nodes are closer together near 0, where interval limits have the largest curvature.
     first = largest * np.linspace(0.0, 1.0, MIN_NODES) ** 2
     if is_ranged:
         axis = Axis(first, study_values[study_values > 0])
@@ -296,7 +299,7 @@ def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Axis:
 def refined(
     axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
 ) -> tuple[Axis, Axis]:
-    """Add nodes to the axes until errors of values and intervals along two lines are within the tolerances.
+    """Add nodes to each axis until the errors along two lines parallel to the axis are within the tolerances.
 
     An axis has at most `max_nodes` rising nodes after refinement. Nodes are added first where the measured error, or
     the estimated error of `is_interpolated`, is largest relative to its tolerance.
@@ -337,7 +340,7 @@ def refined(
 
 
 def excess(estimated: Floats, exact: Floats) -> Floats:
-    """Return errors of values and interval limits (..., 3) relative to the tolerances, or 0 without finite values."""
+    """Return the ratio of error to tolerance (...) of a value or its interval limits, whichever is larger."""
     value, width = np.abs(exact[..., 0]), exact[..., 2] - exact[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(estimated - exact)
@@ -400,7 +403,7 @@ def _weighted(table: Floats, over_mu0: Floats, over_tau0: Floats) -> Floats:
 
 
 def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_]:
-    """Return True for panels (..., m, t) in which points (..., m, t, 3) at the nodes may be interpolated.
+    """Return a mask (..., m, t) of the panels in which the values (..., m, t, 3) at the nodes may be interpolated.
 
     A panel has the indices of its first corner. Along a ranged node, only the other axis is interpolated. The error in
     the middle of a panel is estimated as the change due to one more node along mu0, plus the change due to one more
@@ -419,14 +422,14 @@ def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_
             for columns in (np.arange(axes[1].values.size), axes[1].panel_ends)
         ],
         axis=1,
-    )  # (3, 4, ..., m, t)
+    )  # shape (3, 4, ..., m, t)
     width = np.where(np.isinf(upper), 2 * (value - lower), upper - lower)
     tolerance = np.fmax(PRINTED_TOLERANCE * width, VALUE_TOLERANCE * np.abs(value)).min(axis=0)
     return np.asarray((~np.isfinite(corners).any(axis=1) | (error <= tolerance)).all(axis=0))
 
 
 def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
-    """Return interpolated values (..., m, t) in the middles of panels, and their estimated errors; NaN if undefined."""
+    """Return interpolated values (..., m, t) at midpoints of panels and their estimated errors; NaN if undefined."""
     over_mu0, over_tau0 = (_weights_at_middles(axis, cubic=cubic) for axis in axes)
     by_mu0, by_tau0 = (
         np.stack([axis.corrections(value, cubic=cubic) for value in axis.panel_middles], axis=1) for axis in axes
@@ -447,7 +450,7 @@ def _weights_at_middles(axis: Axis, *, cubic: bool) -> Floats:
 
 
 def _weighted_sums(table: NDArray[Any], over_mu0: Floats, over_tau0: Floats) -> Floats:
-    """Return weighted sums (..., k, l) of nodes (..., m, t) with weights (k, m) and (l, t).
+    """Return weighted sums (..., k, l) of node values (..., m, t), using the weights (k, m) and (l, t).
 
     A sum is NaN if a node with a weight is not finite.
     """

@@ -30,17 +30,17 @@ if TYPE_CHECKING:
     from stiction.studies.store import StoredResult
 
 ONSET_FILE = "onset.nc"  # file name in a result folder
-ONSET_TABLE_FILE = "onset.csv"  # table of the mean curve, for example for a Masing model
+ONSET_TABLE_FILE = "onset.csv"  # file name of a table of the mean curve, for example for a Masing model
 ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes that identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
-"""Default numbers of members whose onset is computed: in general, and for maps with the half-space model (second)."""
+"""Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
 
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Fractions of the sliding load at which the curve is evaluated."""
 
-TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions, for errors of displacements of about 1e-7
-DEFAULT_POISSON_RATIO = 0.3  # default for both bodies
+TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions, which gives errors of about 1e-7 in displacements
+DEFAULT_POISSON_RATIO = 0.3  # default Poisson's ratio of both bodies
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
     "displacement": "displacement",
@@ -110,7 +110,7 @@ def compute_member_onset(
     }  # fmt: skip
 
 
-# ---- Over members ----------------------------------------------------------------------------------------------------
+# ---- Means over members ----------------------------------------------------------------------------------------------
 
 
 def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes: dict[str, Any]) -> xarray.Dataset:
@@ -124,7 +124,7 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
         values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, attributes_of(name))
-    # the long name applies to all points of the curve up to sliding
+    # This long name applies to all points of the curve up to sliding.
     variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {
         "fraction": (
@@ -218,7 +218,7 @@ def format_backbone(onset: xarray.Dataset) -> str:
     return text
 
 
-# ---- Map of slip ----------------------------------------------------------------------------------------------------
+# ---- Slip map --------------------------------------------------------------------------------------------------------
 
 
 Variables = dict[str, tuple[Any, ...]]

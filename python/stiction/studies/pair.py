@@ -61,8 +61,8 @@ from stiction.surfaces.surface import Surface, as_body
 
 # default number of positions of a pair of profiles (a few seconds of computing time)
 DEFAULT_NUM_POSITIONS = 64
-NUM_ADHESION_LOADS = 4  # number of loads below the requested loads for adhesive contacts (two decades)
-PRELOAD_FRACTION = 1e-3  # load that replaces zero, relative to the attraction of a grid cell
+NUM_ADHESION_LOADS = 4  # number of loads (over two decades) below the requested loads for adhesive contacts
+PRELOAD_FRACTION = 1e-3  # load that replaces a load of zero, relative to the attraction of a grid cell
 DEFAULT_LAW = "hertz-sphere"  # contact law of the asperity model
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
@@ -73,7 +73,7 @@ GAP_REMARK = (
 
 
 class Pair:
-    """Pair of two bodies and its options, with values in core units.
+    """Pair of bodies and its options, with values in core units.
 
     Invalid options raise an `ArgumentError`.
     """
@@ -312,7 +312,7 @@ class Pair:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
     def _nominal_value(self, name: str) -> Any:
-        """Return the value of an option, or the central value of an uncertain input with four digits."""
+        """Return the value of an option, or the central value of an uncertain input rounded to four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
             return round_median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -410,7 +410,10 @@ class Pair:
 
     @property
     def preview_study(self) -> Study | None:
-        """Study for a preview with the asperity model, or None for lines or a result with this model."""
+        """Study for a preview with the asperity model.
+
+        None if lines are pressed, if points are masked, or if the result itself uses the asperity model.
+        """
         if self.press == "lines" or self.contact_models[0] == "asperities" or self.has_missing:
             return None
         return self._build_study(self._build_contact_table("asperities") | {"load": self.loads})
@@ -455,7 +458,7 @@ class Pair:
         else:
             table["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            level = "mean"  # keep the measured relative orientation of the faces
+            level = "mean"  # This keeps the measured relative orientation of the faces.
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
@@ -515,7 +518,7 @@ class Pair:
             shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
             listed = self._listed_positions
             repetitions = (shifts if listed is None else len(listed)) + self._parse_num_surrogates(0)
-        # all pairs of scans have the same number of members
+        # All pairs of scans have the same number of members, so the number of members is rounded up.
         pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
         if self._listed_positions is not None:
             repetitions *= pairs
@@ -677,7 +680,7 @@ class Pair:
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        # no interpolation between a load of zero and the other loads
+        # No value is interpolated between a load of zero and the other loads, so no loads are inserted between them.
         preloads = loads[:1] if self._has_zero_load else []
         regular_loads = loads[len(preloads) :] or loads
         num_smaller = NUM_ADHESION_LOADS if self._adhesion.get("work_of_adhesion") else 1
@@ -721,7 +724,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the option that sets a study key such as "friction.mu0[0]", or None without such an option."""
+    """Return the option that sets a study key such as "friction.mu0[0]", or None if no option sets the key."""
     key = key.partition("[")[0]
     last = key.rpartition(".")[2]
     return next(
@@ -730,7 +733,7 @@ def _find_option(key: str) -> str | None:
 
 
 def study_from_options(options: PairOptions) -> Study:
-    """Return the study of two bodies from files or in memory.
+    """Return the study of two bodies, which are read from files or given in memory.
 
     Raises a `ValueError` if the contact of the bodies cannot be computed.
     """
@@ -745,7 +748,7 @@ def _split_commas(value: Any) -> Any:
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a part from a list, a folder, comma-separated names, or a single scan."""
+    """Return the scans of a body that are given as a list, a folder, comma-separated names, or a single scan."""
     if isinstance(given, (list, tuple)):
         scans = list(given)
     elif isinstance(given, str) and not given.strip():  # `Path` would interpret an empty string as the current folder

@@ -107,7 +107,7 @@ HeightMap: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | He
 """Measured profile or surface: a file, a body of this or of another library, or an array of heights."""
 Scan: TypeAlias = HeightMap | JoinedSpectrum
 Part: TypeAlias = Annotated[Scan | Sequence[Scan], SkipValidation]
-"""A single scan of a part, or scans at several places on the part."""
+"""A single scan of a body, or scans at several places on the body."""
 Gap: TypeAlias = Annotated[HeightMap, SkipValidation]
 InterfaceName: TypeAlias = Annotated[str | Path | Interface, SkipValidation]
 Value: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
@@ -431,7 +431,7 @@ class OptionGroup(BaseModel):
 
 
 class SurfaceOptions(OptionGroup):
-    """Options of the two bodies and of the preparation of their scans."""
+    """Options for the two bodies and for the preparation of their scans."""
 
     title: ClassVar[str] = "Surfaces"
 
@@ -787,7 +787,7 @@ def list_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Names of options by the names of equivalent arguments of surface functions."""
+"""Name of the option that is equivalent to each of these arguments of surface functions."""
 
 
 def format_command_line_name(name: str) -> str:

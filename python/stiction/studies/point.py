@@ -25,13 +25,13 @@ class RuleValue:
     """Coefficient of static friction at a point for a sliding rule."""
 
     rule: str  # "all" or "opposing"
-    value: float  # mean over the directions, and limits of the combined 95 % interval
-    lower: float
-    upper: float
+    value: float  # mean coefficient over the directions
+    lower: float  # lower limit of the combined 95 % interval
+    upper: float  # upper limit of the combined 95 % interval
     positions: tuple[float, float] = (math.nan, math.nan)  # sampling interval of the mean over positions
     next_test: tuple[float, float] = (math.nan, math.nan)  # prediction interval of a single test in a single direction
-    low: float = math.nan  # 10 % and 90 % quantiles of single members
-    high: float = math.nan
+    low: float = math.nan  # 10 % quantile of the coefficients of single members
+    high: float = math.nan  # 90 % quantile of the coefficients of single members
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
 
 
@@ -50,7 +50,7 @@ Under the quoted rule, friction acts at all contacts, because mu0 is measured on
 """
 
 CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of the cells of any kind of study
-MEAN_AND_ENDS = ("mean", "lower", "upper")  # mean and limits of its 95 % interval
+MEAN_AND_ENDS = ("mean", "lower", "upper")  # labels of a mean and of the limits of its 95 % interval
 
 
 def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:

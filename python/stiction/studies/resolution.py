@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in a result folder
 # number of members for height maps (the first members of the result)
 NUM_AREAL_MEMBERS = 4
-NUM_LINE_MEMBERS = 16  # number of pairs of lines
-MAX_CUTOFFS = 4  # largest number of cutoffs, which start at two points and double successively
+NUM_LINE_MEMBERS = 16  # number of members for lines
+MAX_CUTOFFS = 4  # largest number of cutoffs, which start at the shortest resolved wavelength and double successively
 FOUR_DIGIT_ERROR = 5e-4  # largest relative error of a number rounded to four digits
 MAX_RELATIVE_CUTOFF = 1 / 30  # largest ratio of a cutoff to the shortest side of the scans
 
@@ -131,9 +131,9 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(wavelength))
 
     def find_plastic_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Return the cutoff (µm) at which the elastic pressure reaches `ratio` times its value, with its interval.
+        """Return the cutoff (µm) at which the elastic pressure reaches a multiple of its value at the scan resolution.
 
-        The ratio is relative to the mean contact pressure at the resolution of the scans.
+        `ratio` is the multiple. The cutoff is returned with its interval.
         """
         gradient = ratio * float(self.roughness.gradient_at(self.shortest))
         spread = float(brackets.kappa_spread(np.array(contact_count)))
@@ -169,7 +169,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
     wavelength = surfaces.quoted_cut_off()
-    # first member that consists of pieces of the scans, otherwise a surrogate
+    # The gap is computed for the first member that consists of pieces of the scans, or otherwise for a surrogate.
     first = surfaces.first_scanned
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair
@@ -201,10 +201,10 @@ def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | 
 
 @dataclass(frozen=True)
 class YieldEstimate:
-    """Wavelength (µm) at which the pressure reaches a hardness (GPa), and mu0 + tau0/H."""
+    """Estimate for a hardness H (GPa): wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
-    wavelength: float  # NaN if the slope never becomes large enough
+    wavelength: float  # wavelength (µm), or NaN if the slope never becomes large enough
     lower: float
     upper: float
     friction: float
@@ -245,7 +245,7 @@ class Resolution:
 
 
 def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> Resolution | None:
-    """Return the effect of the scan resolution on a dataset of `Result.at`, or None without such data.
+    """Return the effect of the scan resolution on a dataset of `Result.at`, or None without roughness and cutoffs.
 
     `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
     """

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from stiction.studies.summary import PointSummary, Summary
     from stiction.surfaces.profile import Profile
 
-# number of fractal dimensions in an overview of a range
+# number of fractal dimensions that represent a range in an overview
 NUM_OVERVIEW_DIMENSIONS = 4
 
 _Read = TypeVar("_Read")
@@ -68,7 +68,7 @@ class Result:
         )
         return cls(result)
 
-    # ---- What was computed -------------------------------------------------------------------------------------------
+    # ---- Computed members --------------------------------------------------------------------------------------------
 
     @property
     def stored(self) -> StoredResult | None:
@@ -101,7 +101,7 @@ class Result:
         """
         if not isinstance(self.source, StoredResult):
             return self.source
-        # raises the error for a result without members
+        # If the result has no members, `StoredResult.dataset` raises the error.
         return next(self.source.pieces()) if self.source.count else self.source.dataset()
 
     @cached_property
@@ -119,7 +119,7 @@ class Result:
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield some or all variables of the result in pieces of members, with one piece in memory at a time.
+        """Yield the result in pieces (groups of members) with some or all variables; one piece is in memory at a time.
 
         The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
         """
@@ -141,9 +141,8 @@ class Result:
             count += piece.sizes["repetition"]
             for name in names:
                 dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
-                values = np.ascontiguousarray(
-                    piece[name].transpose(*dims, "repetition").values
-                )  # contiguous, for fast sums
+                # Sums are fast if the repetitions are contiguous in memory.
+                values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)
                 added = xarray.Variable(dims, values.sum(axis=-1))
                 total[name] = added if name not in total else total[name] + added
         head = self.head
@@ -176,21 +175,24 @@ class Result:
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """Onset of sliding of a measured pair at the first load, mu0 and tau0 in the study, or None if not stored."""
+        """Onset of sliding of a measured pair at the first load, mu0 and tau0 in the study.
+
+        None if the onset is not stored.
+        """
         from stiction.studies.onset import load_onset
 
         return self.alongside(load_onset)
 
     @property
     def over_cut_offs(self) -> xarray.Dataset | None:
-        """Values of a few members at several cutoff wavelengths, or None without a stored cutoff study."""
+        """Values of a few members at several cutoff wavelengths, or None if no cutoff study is stored."""
         from stiction.studies.resolution import evaluate_cutoffs
 
         return self.alongside(evaluate_cutoffs)
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
-        """Heights, contacts and pressures of a typical member, or None if not stored."""
+        """Heights, contacts and pressures of a typical member, or None if no contact picture is stored."""
         from stiction.studies.contact_picture import load_contact_picture
 
         return self.alongside(load_contact_picture)
@@ -206,7 +208,10 @@ class Result:
         return coming_and_going(self)
 
     def find_touching_profiles(self, load: float) -> tuple[Profile, Profile, float, float] | None:
-        """Return the first two measured profiles that touch at a load, their approach and offset (µm), or None."""
+        """Return the first pair of measured profiles that touch at a load (mN), with their approach and offset (µm).
+
+        Returns None if no pair touches.
+        """
         from stiction.studies.contact_picture import find_touching_profiles
 
         return find_touching_profiles(self, load)
@@ -235,7 +240,7 @@ class Result:
 
         return find_study_caveats(self.study)
 
-    # ---- At a load ---------------------------------------------------------------------------------------------------
+    # ---- Evaluation at a load ----------------------------------------------------------------------------------------
 
     def reached_loads(self, steps: int = 80) -> NDArray[np.float64]:
         """Return a geometric series of loads (mN) up to the largest mean load.
@@ -248,7 +253,7 @@ class Result:
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study or, without these, loads within the range of the result.
+        """Loads (mN) of the study or, if the study has none, loads within the range of the result.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -419,13 +424,14 @@ class Result:
         loads = self.default_loads[:1] if load is None else self._loads_of(load)
         return contact_frame(self, loads, members)
 
-    # ---- What may be quoted ------------------------------------------------------------------------------------------
+    # ---- Quoted values -----------------------------------------------------------------------------------------------
 
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Summarize the values that may be quoted at given loads, mu0 and tau0, by default the values in the study.
+        """Summarize the values that may be quoted at given loads, mu0 and tau0.
 
+        By default the loads, mu0 and tau0 are the values in the study.
         The default summary is computed only once.
         """
         if load is None and mu0 is None and tau0 is None:
@@ -485,7 +491,7 @@ class Result:
 
     @property
     def verdict(self) -> str:
-        """One of "Quote it", "Quote with care" and "Do not quote"."""
+        """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
         return self._first.verdict
 
     @property
@@ -570,13 +576,13 @@ class Result:
 
         write_result(self, Path(path))
 
-    # ---- How it shows itself -----------------------------------------------------------------------------------------
+    # ---- Display in a terminal or a notebook -------------------------------------------------------------------------
 
     def __repr__(self) -> str:
         """Return the text that the terminal shows."""
         try:
             return self._text().rstrip()
-        except ValueError as error:  # no contact, or no finished member
+        except ValueError as error:  # There is no contact or no finished member.
             return f"no answer: {error}"
 
     def _text(self) -> str:

@@ -32,16 +32,16 @@ from stiction.studies.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# seconds of work in a block: a crash loses little, and writing takes only a few per cent of the time
+# computing time (s) of a block, so that a crash loses little and writing takes only a few per cent of the time
 BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
 MIN_BLOCKS = 16  # smallest number of blocks, which limits the wait for the last block
-MIN_BLOCK_TIME = 0.06  # minimum seconds of work in a block, because writing its file takes some milliseconds
+MIN_BLOCK_TIME = 0.06  # smallest computing time (s) of a block, because writing its file takes some milliseconds
 MAX_SUBMITTED_TASKS = 1000  # largest number of queued tasks if the workers write the block files
 # largest number of queued tasks if this process writes the block files
 MAX_RETURNED_TASKS = 256
-SHUTDOWN_TIMEOUT = 3.0  # seconds for which an interrupted run waits for unfinished blocks
+SHUTDOWN_TIMEOUT = 3.0  # time (s) for which an interrupted run waits for unfinished blocks
 MAX_BYTES_IN_MEMORY = 2**34  # largest size (bytes) of a result without a store
 
 
@@ -175,7 +175,7 @@ def _compute_into(
 
     Workers that can access the folder write the block files.
     """
-    workers = getattr(pool, "_max_workers", None)  # None for a cluster with a variable number of workers
+    workers = getattr(pool, "_max_workers", None)  # number of workers; None for a cluster, where it varies
     started, is_first = time.monotonic(), update is not None and workers is not None
 
     def accept(members: range, content: bytes | None) -> None:
@@ -312,7 +312,7 @@ class _MissingMembers:
         for block in self._blocks:
             first = block * self.block
             is_finished = self._is_finished[first : first + self.block]
-            # first and last indices of ranges of missing members
+            # start and end (exclusive) of each range of missing members
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first + start, first + end)
@@ -329,7 +329,7 @@ def _compute_ranges(
     ranges = iter(missing)
     task = use_idle_threads(task, pool, sum(1 for _ in missing), count_points(arguments[1]))
     pending: dict[Future[Any], range] = {}
-    # `concurrent.futures.wait` would lock all futures, and leave some locked if interrupted.
+    # `concurrent.futures.wait` would lock all futures, and would leave some of them locked if it were interrupted.
     done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit(count: int) -> None:
@@ -370,7 +370,7 @@ class SharedFolder:
 
 
 def compute_block(version: str, study: Study, folder: SharedFolder | None, members: range) -> bytes | None:
-    """Compute a block of members, and write its file or, without access to the folder, return its bytes."""
+    """Compute a block of members, and write its file, or return its bytes if the folder is not accessible."""
     from stiction.studies.store import encode_members
 
     is_visible = folder is not None and folder.is_visible()

@@ -134,7 +134,7 @@ class StoredResult:
 
     @cached_property
     def version(self) -> str:
-        """Version of stiction that created the first block, or this version without blocks."""
+        """Version of stiction that created the first block, or the running version if there are no blocks."""
         return self.first_content.version if self.blocks else __version__
 
     @cached_property
@@ -397,7 +397,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
             _files.write_atomically(
                 path / STUDY_FILE, f"{STUDY_FILE_MARK} {__version__}.\n\n{study.to_toml()}".encode()
             )
-    except (OSError, RuntimeError) as error:  # RuntimeError: symbolic link that refers to itself
+    except (OSError, RuntimeError) as error:  # A RuntimeError is due to a symbolic link that refers to itself.
         if stored.count < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
@@ -487,14 +487,10 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# For a valid checksum, only the study and the shapes of the arrays are compared.
+# If the checksum of a block file is valid, only the study and the shapes of the arrays are verified.
 
-RESULT_ATTRIBUTES = (
-    "title",
-    "study",
-    "stiction_version",
-    "_NCProperties",
-)  # the other attributes of a result describe the bodies
+# attributes of a result that do not describe the bodies
+RESULT_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_SEAL = b"stiction crc32 "
 """Bytes before the checksum at the end of an exported file. The checksum is verified first, because HDF5 may never
@@ -522,7 +518,7 @@ class BlockContent:
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return the bytes of a block file with arrays of `stack_members`.
+    """Return the bytes of a block file that contains arrays from `stack_members`.
 
     Equal members give equal bytes.
     """
@@ -623,7 +619,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
-        # exceptions of h5py for files that are not HDF5
+        # h5py raises these exceptions for files that are not HDF5.
         raise DamageError("is not a readable netCDF file") from None
 
 
@@ -674,7 +670,7 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
     """
     path = Path(path)
     with replaced_file(path, CHECKSUM_SEAL, ExportError) if replace else new_file(path, ExportError) as partial:
-        content = io.BytesIO()  # written to memory first, because HDF5 may crash if the disk is full
+        content = io.BytesIO()  # The file is written to memory first, because HDF5 may crash if the disk is full.
         write_dataset(dataset, content)
         append_seal(content)
         partial.write_bytes(content.getbuffer())

@@ -56,7 +56,7 @@ MAX_STUDY_BYTES = 1_000_000  # largest study file (bytes) that is read
 MAX_COMBINATIONS = 1000  # largest number of combinations of load, mu0 and tau0 of measured surfaces
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
-"""Keys that select a table class, with their tables."""
+"""Pairs of a table and a key, where the value of the key selects the class of the table."""
 
 _LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
@@ -82,7 +82,10 @@ _SURFACE_CASES = {
     "surface": _list_cases("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
     "measured": _list_cases("press", *get_args(MeasuredSurfaces)),
 }
-"""Selecting key and classes of a surfaces table, by the value of `kind`. The first class is the default."""
+"""Key that selects the class of a surfaces table, and the classes, for each value of `kind`.
+
+The first class is the default.
+"""
 
 
 def select_surface_case(table: Mapping[str, Any]) -> type[Surfaces]:
@@ -99,7 +102,7 @@ LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these 
 
 
 class GeneratedFriction(Case):
-    """Interface strengths for the figures of generated surfaces."""
+    """Table `[friction]` for generated surfaces: the interface strengths that the figures show."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -109,14 +112,14 @@ class GeneratedFriction(Case):
 
 
 class FrictionOfAsperities(GeneratedFriction):
-    """Interface strengths for the figures of generated surfaces with the asperity model."""
+    """Table `[friction]` for generated surfaces with the asperity model: interface strengths that the figures show."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class FrictionOfHalfSpace(GeneratedFriction):
-    """Interface strengths and loads for the figures of generated surfaces with the half-space."""
+    """Table `[friction]` for generated surfaces with the half-space: strengths and loads that the figures show."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -124,7 +127,7 @@ class FrictionOfHalfSpace(GeneratedFriction):
 
 
 class FrictionOfMeasured(Case):
-    """Interface strengths, loads and dwell times of measured surfaces."""
+    """Table `[friction]` for measured surfaces: interface strengths, loads and dwell times."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -360,7 +363,7 @@ class Study(Table):
         return self.contact.step
 
     def sums(self) -> tuple[str, ...]:
-        """Return the names of the contact sums in a result for each member and loading step."""
+        """Return the names of the contact sums that a result contains for each member and loading step."""
         if self.uses_half_space:
             return HALF_SPACE_SUMS + (ADHESION if self.contact.adheres else ())
         approach = ("approach",) if self.step == "load" else ()
@@ -368,7 +371,7 @@ class Study(Table):
         return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are lists and therefore dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
         return self.contact.motions()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
@@ -505,11 +508,11 @@ def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
 
 
 def list_written_keys(table: Table) -> dict[str, Any]:
-    """Return the entries of a table with a value, in the order of study files."""
+    """Return the entries of a table that have a value, in the order of study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredAreasContact):
-        order["direction"] = 1  # last
+        order["direction"] = 1  # written last
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 
 

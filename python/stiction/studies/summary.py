@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from stiction.studies.resolution import Resolution
     from stiction.studies.study import Study
 
-WAVELENGTHS_INPUT = "waves of unknown origin"  # name of this contribution to the uncertainty
-MIN_NAMED_FRACTION = 0.1  # smallest fraction of the interval for which an input is named
+WAVELENGTHS_INPUT = "waves of unknown origin"  # name of the budget entry for wavelengths not attributed to the surface
+MIN_NAMED_FRACTION = 0.1  # smallest fraction of the interval width that an input must contribute to be named
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class RemainingInterval:
 
 @dataclass(frozen=True)
 class DwellTimeValue:
-    """Coefficient after a dwell time under load with its combined 95 % interval."""
+    """Coefficient after a dwell time under load, with its combined 95 % interval."""
 
     seconds: float
     value: float
@@ -85,7 +85,7 @@ class PointSummary:
         mu0 + tau0/H to the upper limit of the interval of this scan, with an allowance for a small number of contacts.
         None without a hardness, or if the value may not be quoted.
     from_roughness : float, optional
-        Fraction of the value that depends on the scans rather than on the inputs alone.
+        Contribution to the value that depends on the scans rather than on the inputs alone.
     budget : tuple of RemainingInterval
         Intervals that would remain if an input were exact, starting with the most important input.
     parts : (float, float, float), optional
@@ -114,12 +114,12 @@ class PointSummary:
 
     @property
     def members(self) -> float:
-        """Number of members in the average."""
+        """Number of members over which the values are averaged."""
         return value_of(self.values, "members")
 
     @property
     def scans(self) -> tuple[int, int]:
-        """Numbers of scanned places of the upper and the lower part."""
+        """Numbers of places at which the upper and the lower body were scanned."""
         return self.study.surfaces.scan_counts
 
     @property
@@ -143,7 +143,7 @@ class PointSummary:
         return is_unloaded(self.values)
 
     def quantity(self, name: str) -> tuple[float, float, float]:
-        """Return the mean of a quantity over directions and its 95 % interval, or NaN if unknown."""
+        """Return the mean of a quantity over directions and its 95 % interval, or NaN if the quantity is unknown."""
         if name not in self.values:
             return math.nan, math.nan, math.nan
         table = by_rule(self.values[name], self.rules[0].rule)
@@ -223,7 +223,7 @@ class Summary:
 
     @property
     def headlines(self) -> list[PointSummary]:
-        """Points to print, except points at a second cutoff that another interval covers."""
+        """All points except points at a second cutoff, which the interval of another point covers."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -250,7 +250,7 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 
 
 def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Return the points at the quoted cutoff with intervals that also cover the other cutoff, then the other points."""
+    """Extend the intervals at the quoted cutoff to cover the other cutoff, and list these points before the others."""
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
     others = {_place(point): point for point in points if point.at["cut_off"] != cut_off}
     quoted = [point for point in points if point.at["cut_off"] == cut_off]
@@ -259,7 +259,7 @@ def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _place(point: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Return load, mu0, tau0 and cell of a point without the cutoff."""
+    """Return all coordinates of a point except the cutoff."""
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
@@ -270,7 +270,8 @@ def _covering(point: PointSummary, other_point: PointSummary) -> PointSummary:
     """
     rules = tuple(_over_both(*each) for each in zip(point.rules, other_point.rules, strict=True))
     both = {entry.words: entry for entry in other_point.budget}
-    has_interval = math.isfinite(point.upper - point.lower)  # infinite or NaN with one or two positions
+    # With one or two positions, the width of the interval is infinite or NaN.
+    has_interval = math.isfinite(point.upper - point.lower)
     budget = (
         [RemainingInterval(WAVELENGTHS_INPUT, point.lower, point.upper, point.upper - point.lower)]
         if has_interval
@@ -399,7 +400,7 @@ def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
 
 
 def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
-    """Return the part of the coefficient that depends on the scans, or None if unknown.
+    """Return the contribution to the coefficient that depends on the scans, or None if it is unknown.
 
     Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
     contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans.

@@ -25,7 +25,7 @@ _COLUMN_ALIASES = {
     "coefficient of static friction": "coefficient",
     "standard uncertainty": "uncertainty", "dwell time": "wait", "waiting time": "wait",
 }  # fmt: skip
-"""Standard names of columns by alternative name."""
+"""Standard name of the column for each alternative name."""
 
 _COLUMN_UNITS = {
     "load": (*unit_names("force"), *unit_names("pressure")), "force": unit_names("force"),

@@ -163,13 +163,13 @@ class Table(BaseModel):
 
 
 class Case(Table):
-    """Table of a study file with several classes that have different keys."""
+    """Table of a study file for which several classes exist, each with its own keys."""
 
     place: ClassVar[str]  # name of the class in messages
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys that select the class, with their values: the keys with a single possible value."""
+        """Return the keys that select the class, and their values. Such a key has a single possible value."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -252,7 +252,7 @@ class LoadRange(_Steps):
     stop: Force
 
 
-# Tags of ranges and lists, assigned before validation, so that messages refer to a single type.
+# Values are tagged as a range or a list before validation, so that messages refer to a single type.
 RANGE_NAME, LIST_NAME = "a range", "a list"
 
 
@@ -281,7 +281,7 @@ def array_of(values: _Range | tuple[float, ...]) -> Floats:
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 
-# ---- Keys that not all cases of a table have ------------------------------------------------------------------------
+# ---- Keys that exist only in some classes of a table ----------------------------------------------------------------
 
 
 def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type[Case]]) -> None:
@@ -313,7 +313,7 @@ MAX_LISTED_FAULTS = 5  # largest number of errors in a message about a study
 
 
 class StudyError(ValueError):
-    """Error raised for an invalid study, with one line per fault, which names the key.
+    """Error raised for an invalid study. Each line of its message describes one fault and names the key.
 
     Attributes
     ----------
