@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-AREA_ROUND_OFF = 1e-6  # A/F counts as uncertain above this relative range
-MAX_SHOWN_SAMPLES = 800  # number of samples of the joint distribution in the figure
+AREA_ROUND_OFF = 1e-6  # relative range of A/F above which its interval is printed
+MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution in the figure
 
 
 def calibration_text(interface: Interface) -> str:
-    """Format the fitted combination of mu0 and tau0, their separate values if determined, and the fit of each rule."""
+    """Format a calibration: mu0 + tau0 A/F, separate values of mu0 and tau0 if they are determined, and the fits."""
     first_fit = interface.fits[0]
     condition = f"at the A/F of the tests, {_area_per_load_text(interface)}, {RULE_DESCRIPTIONS[first_fit.sliding]}"
     lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hang="  ")]
@@ -48,7 +48,7 @@ def calibration_text(interface: Interface) -> str:
 
 
 def _area_per_load_text(interface: Interface) -> str:
-    """Format the A/F of the tests, with its interval if it is uncertain."""
+    """Format the ratio A/F of the tests, with its interval if the ratio is uncertain."""
     ratio = interface.fits[0].area_per_load
     if not np.isfinite(ratio).all() or np.ptp(ratio) <= AREA_ROUND_OFF * np.median(ratio):
         return f"{interface.area_per_load:.3g} /GPa"
@@ -71,7 +71,7 @@ def _not_separated_lines(interface: Interface) -> Iterator[str]:
 
 
 def _growth_line(interface: Interface) -> str:
-    """Return a line on α of junction growth in the calibration, with its fitted interval if α is a range."""
+    """Return a sentence about the junction growth parameter α, with its fitted interval if α is a range."""
     assert interface.growth is not None, "tests have α"
     text = f"Junction growth: the tests have α = {interface.growth.short_text}"
     if interface.growth.is_exact:
@@ -154,7 +154,7 @@ _KEYS_WITHOUT_NAME = ("conditions", "source")
 
 
 def calibration_figure(interface: Interface) -> Figure:
-    """Draw tests and fit against A/F, and the joint distribution of mu0 and tau0 (170 mm wide).
+    """Draw measured and fitted coefficients against A/F, and the joint distribution of mu0 and tau0 (170 mm wide).
 
     Parameters
     ----------

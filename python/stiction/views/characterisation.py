@@ -53,21 +53,21 @@ from stiction.views.text import wrap_text
 
 PAPER_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
 RADIAL_BINS = 20  # number of bins per decade in the spectrum of a surface
-NUM_OCTAVES = 4  # number of wavelengths with printed slopes, starting at two grid spacings and doubling
-NEGLIGIBLE_SLOPE_FRACTION = 0.01  # unreliable wavelengths are ignored below this fraction of the mean square slope
-_MIN_PEAK_RATIO = 3.0  # a band starts at a peak if its ratio to the density at longer wavelengths exceeds this value
-_MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths for comparison with a possible peak
-_MIN_PEAK_FRACTION = 0.1  # a peak is reported above this fraction of m4
-_MAX_DISPERSION = 2.0  # the scatter of a spectrum about its fit is reported above this dispersion
-# variance of the log density in a bin of a windowed spectrum, times the number of harmonics
+NUM_OCTAVES = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
+NEGLIGIBLE_SLOPE_FRACTION = 0.01  # unreliable wavelengths with a smaller fraction of the mean square slope are ignored
+_MIN_PEAK_RATIO = 3.0  # minimum density of a peak at the start of a band, relative to longer wavelengths
+_MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths with which a possible peak is compared
+_MIN_PEAK_FRACTION = 0.1  # a peak is reported if it contributes at least this fraction of m4
+_MAX_DISPERSION = 2.0  # dispersion of a spectrum about its fit above which the scatter is reported
+# Variance of the logarithmic density in a bin of a Hann-windowed spectrum, multiplied by the number of harmonics.
 _HANN_VARIANCE = 2.0
 
-_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}  # texts for units of JSON
-_JSON_UNITS = {"": "1"}  # JSON units of parameters; in all other units "µm" becomes "um" and "²" becomes "2"
+_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}  # printed units by JSON unit
+_JSON_UNITS = {"": "1"}  # JSON unit of dimensionless parameters; `_unit` converts all other units
 
 
 class Row(NamedTuple):
-    """Table row: a label, one text (or two, along x and y), and the values for JSON and CSV."""
+    """Table row: a label, one text (or two texts, for x and y), and values for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
@@ -126,7 +126,7 @@ class Characterisation:
 
     @cached_property
     def scale_limited(self) -> Profile | Surface:
-        """Profile or S-L surface with the given cutoffs, from which the parameters are computed."""
+        """Body for the roughness parameters: the unfiltered profile, or the surface filtered at the given cutoffs."""
         body = self.body
         if isinstance(body, Profile):
             return body
@@ -142,7 +142,7 @@ class Characterisation:
 
     @cached_property
     def slope_of_neighbours(self) -> float:
-        """Rms slope or gradient from differences of neighbouring points."""
+        """Rms slope or gradient, computed from height differences of neighbouring points."""
         body = self.scale_limited
         if isinstance(body, Profile):
             return roughness_parameters(body, derivative="neighbours").Pdq
@@ -150,7 +150,7 @@ class Characterisation:
 
     @cached_property
     def sections(self) -> SectionParameters | SectionError | None:
-        """R- and W-parameters of a profile, or the error that explains why they are missing; None for a surface."""
+        """R- and W-parameters of a profile, or the error that prevented their computation; None for a surface."""
         if not isinstance(self.body, Profile):
             return None
         try:
@@ -221,8 +221,9 @@ class Characterisation:
 
     @cached_property
     def friction(self) -> tuple[float, ...]:
-        """Small-slope estimate of friction against an identical surface, along x or along x and y; empty if flat."""
-        # The gap between two such bodies has twice their mean square slope. The value along x comes first.
+        """Small-slope friction estimates for two such bodies, along x or along x and y; empty if flat."""
+        # The mean square slope of the gap between two such bodies is twice the mean square slope of one body.
+        # The slopes are reversed, so that the estimate along x comes first.
         squares = [2 * float(np.square(along).mean()) for along in compute_slopes(self.body)][::-1]
         return tuple(
             float(gentle_friction(PAPER_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square)))
@@ -230,7 +231,7 @@ class Characterisation:
             if min(squares) > 0
         )
 
-    # ---- The table ---------------------------------------------------------------------------------------------------
+    # ---- Table rows --------------------------------------------------------------------------------------------------
 
     @cached_property
     def rows(self) -> list[Row]:
@@ -320,7 +321,7 @@ class Characterisation:
         return row
 
     def _decay_text(self, name: str) -> str:
-        """Return the text for an autocorrelation length or ratio that requires a larger map."""
+        """Return the text for an autocorrelation parameter (Sal or Str) that requires a larger map."""
         shortest = getattr(self.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
@@ -432,7 +433,10 @@ class Characterisation:
         return rows
 
     def _peak_ratio(self, longest: float) -> float:
-        """Return the ratio of the density at the start of a band to that at longer wavelengths; 0 if these are few."""
+        """Return the ratio of the density at the start of a band to the density at longer wavelengths.
+
+        The ratio is 0 if the spectrum has too few longer wavelengths.
+        """
         spectrum = self.binned if self.spectrum is None else self.spectrum
         q, start = spectrum.wave_number, 2 * math.pi / longest
         # exclude wavelengths that are affected by the window and by levelling
@@ -484,7 +488,7 @@ def to_characterisation(body: Profile | Surface | Characterisation, **options: A
 def characterisation_text(
     body: Profile | Surface | Characterisation, *, headline_only: bool = False, **options: Any
 ) -> str:
-    """Format history, parameters, moments and Hurst exponent of a profile or surface with units, one per line.
+    """Format the history, roughness parameters, spectral moments and Hurst exponent of a profile or surface.
 
     Parameters
     ----------
@@ -583,7 +587,7 @@ def _line_hurst(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-Files = Sequence[tuple[str, Characterisation]]  # characterisations by file name
+Files = Sequence[tuple[str, Characterisation]]  # pairs of file name and characterisation
 
 
 def _all_values(result: Characterisation) -> list[dict[str, Any]]:
@@ -591,7 +595,7 @@ def _all_values(result: Characterisation) -> list[dict[str, Any]]:
 
 
 def characterisation_record(files: Files, readings: Sequence[dict[str, Any]] = ()) -> str:
-    """Return the characterisations of files as a JSON record, with the interpretation of each file."""
+    """Return the characterisations of files as a JSON record, which also states how each file was read."""
     values = [value | {"at": {"file": file}} for file, result in files for value in _all_values(result)]
     return record_json(
         "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)

@@ -1,4 +1,4 @@
-"""Output of results to files, in a format that the file name selects."""
+"""Output of results to files; the ending of the file name selects the format."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ OUTPUT_FILE_MARKS = {
     "report.html": REPORT_MARK.encode(),
     "friction.png": FIGURE_FILE_MARKS[".png"],
 }
-"""Files that `pair` writes into its directory, each with the mark by which it is recognised."""
+"""Files that `pair` writes into its directory, each with the bytes that identify it as an output of `pair`."""
 
 
 def check_files(folder: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if an existing file lacks the mark of replaceable files."""
+    """Raise a `ValueError` if an existing file lacks the bytes that identify replaceable files."""
     for name, file_mark in file_marks.items():
         check_replaceable(folder / name, file_mark, ValueError)
 
 
 def replace_text(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file, replacing an older file with the mark. Raise a `ValueError` if another file exists."""
+    """Write a text file. Replace an existing file only if it contains the mark; otherwise raise a `ValueError`."""
     with replaced_file(path, file_mark, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
 

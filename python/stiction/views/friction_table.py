@@ -1,4 +1,4 @@
-"""Terminal text and CSV of a friction table (friction, area and stiffness for another simulation code)."""
+"""Friction tables (friction, contact area and stiffness for other simulation codes) as terminal text and CSV."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TITLES = {
     "normal_stiffness": ("stiffness over area (GPa/um)", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": ("b of k/A0 = b p^c (GPa/um at 1 GPa)", 1.0),
 }  # fmt: skip
-"""Column names that differ from those of `column_of`, with the factors to their units."""
+"""Column titles that replace the titles of `column_of`, each with the factor that converts values to its unit."""
 
 _LOAD_QUANTITIES = tuple(_TITLES)[:4]
 _LAW_PARAMETERS = ("area_factor", "stiffness_factor", "stiffness_exponent")

@@ -1,4 +1,4 @@
-"""Terminal text and JSON record of friction and true contact area for several factors of the heights."""
+"""Terminal text and JSON record of friction and true contact area for heights scaled by several factors."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Format a result of `evaluate_height_scale`: one table per load, mu0 and tau0, with one row per factor."""
+    """Format a result of `evaluate_height_scale`: one table per load, mu0 and tau0, one row per height factor."""
     scaled_surfaces = SCALED_SURFACE_TEXTS[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
@@ -66,7 +66,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def _row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
-    """Return the cells of the table row for one factor."""
+    """Return the cells of the table row for one height factor."""
     cells = [f"{float(point['height_scale']):.4g}", format_significant(value_of(point, "rms_gradient"), 3)]
     if "upper_rms" in point:
         heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]

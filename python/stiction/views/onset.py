@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 HALF_SLIDING_LOAD = 0.5
-CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of the tangential load in cycles, relative to the sliding load
+CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relative to the sliding load
 
 
 def onset_text(onset: xarray.Dataset) -> str:
-    """Return a sentence with pre-sliding displacement, slipped fraction of the contact and tangential stiffness."""
+    """Return a sentence with the pre-sliding displacement, the slipping fraction and the tangential stiffness."""
     phrases, displacement = [], onset["displacement_at_sliding"]
     if math.isfinite(_interval_ends(displacement)[0]):
         factor, unit = _length_scale(displacement)
@@ -43,14 +43,14 @@ def onset_text(onset: xarray.Dataset) -> str:
 
 
 def _length_scale(table: xarray.DataArray) -> tuple[float, str]:
-    """Return the unit in which a mean length has the fewest zeros, and the factor from µm to this unit."""
+    """Return the factor from µm to the unit in which a mean length has the fewest zeros, and this unit."""
     value = _interval_ends(table)[0]
     factor, unit = choose_prefix(value if math.isfinite(value) else 0.0, "um")
     return 1 / factor, unit
 
 
 def _stiffness_scale(table: xarray.DataArray) -> tuple[float, str]:
-    """Return the unit for a mean stiffness, and the factor from mN/µm to this unit."""
+    """Return the factor from mN/µm to the unit in which a mean stiffness is printed, and this unit."""
     return (1e-3, "N/µm") if _interval_ends(table)[0] >= MIN_STIFFNESS_IN_NEWTON else (1.0, "mN/µm")
 
 
@@ -58,7 +58,7 @@ MIN_STIFFNESS_IN_NEWTON = 1e4  # mN/µm; larger stiffnesses are printed in N/µm
 
 
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
-    """Return a table of means and intervals, with its headings in the first row."""
+    """Return table rows with means and intervals for the onset of sliding; the first row contains the headings."""
     attributes = onset.attrs
     load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _strength(float(attributes["tau0_GPa"]))
     header = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
@@ -90,7 +90,7 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
 
 
 def onset_note(onset: xarray.Dataset) -> str:
-    """Return a note on the averaged members and on the assumptions."""
+    """Return a note on the number of averaged members and the assumptions about the onset of sliding."""
     attributes = onset.attrs
     members = int(attributes["members"])
     count = "one member" if members == 1 else f"{members} members"
@@ -101,7 +101,7 @@ def onset_note(onset: xarray.Dataset) -> str:
 
 
 def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
-    """Return the curve, its characteristic values and the fitted models as a JSON record (mN, µm, GPa)."""
+    """Return the load-displacement curve, its characteristic values and the fitted models as a JSON record (mN, µm)."""
 
     def records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
         return {name: dict(zip(MEAN_AND_ENDS, _interval_ends(dataset[name]), strict=True)) for name in names}
@@ -140,7 +140,7 @@ def _format_cell(table: xarray.DataArray, factor: float = 1.0) -> str:
 
 
 def quantity_label(name: str, study: Study) -> str:
-    """Return the label of a quantity, with the strengths that the study used for the onset of sliding."""
+    """Return the label of a quantity; labels for the onset of sliding include its mu0 and tau0."""
     onset, text = study.contact.onset, QUANTITIES[name].short
     if name == "normal_stiffness" and study.contact.hardness is not None:
         return f"{text} while loading"

@@ -257,7 +257,7 @@ def pair(
                 stacklevel=2,
             )
     folder = Path(tempfile.mkdtemp(prefix="stiction-") if directory is None else directory)
-    if directory is None:  # a temporary directory that is removed when Python exits
+    if directory is None:  # the temporary directory is removed when Python exits
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
     try:
         with argument_errors():
@@ -313,7 +313,7 @@ def pair(
                 tip=tip,
                 onset=onset,
             )
-        if isinstance(interface, Interface):  # stored next to the result, because the result refers to it
+        if isinstance(interface, Interface):  # the result refers to a file of the interface
             folder.mkdir(parents=True, exist_ok=True)
             write_interface(interface, folder / "interface.csv")
             options = options.model_copy(update={"interface": folder / "interface.csv"})

@@ -28,7 +28,7 @@ def materials_text(study: Study) -> str:
 
 
 def adhesion_text(point: xarray.Dataset, study: Study) -> str:
-    """Return the work of adhesion of a study with its range, as in "adhesion 50 mJ/m² over 0.5 nm"."""
+    """Return the work of adhesion and the range of the attraction, as in "adhesion 50 mJ/m² over 0.5 nm"."""
     work = 1e6 * float(study.contact.work_of_adhesion or 0.0)
     return f"adhesion {work:.3g} mJ/m² over {format_with_unit(range_of(point, study)[1], 'um')}"
 

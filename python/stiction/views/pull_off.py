@@ -30,7 +30,7 @@ def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
 
 
 def pull_off_record(estimate: Sticking) -> dict[str, Any]:
-    """Return the pull-off force (mN) and pull-off pressure (GPa) as JSON fields."""
+    """Return the pull-off force (mN), the pull-off pressure (GPa) and the friction at no load (mN) as JSON fields."""
     intervals = {
         "pull_off": estimate.pull_off,
         "pull_off_pressure": estimate.pressure,

@@ -16,11 +16,11 @@ Rows = list[list[str]]
 RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 
 
-# ---- Waves -----------------------------------------------------------------------------------------------------------
+# ---- Resolved wavelengths --------------------------------------------------------------------------------------------
 
 
 def wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return the range of resolved wavelengths, and the contribution of the shortest octave to the slope."""
+    """Return the range of resolved wavelengths, and the contribution of the shortest octave to h'²."""
     fraction = format_percent(scan.fraction_below(2 * scan.shortest))
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
@@ -71,7 +71,7 @@ def cut_off_note(resolution: Resolution) -> str:
     return text
 
 
-# ---- Without a hardness ----------------------------------------------------------------------------------------------
+# ---- Yield estimates for studies without a hardness ------------------------------------------------------------------
 
 
 def yield_rows(estimates: Sequence[YieldEstimate], scan: ResolvedRoughness) -> Rows:
@@ -95,11 +95,11 @@ ELASTIC_CAVEAT = (
 )
 
 
-# ---- All of it -------------------------------------------------------------------------------------------------------
+# ---- JSON record -----------------------------------------------------------------------------------------------------
 
 
 def resolution_record(resolution: Resolution) -> dict[str, Any]:
-    """Return the JSON record of the resolution: wavelengths, cutoffs and, without a hardness, yield estimates."""
+    """Return a JSON record of resolved wavelengths, the cutoff study and, without a hardness, yield estimates."""
     record: dict[str, Any] = {}
     if (scan := resolution.roughness) is not None:
         record["waves"] = {

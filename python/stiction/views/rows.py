@@ -1,4 +1,4 @@
-"""Tables and records of results for other programs, created from one data frame as CSV and JSON.
+"""Results as CSV tables and JSON records for other programs, both created from the same data frame.
 
 JSON has the same schema for every command. A record contains ``schema`` (a number that increases with every
 incompatible change), ``stiction`` (the version), ``command``, a description of the inputs, and ``values``. A value has
@@ -51,18 +51,18 @@ _COEFFICIENT_COLUMNS = {
     "friction_by_axis": "axis",
     "friction_coefficient": "direction",
 }
-"""Coefficients that are rows of a CSV file, with the coordinate or the label of their motion."""
+"""Coefficients that have rows in a CSV file, each with the coordinate or the label of the motion."""
 
 _VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "interval", "status")
 
 _MOTION_LABELS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
 
-# ---- The frame -------------------------------------------------------------------------------------------------------
+# ---- Data frame ------------------------------------------------------------------------------------------------------
 
 
 def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
-    """Return a row with name, unit, interval, status and coordinates for every value of a result of `at_load`.
+    """Return a data frame with one row (name, value, interval, status, coordinates) for each value of a dataset.
 
     Parameters
     ----------
@@ -87,7 +87,10 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Return a row for each value of a quantity. Arrays are used, because datasets are ten times slower."""
+    """Return a row for each value of a quantity.
+
+    The rows are created from NumPy arrays, because xarray datasets are ten times slower.
+    """
     import pandas
 
     table = dataset.variables[name]
@@ -131,12 +134,12 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def summary_table(summary: Summary) -> pandas.DataFrame:
-    """Return a table with units in the header, one row per cell, load, mu0, tau0, sliding rule and motion.
+    """Return a table with one row per combination of cell, load, mu0, tau0, sliding rule and motion.
 
-    Each row has the coefficient of static friction for its motion (all directions, an axis or a direction), the
-    quantities at its load, and the assessment and caveats of its point. The combined interval exists only for the mean
-    over all directions. The sampling interval of the mean over members has separate columns. Rows of the default rule
-    come first.
+    The header of the table contains the units. Each row has the coefficient of static friction for its motion (all
+    directions, an axis or a direction), the quantities at its load, and the assessment and caveats of its point. The
+    combined interval exists only for the mean over all directions. The sampling interval of the mean over members has
+    separate columns. Rows of the default rule come first.
     """
     import pandas
 
@@ -183,14 +186,14 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
 
 def _load_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the quantities of a CSV file, except those that depend on several directions."""
+    """Return the quantities of a CSV file, without quantities that have values for several directions."""
     return [name for name in shown_in("csv") if name in dataset and dataset[name].sizes.get("direction", 1) == 1]
 
 
 def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return means over all directions of the further coefficients: one column each, one value per rule and point.
+    """Return columns with the coefficients after dwell times and the contribution of roughness (means over directions).
 
-    Values for rules other than the quoted rule are NaN.
+    Each column has one value per rule and point. Values for rules other than the quoted rule are NaN.
     """
     rows = [(point, rule is point.rules[0]) for point in points for rule in point.rules]
     waited = {
@@ -243,7 +246,7 @@ def entry(
     name: str, value: float, unit: str = "1", *, lower: float = math.nan, upper: float = math.nan,
     interval: str | None = None, coordinates: dict[str, Any] | None = None, status: str = STATUS_OK,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return a value with its name, unit, interval, coordinates and status, for JSON."""
+    """Return the JSON entry of a value: name, unit, interval, coordinates and status."""
     return {
         "name": name,
         "value": float(value),
@@ -275,7 +278,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     values = []
     for row in rows.to_dict("records"):
         selected = {name: row.pop(name) for name in _VALUE_COLUMNS}
-        coordinates = {name: value for name, value in row.items() if value == value}  # without NaN
+        coordinates = {name: value for name, value in row.items() if value == value}  # omit NaN
         values.append(entry(**selected, coordinates=coordinates))
     return values
 

@@ -34,13 +34,13 @@ if TYPE_CHECKING:
 MAX_SLOPE_ROWS = 12  # maximum number of wavelengths in the table of slopes
 
 COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
-"""Materials whose ratio of hardness to E*, in contact with themselves, is drawn as a line in the figure."""
+"""Materials for which the figure shows a line at hardness / E*, where E* is for two bodies of the material."""
 
 SCAN_COLOURS = (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
 MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name in a figure
 
 
-# ---- One spectrum ----------------------------------------------------------------------------------------------------
+# ---- Joined spectrum -------------------------------------------------------------------------------------------------
 
 
 def joined_text(joined: JoinedSpectrum) -> str:
@@ -172,11 +172,11 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     axes.set_title("$A/A_0 = p/p_c$, $\\mu_s = \\mu_0 + \\tau_0/p_c$", pad=2)
 
 
-# ---- One place -------------------------------------------------------------------------------------------------------
+# ---- Repeated scans of one place -------------------------------------------------------------------------------------
 
 
 def repeated_text(comparison: RepeatedScans) -> str:
-    """Format the shift between two scans, the noise by wavelength, and the usable wavelengths of their mean."""
+    """Format the noise of two scans in each octave, their shift, and the usable wavelengths of the mean scan."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common, noise in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]
@@ -208,7 +208,7 @@ def limit_text(comparison: RepeatedScans) -> str:
 
 
 def repeated_record(comparison: RepeatedScans) -> dict[str, Any]:
-    """Return the comparison as JSON fields in µm."""
+    """Return the comparison of two scans as JSON fields; lengths are in µm."""
     octaves = {"wavelength_um": comparison.wavelength, "noise_um": comparison.noise, "common_um": comparison.common}
     return {
         "shift_um": list(comparison.shift), "correlation": comparison.correlation, "noise_um": comparison.noise_rms,
@@ -218,7 +218,7 @@ def repeated_record(comparison: RepeatedScans) -> dict[str, Any]:
 
 
 def octaves_csv(comparison: RepeatedScans) -> str:
-    """Return the octaves as CSV, with the wavelength limit in a comment."""
+    """Return the noise in each octave of wavelengths as CSV, with the shortest usable wavelength in a comment line."""
     import pandas
 
     columns = {
@@ -230,7 +230,7 @@ def octaves_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_figure(comparison: RepeatedScans) -> Figure:
-    """Draw a figure (85 mm wide) of the noise and of the heights common to both scans, against wavelength."""
+    """Draw the noise, and the heights that both scans share, against wavelength (85 mm wide)."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

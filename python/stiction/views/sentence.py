@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-# the definition of the load is stated if the definitions differ by more than this fraction
+# Relative difference of the coefficient between definitions of the load above which the sentence states the definition.
 MIN_STATED_READING_DIFFERENCE = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Relative difference of A E* h'/F from its usual value above which the small-slope estimate does not apply."""
@@ -64,7 +64,7 @@ def sentence_text(point: PointSummary) -> str:
 
 
 def covers_text(point: PointSummary) -> str:
-    """Return what contributes to the 95 % interval of the quoted rule; empty without an interval."""
+    """Return a list of the contributions to the 95 % interval of the quoted rule; empty without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.words for contribution in point.budget) or [
@@ -189,7 +189,7 @@ def _averaging_text(point: PointSummary) -> str:
     return f"{point.members:.0f} {kind}"
 
 
-STRIP_TEXT = "a strip 1 µm wide"  # width of a profile in the paper
+STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes this width for profiles
 
 
 def list_assumptions(study: Study) -> tuple[str, ...]:
@@ -211,7 +211,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return all assumptions. They are part of the sentence to quote."""
+    """Return all assumptions of a point, which are part of the sentence to quote."""
     values, study = point.values, point.study
     if not study.is_measured:
         return ()
@@ -229,7 +229,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scans_text(study: Study) -> str:
-    """Return the number of scans of each part, and the part-to-part variability if the interval excludes it."""
+    """Return the number of scans of each part, with a remark if the interval excludes the spread between places."""
     counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"
@@ -243,7 +243,7 @@ def _scans_text(study: Study) -> str:
 
 
 def slopes_text(point: PointSummary) -> str:
-    """Return the small-slope estimate with its limits; empty without an estimate."""
+    """Return the small-slope estimate, or the reason why it does not apply; empty without an estimate."""
     values, study = point.values, point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:

@@ -29,7 +29,7 @@ _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
     (values.Time, "a time above 0"),
     (values.WorkOfAdhesion, "an energy per area, at least 0"),
 )
-"""Allowed values of the types of quantities in a study."""
+"""Description of the allowed values of each type of quantity in a study file."""
 
 _DEGREES_TEXT = f"degrees from {-values.MAX_DEGREES} to {values.MAX_DEGREES}"
 _ALLOWED_VALUES = {
@@ -46,14 +46,14 @@ _ALLOWED_VALUES = {
     "upper": "a table, see below",
     "lower": "a table, see below",
 }
-"""Allowed values of keys that have separate parsers."""
+"""Descriptions of the allowed values of keys that have their own parsers."""
 
 _UNCERTAIN_VALUE_TEXT = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
 _UNCERTAIN_TYPES = {
     UncertainInputsTable.model_fields["mu0"].annotation: _UNCERTAIN_VALUE_TEXT,
     UncertainInputsTable.model_fields["young"].annotation: f"a list of one or two such values: {_UNCERTAIN_VALUE_TEXT}",
 }
-"""Allowed values in the table `[known]`, by type."""
+"""Descriptions of the allowed values in the table `[known]`, by type."""
 
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
 _FRICTION_DESCRIPTION = "Loads and friction parameters of measured surfaces, or of the figures of generated surfaces."
@@ -68,7 +68,7 @@ _KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[va
     ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
     ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), ()),
 )
-"""Tables of a study file: title, description, classes, and classes of the keys that several of these classes share."""
+"""Tables of a study file: title, description, model classes, and base classes with shared keys."""
 
 
 def key_tables() -> list[tuple[str, str, list[Row]]]:
@@ -104,7 +104,7 @@ def key_tables() -> list[tuple[str, str, list[Row]]]:
 def _case_names(
     owners: Sequence[type[values.Table]], cases: Sequence[type[values.Table]], shared: Sequence[type[values.Case]]
 ) -> list[str]:
-    """Return the names of the classes of a table that have a key, or the name of their common class."""
+    """Return the names of the models that have a key; the name of a base class replaces all of its models."""
     members = {item: {case for case in cases if issubclass(case, item)} for item in shared}
     remaining, places = set(owners), []
     for item in sorted(shared, key=lambda item: -len(members[item])):
@@ -136,7 +136,10 @@ def study_keys_text() -> str:
 
 
 def _key_row(key: str, default_value: Any, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
-    """Return key, default, allowed values and meaning. A key that selects a class has only one row."""
+    """Return the row of a key: key, default, allowed values and meaning.
+
+    A key that selects a model class has a single row for all classes.
+    """
     default = "required" if default_value is PydanticUndefined else _toml_default(default_value)
     if key not in ("generator", "press", "mechanics"):
         return f"`{key}`", default, _allowed_text(key, entry), str(entry.description)

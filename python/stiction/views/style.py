@@ -77,7 +77,7 @@ _LABELS = {
 
 
 def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "constrained") -> Figure:
-    """Return an empty figure with a height in millimetres and a width in inches."""
+    """Return an empty figure with the given height (millimetres) and width (inches)."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height * MILLIMETRE), layout=layout)
@@ -133,16 +133,16 @@ def evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, count - 1, min(max_count, count)).round().astype(np.intp))
 
 
-# ---- The file --------------------------------------------------------------------------------------------------------
+# ---- Figure files ----------------------------------------------------------------------------------------------------
 
 FORMATS = ("png", "pdf", "svg")  # file formats of figures
 
 FIGURE_FILE_MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
-"""Metadata by which figures of this package are recognised, by the ending of the file name."""
+"""Metadata that identify figures of this package, for each ending of the file name."""
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return the formats of figures without duplicates. No format and unknown formats raise a `ValueError`."""
+    """Return figure formats without duplicates. Raise a `ValueError` for an unknown format or an empty list."""
     result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
     if not result or not set(result) <= set(FORMATS):
         raise ValueError(f"formats must be among {', '.join(FORMATS)}, got {', '.join(map(str, formats)) or 'none'}")

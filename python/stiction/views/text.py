@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 COMPLETE_OUTPUT = "summary()"  # method of a result that prints all points and caveats
-MIN_TERMINAL_WIDTH = 40  # minimum width in characters, also for narrower terminals
+MIN_TERMINAL_WIDTH = 40  # width of texts on narrower terminals, in characters
 Rows = Sequence[Sequence[str]]
 
 
@@ -121,7 +121,7 @@ def _join_cells(cells: Sequence[str], sizes: Sequence[int]) -> str:
     return "  ".join(cell.ljust(size) for cell, size in zip(cells, sizes, strict=False)).rstrip()
 
 
-# ---- Any result ------------------------------------------------------------------------------------------------------
+# ---- Text of a result ------------------------------------------------------------------------------------------------
 
 
 def result_text(
@@ -200,7 +200,7 @@ def values_text(
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return an empty line, the cutoff study and the onset of sliding as text; empty without both."""
+    """Return the onset of sliding and, with `verbose`, the cutoff study as text; empty without both."""
     onset = summary.onset
     paragraphs = []
     if any(math.isfinite(point.value) for point in summary.points):
@@ -299,11 +299,14 @@ def _conditions_text(point: PointSummary) -> str:
     )
 
 
-NEGLIGIBLE_FRACTION = 0.05  # the roughness is called negligible below this fraction of the coefficient
+NEGLIGIBLE_FRACTION = 0.05  # roughness that contributes less than this fraction of the coefficient is negligible
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return the contribution of the roughness, and the inputs that determine the rest; empty if unknown."""
+    """Return the contribution of roughness to the coefficient, and the inputs that determine the remainder.
+
+    The text is empty if the contribution is unknown.
+    """
     if point.from_roughness is None:
         return ""
     inputs = "the hardness, μ0 and τ0" if point.hardness is not None and point.at["tau0"] > 0 else "μ0"
@@ -343,7 +346,7 @@ _REMEDY_TEXTS = {
     UPPER_SCANS_INPUT: "Scanning more places of the upper part",
     LOWER_SCANS_INPUT: "Scanning more places of the lower part",
 }  # fmt: skip
-"""Actions that reduce sources of uncertainty other than inputs."""
+"""Actions that reduce the uncertainty from sources other than uncertain inputs."""
 
 
 def single_test_text(point: PointSummary) -> str:
@@ -415,11 +418,11 @@ _NUMBER_WITH_UNIT = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?
 
 
 def _count_within(texts: Sequence[str], lines: int) -> int:
-    """Return how many of the first texts fit on a number of lines."""
+    """Return how many texts, counted from the first one, fit on a given number of lines."""
     return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
 
-MAX_CAVEATS = 6  # maximum number of groups of caveats for several points
+MAX_CAVEATS = 6  # maximum number of printed groups of caveats, if there are several points
 
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
@@ -436,7 +439,7 @@ _UNIT_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
     "MPa/mm": ((1e7, 1e-6, "TPa/mm"), (1e4, 1e-3, "GPa/mm"), (0.0, 1.0, "MPa/mm")),
     "GPa/mm": ((1e4, 1e-3, "TPa/mm"), (0.0, 1.0, "GPa/mm")),
 }
-"""Unit names for large numbers of units without SI prefixes: minimum value, factor and name."""
+"""Units in which values without SI prefixes are printed: minimum value, factor and unit name."""
 
 
 def _first_cell(headlines: Sequence[PointSummary]) -> str:
@@ -548,7 +551,7 @@ def _cell(estimate: xarray.DataArray, factor: float) -> str:
 
 
 def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
-    """Describe how friction depends on the axis; `verbose` or grooves add the values along each axis."""
+    """Return a sentence if friction shows grooves; with `verbose`, return values along each axis and the sentence."""
     if "friction_by_axis" not in values or values.sizes.get("axis", 0) < 2:
         return ""
     table = values["friction_by_axis"]
@@ -595,7 +598,7 @@ def directions_text(values: xarray.Dataset) -> str:
 
 
 def resolution_text(summary: Summary) -> str:
-    """Format the resolved wavelengths, the cutoff study of the first point, and the effect of a hardness."""
+    """Format the resolved wavelengths, the cutoff study of the first point and, without a hardness, yield estimates."""
     paragraphs: list[str] = []
     if (resolution := summary.resolution) is None:
         return ""

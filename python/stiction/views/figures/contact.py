@@ -30,9 +30,9 @@ from stiction.views.style import (
     new_figure,
 )
 
-_MIN_ZOOM_SPACINGS = 40  # minimum number of spacings on each side of the magnified contact
+_MIN_ZOOM_SPACINGS = 40  # minimum number of grid spacings on each side of the magnified contact
 _MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which the axis is labelled in nm
-_MAX_ARROW_LENGTH = 0.45  # inches
+_MAX_ARROW_LENGTH = 0.45  # maximum length of an arrow, inches
 EDGE_COLOUR = "#e00030"  # colour of contacts that the edge of the map cuts
 NUM_NEIGHBOURS = 5  # number of neighbouring contacts in the magnified range, besides the strongest contact
 MIN_ZOOM_POINTS = 60  # minimum number of points on each side of the strongest contact
@@ -50,7 +50,7 @@ def contact_figure(
     title: str = "",
     **contact: Any,
 ) -> Figure:
-    """Draw two profiles in contact, and the contact with the largest load with the forces on the upper body.
+    """Draw two profiles in contact, and the forces on the upper body at the contact with the largest load.
 
     Both profiles share a grid and are pressed to an approach (µm) that corresponds to the load (mN) in the title.
     `offset` (µm) is the position of the upper profile on a longer lower profile. Contacts are computed by `contacts`;
@@ -85,7 +85,7 @@ def contact_figure(
         in_window = np.abs(x - zoom_centre) <= half_width
         zoomed_axes.set_title(
             "contact with the largest load", loc="left", fontsize=6, pad=3
-        )  # reserves space for the title
+        )  # the layout reserves space for the title
         draw_bodies(zoomed_axes, x[in_window], *(body[in_window] for body in bodies))
         zoomed_axes.set_xlim(x[in_window][0], x[in_window][-1])
         overview_axes.axvspan(zoom_centre - half_width, zoom_centre + half_width, color="0.5", alpha=0.25, linewidth=0)
@@ -105,7 +105,7 @@ def contact_figure(
         loc="outside lower center",
         ncols=len(handles),
     )
-    figure.draw_without_rendering()  # arrows depend on the final position of the axes
+    figure.draw_without_rendering()  # the arrow lengths depend on the final position of the axes
     figure.set_layout_engine("none")
     if len(contact_points):
         max_arrow_length = _reserve_arrow_length(zoomed_axes, scale * float(contact_points.centre[is_in_zoom, 2].max()))
@@ -133,7 +133,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
 
 
 def _reserve_arrow_length(axes: Axes, highest: float) -> float:
-    """Return the length of the longest arrow (inches), and extend the axes for it above the highest contact."""
+    """Extend the axes for arrows above the highest contact, and return the length of the longest arrow (inches)."""
     figure = axes.get_figure()
     assert figure is not None
     extent_in_inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
@@ -161,7 +161,7 @@ def _draw_forces(
     """
     positions, normals, tangents = (
         item[:, ::2] for item in (contact_points.centre, contact_points.normal, contact_points.tangent)
-    )  # x, z
+    )  # components x and z
     positions = positions * (1.0, scale)
 
     def unit_vectors(vectors: Floats, factors: tuple[float, float]) -> Floats:
@@ -173,7 +173,7 @@ def _draw_forces(
     largest_force = max(float(np.hypot(*force[is_drawn].T).max(initial=0.0)) for force in (elastic, friction))
     for force, colour in ((elastic, FORCE_COLOUR), (friction, FRICTION_COLOUR)):
         is_nonzero = is_drawn & (np.hypot(*force.T) > 0)
-        # Units are inches, so that the direction of an arrow is independent of the axis scales.
+        # Arrows are defined in inches, so that their directions do not depend on the axis scales.
         axes.quiver(
             *positions[is_nonzero].T,
             *force[is_nonzero].T,
@@ -188,7 +188,7 @@ def _draw_forces(
     axes.plot(*positions[is_drawn].T, "o", color=FORCE_COLOUR, markersize=2.5, mew=0, zorder=4)
 
 
-# ---- All of a member ------------------------------------------------------------------------------------------------
+# ---- All contacts of a member ---------------------------------------------------------------------------------------
 
 
 _MAX_MARKER_AREA = 60.0  # area of the largest marker (square points), for the contact with the largest load
@@ -203,10 +203,10 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def contacts_figure(
     picture: xarray.Dataset, *, direction: float = 0.0, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw contacts over the heights of the lower body, and the pressure around the largest load (80 mm wide).
+    """Draw the contacts on a height map of the lower body, and the pressure around the contact with the largest load.
 
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees from +x towards
-    +y). The hardness (GPa) is marked on the colour bar of the pressures.
+    +y). The hardness (GPa) is marked on the colour bar of the pressures. The figure is 80 mm wide.
     """
     force = picture["contact_force"].values
     has_pressure = "zoom_pressure" in picture and bool((picture["zoom_pressure"].values > 0).any())
@@ -259,7 +259,7 @@ def draw_heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, 
 
 
 def draw_frame(axes: Axes, box: tuple[float, float, float, float]) -> None:
-    """Draw a frame on a map that is visible on light and on dark heights."""
+    """Draw a frame that is visible on the light and the dark colours of a height map."""
     left, right, bottom, top = box
     for colour, width in (("white", 1.6), ("black", 0.6)):
         axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=colour, linewidth=width)
@@ -352,7 +352,10 @@ def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
     finite = np.isfinite(gap)  # missing heights are interpolated
     bodies = np.array([lower + np.interp(x, x[finite], gap[finite]).clip(0), lower]) * 1000
-    centres, width = picture["contact_x"].values, picture["contact_patch_area"].values  # profiles have a width of 1 µm
+    centres, width = (
+        picture["contact_x"].values,
+        picture["contact_patch_area"].values,
+    )  # area = width for 1 µm wide profiles
     zoom = slice(*np.searchsorted(x, _zoom_range(x, centres, width, picture["contact_force"].values, is_cut)))
     for axes, selection in zip(panels, (slice(None), zoom), strict=True):
         draw_bodies(axes, x[selection], *bodies[:, selection])

@@ -82,7 +82,7 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) -> Floats:
-    """Interpolate values over directions by a periodic cubic spline, with a lower limit of 0."""
+    """Interpolate values over directions by a periodic cubic spline; negative results become 0."""
     from scipy.interpolate import CubicSpline
 
     closed_degrees = np.append(degrees, degrees[0] + 360)
@@ -91,7 +91,7 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 
 
 def _draw_rings(axes: Any, highest: float) -> None:
-    """Draw circles at round numbers, with labels between two spokes."""
+    """Draw the circles of a polar plot at round values, with labels between two spokes."""
     min_step = (highest or 1.0) / MAX_RINGS
     power = 10.0 ** np.floor(np.log10(min_step))
     step = float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= min_step * (1 - 1e-9)))
@@ -152,7 +152,7 @@ def _is_single_traverse(values: xarray.DataArray) -> bool:
 def sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw the distributions of contacts over area and of contact area over pressure (80 mm wide).
+    """Draw the size distribution of contacts, and the pressure distribution over the contact area (80 mm wide).
 
     `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, which are drawn as
     thin lines. `points` contains the means of a single cell, as returned by `at_load`. The hardness (GPa) is marked.

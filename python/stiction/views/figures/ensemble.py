@@ -44,18 +44,18 @@ from stiction.views.style import (
     spread_labels,
 )
 
-LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # factors of the length scale of a study, for the figure of length scales
-AREAL_POINTS = 400  # number of rows, and of columns, of a surface in a figure
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of a study's length scale in the figure of length scales
+AREAL_POINTS = 400  # number of rows and number of columns of a surface in a figure
 MAX_PROFILES = 5
 MAX_CURVES = 8
 
 COLOUR_QUANTILES = (0.01, 0.95)
-"""Quantiles of the friction coefficients between which the colour scale extends, because a few values are very high."""
+"""Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
 
 MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest
 
 FADING_LIMITS = (0.3, 1.2, 0.85)
-"""Relative interval widths at which a cell starts and stops fading (first two), and the strongest fading (third)."""
+"""Relative interval widths at which the fading of a cell starts and reaches its maximum, and this maximum."""
 
 LINE_HEIGHT = 2.4  # distance between curve labels, mm
 MAX_BAND_RATIO = 2.0  # maximum ratio of an axis limit to the highest or lowest value; wide bands are cut off
@@ -88,13 +88,13 @@ COLOUR_BAR_TICKS = (
     50,
     100,
 )
-"""Round coefficients of friction for the ticks of a colour bar."""
+"""Round friction coefficients that may be ticks of a colour bar."""
 
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # weights of red, green and blue in the luminance
 
 
 def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
-    """Yield a suffix for file names and the result, for each sliding rule and direction."""
+    """Yield a file name suffix and the values for each combination of sliding rule and direction."""
     dims = [dim for dim in ("sliding", "direction") if dim in dataset.dims]
     for index in np.ndindex(*(dataset.sizes[dim] for dim in dims)):
         selection = dataset.isel(dict(zip(dims, index, strict=True)))
@@ -225,7 +225,7 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
     """Draw curves with intervals for the lowest and the highest strength, dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
-    is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # (dimension, strength)
+    is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # axes: fractal dimension, shear strength
     value, lower, upper = (curves["friction_coefficient"].sel(statistic=each).values for each in MEAN_AND_ENDS)
     for index, colour in zip(range(len(strengths)), STRENGTH_COLOURS, strict=False):
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
@@ -272,7 +272,7 @@ def _colour_bar(figure: Figure, position: tuple[float, float, float, float], nor
     if len(ticks) < MIN_COLOUR_BAR_TICKS:
         round_values = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
         ticks = [float(tick) for tick in round_values if norm.vmin <= tick <= norm.vmax]
-    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # leaves space for the labels
+    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # at most 8 ticks, so that their labels fit
     colour_bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     colour_bar.ax.minorticks_off()
     axes.xaxis.tick_top()
@@ -288,7 +288,7 @@ def _colour_norm(maps: xarray.Dataset) -> Any:
     is_valid = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
     positive = values[is_valid if is_valid.sum() > 0.1 * finite.sum() else finite]
     low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
-    step = 10.0 ** np.floor(np.log10(low)) / 2  # round limits of the scale
+    step = 10.0 ** np.floor(np.log10(low)) / 2  # the limits of the scale are multiples of this step
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
     return LogNorm(low, max(high, low + step))
 
@@ -332,7 +332,7 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> 
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        for colour, width in (("black", 1.3), ("white", 0.5)):  # this colour is visible on dark and on light cells
+        for colour, width in (("black", 1.3), ("white", 0.5)):  # one of the two colours is visible on any cell
             patch = PathPatch(Path(vertices, codes), **_HATCH | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
             axes.add_artist(patch)  # `add_patch` would compute the limits of thousands of cells
@@ -343,7 +343,7 @@ _HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\
 
 
 def _compute_fading(friction: Floats) -> Floats:
-    """Return the fading of each cell from the width of its interval. A single repetition has no interval."""
+    """Return the fading of each cell, which depends on the relative width of its interval."""
     values, lower, upper = np.moveaxis(friction, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
@@ -454,7 +454,7 @@ def _area_curves(
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
-        # very wide bands may be cut off
+        # The axis limits depend on the means only, so that very wide bands may be cut off.
         values = (scale * area)[area > 0]
         ax.set_ylim(values.min() / MAX_BAND_RATIO, values.max() * MAX_BAND_RATIO)
         set_log_ticks(ax)
@@ -475,7 +475,7 @@ def _area_curves(
             ax.text(start / 1.12, np.exp(place), text, color=colour, fontsize=6, ha="right", va="center")
 
 
-# ---- The bodies -----------------------------------------------------------------------------------------------------
+# ---- Surfaces -------------------------------------------------------------------------------------------------------
 
 
 def profiles_figure(study: Study) -> Figure:

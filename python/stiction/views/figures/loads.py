@@ -30,7 +30,7 @@ from stiction.views.style import (
 )
 
 MAX_AXIS_RATIO = 4.0
-"""Maximum ratio of the limit of the friction axis to the highest mean, because intervals of few members are wide."""
+"""Maximum ratio of the friction axis limit to the highest mean; wide intervals from few members are cut off."""
 
 MAX_SINGLE_DIRECTIONS = 2  # maximum number of directions drawn individually, in addition to their mean
 
@@ -39,7 +39,7 @@ BAND_LEGENDS = {
     True: "light bands: 95 %, combined uncertainty\ndark bands and area: 95 %, sampling of positions",
     False: "bands: 95 %, sampling of positions",
 }
-"""Legends of the intervals, with and without a combined interval."""
+"""Legend texts of the interval bands for results with (True) and without (False) a combined interval."""
 
 
 def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
@@ -66,7 +66,7 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw closure and closure stiffness against nominal pressure, for a result of `at_load` (80 mm wide)."""
-    stress = 1000 / float(points["nominal_area"])  # MPa/mN
+    stress = 1000 / float(points["nominal_area"])  # nominal pressure per load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = stress * np.asarray(points["load"].values, dtype=np.float64)

@@ -44,7 +44,7 @@ CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)  # colours of the load cycles
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw tangential load against displacement with cycles, and slipping fractions against load (80 mm wide).
+    """Draw tangential load against displacement, load cycles, and slipping fractions against load (80 mm wide).
 
     `onset` is a result of `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
@@ -111,7 +111,7 @@ def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) ->
 
 
 def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return a cycle between plus and minus a load with branches that are the loading curve scaled by two (Masing)."""
+    """Return a load cycle between plus and minus a load by Masing's rule: branches are the loading curve times two."""
     loading = _interpolate_loading(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])

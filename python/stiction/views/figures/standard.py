@@ -99,7 +99,7 @@ def format_print_title(study: Study) -> str:
     return re.sub(r"\.\w+(?= on |$)", "", pair_title(study)).replace("_", " ")
 
 
-# ---- Generated -------------------------------------------------------------------------------------------------------
+# ---- Figures of generated surfaces -----------------------------------------------------------------------------------
 
 
 def _generated_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
@@ -120,7 +120,7 @@ def _generated_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[
                 yield "onset", partial(dimension_onset_figure, next(iterate_motions(dataset))[1])
 
 
-# ---- Measured --------------------------------------------------------------------------------------------------------
+# ---- Figures of measured surfaces ------------------------------------------------------------------------------------
 
 
 def _measured_figures(
@@ -178,7 +178,7 @@ def _cut_off(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
 def draw_height_scale(
     result: Result, scaled: ScaledSides, factors: list[float], indices: tuple[int, ...] = (0, 0), *, title: str
 ) -> Figure:
-    """Draw a result for the stored factors of the heights, at its first load and one pair of mu0 and tau0."""
+    """Draw friction against the stored height factors of a result, at its first load and one pair of mu0 and tau0."""
     friction = result.study.friction
     mu0, tau0 = friction.mu0[indices[0]], float(friction.tau0[indices[1]])
     dataset = result.at(float(friction.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled)

@@ -9,10 +9,10 @@ const data = (value, text) => element("data", {value: String(value)}, text);
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
 
-const REDRAW_DELAY = 150; // milliseconds without a change after which hidden and slow plots are drawn
+const REDRAW_DELAY = 150; // hidden and slow plots are drawn after this time without changes, milliseconds
 const pending = new Set();
 let drawings = {}; // drawing functions by the id of their element
-let slow = () => false; // returns true if a plot is drawn only after this delay
+let slow = () => false; // returns true if a plot is drawn only after `REDRAW_DELAY`
 let atRest = () => {};
 let frame = 0;
 let redrawTimer = 0;
@@ -109,8 +109,8 @@ function save(name, blob) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** Add the buttons of a plot: zoom, scale of the values, and output of the figure with title and caption, or of the
- * numbers; `rows` returns the table. */
+/** Add the buttons of a plot: zoom, axis scale, and download of the figure or of its numbers.
+ * The figure has a title and a caption, and `rows` returns the table of numbers. */
 function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
   const plotName = place.getAttribute("aria-label").split(";")[0];
   const title = () => `${document.title.split(" – ")[0]}: ${plotName}`;
@@ -139,7 +139,7 @@ function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
   place.after(list);
 }
 
-// ---- The address ----------------------------------------------------------------------------------------------------
+// ---- URL fragment ---------------------------------------------------------------------------------------------------
 
 /** Return the fields of the URL fragment, as texts by name. */
 const addressFields = () => Object.fromEntries(new URLSearchParams(location.hash.slice(1)));

@@ -37,7 +37,7 @@ from stiction.views.report.tables import Tables
 # Maximum number of coefficients in a page: the product of nodes, loads, cells, rules and directions.
 MAX_GENERATED_COEFFICIENTS = 1_000_000
 # The page warns if the mean of overlap / radius exceeds this value.
-# For fractions, the limit is `MAX_AFFECTED_FRACTION`.
+# The limit for fractions of the load is `MAX_AFFECTED_FRACTION`.
 MAX_OVERLAP = 0.1
 SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
 
@@ -188,7 +188,7 @@ LEADING_DIMENSIONS = (*SHAPE_DIMENSIONS, "sliding", "direction", "load", "mu0", 
 
 
 def to_leading_order(table: xarray.DataArray) -> Floats:
-    """Transpose values to `LEADING_DIMENSIONS` and their other dimensions. Missing dimensions get a length of 1."""
+    """Transpose values so that `LEADING_DIMENSIONS` come first. Missing dimensions get a length of 1."""
     table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
 
@@ -196,7 +196,10 @@ def to_leading_order(table: xarray.DataArray) -> Floats:
 def _statuses(
     names: NDArray[Any], validity: dict[str, Floats], figures: Sequence[dict[str, Any]]
 ) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
-    """Return the statuses by code, and the code of each point: 0 if trusted, 1 if outside the limits of the model."""
+    """Return the statuses in the order of their codes, and the code of each point.
+
+    Code 0 means a trusted value, and code 1 means a value outside the limits of the model.
+    """
     statuses = [{"name": friction.STATUS_OK, "isOk": True, "isTrusted": is_trusted} for is_trusted in (True, False)]
     is_invalid = np.zeros(names.shape, bool)
     for figure, values in zip(figures, validity.values(), strict=True):
@@ -264,7 +267,7 @@ def _checked_numbers(
 
 
 def _reason_record(reason: Caveat | Check) -> dict[str, Any]:
-    """Return the text, remedy, severity and number of a reason, for a page."""
+    """Return the record of a caveat or check for a page: text, remedy, severity and the number in the text."""
     number = _number_format(reason) if isinstance(reason, Check) and "{}" in reason.text else None
     return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number}
 
@@ -298,7 +301,7 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
 
 
 def _study_name(study: Study) -> str:
-    """Return the name of the built-in study that equals a study except for repetitions, or else a description."""
+    """Return the name of the built-in study that a study equals except for its repetitions, or else "study"."""
     changes = {"ensemble.repetitions": study.ensemble.repetitions}
     return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
 

@@ -128,7 +128,7 @@ _CURVE_PANELS = {
     "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
     "unloading": {"of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
 }
-"""Quantity, axis title and factor to the unit of the axis for each further plot against load."""
+"""Quantity, axis title and unit conversion factor for each additional plot against load."""
 
 
 def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, Any]:
@@ -215,7 +215,7 @@ def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, 
 
 
 ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
-"""Statuses in the order of their codes. If several directions have no value, the first status is reported."""
+"""Statuses in the order of their codes. If several directions have no value, the lowest code is reported."""
 
 
 def _status_codes(statuses: Any, values: Floats) -> Any:
@@ -227,7 +227,7 @@ def _status_codes(statuses: Any, values: Floats) -> Any:
 
 
 def _pull_off_lines(result: Result, study: Study) -> list[str]:
-    """Return lines about the pull-off force for the first mu0 and tau0 and the quoted rule."""
+    """Return a list with the sentence about the pull-off force at the first mu0 and tau0; empty without adhesion."""
     if not study.contact.adheres:
         return []
     pull_off_estimate = result.summary().points[0].sticking
@@ -261,11 +261,11 @@ def _history(side: str, history: str, study: Study) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-MAX_READINGS = 4  # maximum number of scans of a part in the table of interpretations
+MAX_READINGS = 4  # maximum number of scans per part for which the report shows how their files were read
 
 
 def _reading_table(scan: MeasuredFile) -> str:
-    """Return the interpretation of a file as a table; empty for a surface in memory and for a missing file."""
+    """Return a table on how a file was read; empty for a surface in memory and for a missing file."""
     with contextlib.suppress(ValueError, OSError):
         if (reading := scan.reading) is not None:
             return reading_table(reading, {name: getattr(scan, name) for name in READING_OPTIONS})
@@ -273,7 +273,7 @@ def _reading_table(scan: MeasuredFile) -> str:
 
 
 def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
-    """Return quantities other than friction for each kind, cutoff and load: values, ends, decimals and texts."""
+    """Return values, interval ends, decimals and texts of all quantities except friction, by kind, cutoff and load."""
     records = []
     for name in (name for name in shown_in("report") if name in evaluations[0]):
         means = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
@@ -316,7 +316,7 @@ _CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contributions(answer: PointSummary) -> dict[str, Any] | None:
-    """Return the contributions to a coefficient (friction at all contacts) with its interval, and their texts."""
+    """Return the contributions to the coefficient with friction at all contacts, their texts, and its interval."""
     estimate = next((rule for rule in answer.rules if rule.rule == "all"), None)
     if answer.parts is None or estimate is None or not math.isfinite(estimate.value):
         return None

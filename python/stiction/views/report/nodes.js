@@ -3,7 +3,7 @@
 // Values between nodes of mu0 and tau0: unpacking and interpolation of the values that the library computed at nodes.
 // These functions do not access the document.
 
-/** Return doubles from their leading bytes: all first bytes, then all second bytes, and so on. */
+/** Decode doubles from their leading bytes, which are stored as all first bytes, then all second bytes, and so on. */
 function doubles(planes, leading) {
   const count = planes.length / leading;
   const values = new Float64Array(count);
@@ -15,10 +15,11 @@ function doubles(planes, leading) {
 
 // ---- Interpolation -------------------------------------------------------------------------------------------------
 
-const ROUND_OFF = 1e-9; // maximum distance of a value from a node, relative to the axis, at which it equals the node
+const ROUND_OFF = 1e-9; // values closer to a node than this fraction of the axis are treated as the node
 
-/** Return nodes with their weights at a value of an axis {rising, bounds}: the node itself, or two neighbours (linear) and
- * up to four (cubic). The panel is the index of the first neighbour. */
+/** Return node indices with weights for interpolation at a value on an axis {rising, bounds}.
+ * They are the node at the value, or else two neighbours (`linear`) and up to four neighbours (`cubic`).
+ * `panel` is the index of the first neighbour. */
 function weightsAt({rising, bounds}, value) {
   const last = rising.length - 1;
   const single = (index) => ({panel: index === last ? last - 1 : index, isNode: true, linear: [[index, 1]], cubic: [[index, 1]]});
@@ -33,7 +34,7 @@ function weightsAt({rising, bounds}, value) {
   return {panel, isNode: false, linear, cubic: last < 3 ? linear : over(Math.min(Math.max(panel - 1, 0), last - 3), 4)};
 }
 
-/** Return the weights of the nodes around mu0 and tau0. */
+/** Return the weights of the nodes around a pair of mu0 and tau0. */
 function placeAt({mu0, tau0}, valueOfMu0, valueOfTau0) {
   const [m, t] = [weightsAt(mu0, valueOfMu0), weightsAt(tau0, valueOfTau0)];
   const columns = tau0.rising.length + tau0.bounds.length;
@@ -51,7 +52,7 @@ function between(table, first, {cubic, linear}) {
   return Number.isFinite(value) ? value : weighted(table, first, linear);
 }
 
-/** Return the entry of the nearest node. */
+/** Return the table entry at the node nearest to a place. */
 const atNearest = (table, first, {linear}) => table[first + linear[0][0]];
 
 /** Return the status code at a place: the code of the nearest node, unless a neighbouring node has no value. */

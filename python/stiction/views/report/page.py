@@ -1,4 +1,4 @@
-"""HTML page in a single file: its frame, and the encoding of its numbers.
+"""Frame of an HTML page in a single file, and encoding of its numbers.
 
 `result.py` and `surface.py` define the content of a page. Markup, style sheet and scripts are in this directory:
 `nodes.js` decodes and interpolates numbers, `plots.js` draws, `common.js` contains controls and file output, and
@@ -61,7 +61,7 @@ class Page:
         )
 
     def save(self, path: Path) -> None:
-        """Write the page, replacing an older report if there is one. Raise a `ReportError` if another file exists."""
+        """Write the page. Replace an existing file only if it is a report; otherwise raise a `ReportError`."""
         with replaced_file(path, REPORT_MARK.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
@@ -72,8 +72,8 @@ def part(name: str) -> str:
 
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
-    """Return the markup of scripts with a result, its facts, and packed numbers."""
-    # Without "<", the JSON text cannot end its element or start another element.
+    """Return markup with the scripts of a page, the facts about a result, and its packed numbers."""
+    # Escaping "<" ensures that the JSON text cannot close its HTML element or open another one.
     facts_json = to_json(facts).replace("<", "\\u003c")
     element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(element.format(*item) for item in numbers.items())
@@ -83,7 +83,7 @@ def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
     )
 
 
-MAX_TEXT_LENGTH = 400  # maximum number of characters of a line from a file that are shown
+MAX_TEXT_LENGTH = 400  # maximum number of shown characters of a line from a file
 
 
 def escaped(text: object) -> str:
@@ -105,7 +105,7 @@ def panel(name: str, title: str, description: str, *, more: str, kind: str = "pl
     )
 
 
-# ---- Result of a page -----------------------------------------------------------------------------------------------
+# ---- Content of a page ----------------------------------------------------------------------------------------------
 
 
 REPORT_AXES = {
@@ -131,7 +131,7 @@ class PageResult:
     pictures: str = ""
 
     def unfinished(self) -> str:
-        """Return a notice as markup if members are missing."""
+        """Return notices about missing and unsolved members as markup; empty for a complete result."""
         total, notices = self.study.ensemble.repetitions, []
         if self.num_members < total:
             notices.append(f"{self.name} is unfinished: {self.num_members} of {total} repetitions.")
@@ -154,7 +154,7 @@ class PageResult:
 
 
 def _without_folders(study: Study) -> Study:
-    """Remove the folders from the file names of a study, because readers of a page have other folders."""
+    """Remove folders from the file names of a study, because they do not exist on the computers of other readers."""
     if not study.is_measured:
         return study
     surfaces: Any = study.surfaces
@@ -164,7 +164,7 @@ def _without_folders(study: Study) -> Study:
 
 
 def motions_of(study: Study) -> tuple[list[str], list[float]]:
-    """Return the sliding rules and directions (degrees) of a study, in the order of the sums."""
+    """Return the sliding rules and directions (degrees) of a study, in the order of the stored sums."""
     return list(study.contact.rules()), [float(angle) for angle in study.contact.degrees()]
 
 

@@ -165,7 +165,7 @@ _CSS_COLOURS = {
     "#e3d5bb": "var(--lower)",
     **{dark: f"var(--light, {dark})" for dark in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")},
 }
-"""Colours that a page replaces by variables of its style sheet, which has light and dark colours."""
+"""Figure colours, and the style sheet variables that replace them on a page, for light and dark mode."""
 
 
 def inline(figure: Figure, description: str) -> str:
@@ -175,7 +175,7 @@ def inline(figure: Figure, description: str) -> str:
         for artist in artists:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
             artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_VERTICES)
-    if (layout := figure.get_layout_engine()) is not None:  # otherwise, savefig would draw the figure twice
+    if (layout := figure.get_layout_engine()) is not None:  # with a layout engine, `savefig` would draw twice
         layout.execute(figure)
         figure.set_layout_engine("none")
     text = io.StringIO()

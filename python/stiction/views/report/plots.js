@@ -1,5 +1,5 @@
-// SVG plots. Every function takes the element to draw in and the data, and does not use the state of the page. Colours
-// are variables of the style sheet, so that dark mode and print need no redrawing.
+// SVG plots. Every function takes the element to draw in and the data, and does not use the state of the page.
+// Colours are variables of the style sheet, so that dark mode and print need no redrawing.
 
 // ---- Elements -------------------------------------------------------------------------------------------------------
 
@@ -17,7 +17,7 @@ const pictureOf = (width, height) => shape("svg", {width, height, viewBox: `0 0 
   "font-size": 0.8125 * rem(), "font-family": "system-ui, 'DejaVu Sans', sans-serif", style: "fill: var(--ink)",
   "aria-hidden": "true"});
 
-/** Return the position of an event in an element, pixels. */
+/** Return the position of a pointer event within an element, in pixels. */
 function positionIn(place, {clientX, clientY}) {
   const {left, top} = place.getBoundingClientRect();
   return [clientX - left, clientY - top];
@@ -41,7 +41,7 @@ const rem = () => parseFloat(getComputedStyle(document.documentElement).fontSize
 
 const path = (points) => points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
 
-/** Split points into runs without unknown points. */
+/** Split points into runs of consecutive known points. */
 function runs(points, isKnown) {
   const found = [[]];
   for (const point of points) isKnown(point) ? found.at(-1).push(point) : found.push([]);
@@ -95,7 +95,7 @@ function edges(centres) {
   return [2 * centres[0] - middles[0], ...middles, 2 * centres.at(-1) - middles.at(-1)];
 }
 
-/** Return the edges [x, y, x, y] between true and false cells; other cells have no edges. */
+/** Return the edges [x, y, x, y] between true and false cells; cells with other values have no edges. */
 function boundary(cells, x, y) {
   const lines = [];
   const differ = (first, second) => typeof first === "boolean" && typeof second === "boolean" && first !== second;
@@ -124,7 +124,7 @@ function createScale({low, high, isLog}, from, to) {
   return at;
 }
 
-/** Return an axis limited to the ends of its view, if it has one. */
+/** Return an axis limited to its zoomed view, or the whole axis without a view. */
 const viewed = (axis, view) => (view ? {...axis, low: view[0], high: view[1]} : axis);
 
 /** Draw axes {low, high, isLog, title} in an element and return their scales; the group `inside` is clipped. */
@@ -165,9 +165,9 @@ function axes(place, wholeX, wholeY, top = 0) {
 
 // ---- Zoom -----------------------------------------------------------------------------------------------------------
 
-const CLOSEST = 1e-3; // minimum fraction of an axis in a view
+const CLOSEST = 1e-3; // minimum fraction of an axis that a zoomed view shows
 
-/** Zoom an axis by a factor about a position from 0 to 1, or move it by a fraction, within its ends. */
+/** Return the ends of a view of an axis after zooming about a position (0 to 1) or moving by a fraction of the view. */
 function zoomedEnds({low, high, isLog}, {low: from, high: to}, times, about, move = 0) {
   const [on, off] = isLog ? [Math.log, Math.exp] : [(value) => value, (value) => value];
   const [start, span] = [on(from), on(to) - on(from)];
@@ -181,19 +181,20 @@ function zoomedEnds({low, high, isLog}, {low: from, high: to}, times, about, mov
 function zoom(place, redrawn, {times = 1, x = 0.5, y = 0.5, moveX = 0, moveY = 0}) {
   if (!place.axes?.X) return;
   const {wholeX, wholeY} = place.axes;
-  const {view} = place; // the drawn view may be older if several events precede a frame
+  const {view} = place; // this view may be newer than the drawn one, because several events can precede a frame
   place.view = {x: zoomedEnds(wholeX, viewed(wholeX, view?.x), times, x, moveX), y: zoomedEnds(wholeY, viewed(wholeY, view?.y), times, y, moveY)};
   redrawn();
 }
 
 const isNear = (event) => event.ctrlKey || event.metaKey; // a pinch on a touch pad is sent as a wheel event with Ctrl
 
-/** Connect the events of a plot: point, leave, pick (which returns a function to undo it), and zoom by dragging a
- * rectangle, by Ctrl and the wheel, by two fingers, by Shift and dragging, and by keys. Called once; the axes may change. */
+/** Connect the pointer, wheel and key events of a plot; call this once, because the axes may change afterwards.
+ * `pick` returns a function that undoes the choice.
+ * A plot is zoomed or moved by dragging a rectangle, Ctrl and the wheel, two fingers, Shift and dragging, or keys. */
 function interactive(place, {point, leave, pick, redrawn}) {
   let from = null;
   let rectangle = null;
-  let pressed = null; // where the pointer was pressed and released without moving
+  let pressed = null; // position at which the pointer was pressed and released without moving
   let undo = null;
   const fingers = new Map();
   const at = (event) => positionIn(place, event);
@@ -300,7 +301,7 @@ function tip(place, words, [x, y] = [0, 0]) {
   place.tip.style.top = `${Math.max(0, y - height - 10)}px`;
 }
 
-/** Show the tooltip of the nearest point of a plot, if it is close; place.hits are {x, y, words}. */
+/** Show the tooltip of the point of a plot nearest to the pointer, if it is close; `place.hits` are {x, y, words}. */
 function tipOfNearest(place, here) {
   const hits = place.hits ?? [];
   const apart = ({x, y}) => Math.hypot(x - here[0], y - here[1]);
@@ -395,7 +396,7 @@ function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked,
       "stroke-width": 0.4}));
   });
   for (const [name, cells] of Object.entries(others)) {
-    if (name === "ok") continue; // a value without an interval
+    if (name === "ok") continue; // there is friction, but no interval whose width could be drawn
     const id = `${place.id}-${name}`;
     inside.append(hatch(name, id), shape("path", {d: cells.join(""), fill: `url(#${id})`}));
     legend.push([swatch(() => hatch(name, `${id}-legend`), (each) => shape("rect", {...each, fill: `url(#${id}-legend)`})),
@@ -486,8 +487,9 @@ function drawLegend({picture, box, unit}, rows) {
   }));
 }
 
-/** Draw series {points of {x, value, lower, upper, trusted}, colour, name} with bands over an axis, a ring around the picked
- * x, and level lines {value, name, colour}. Points are marked if there are few. Return the range of the values. */
+/** Draw series {points of {x, value, lower, upper, trusted}, colour, name} as curves with bands.
+ * A ring marks the picked x, and `levels` {value, name, colour} are drawn as horizontal lines.
+ * Single points are marked if there are few. Return the range of the values. */
 function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
   const all = series.flatMap(({points}) => points);
   const isUsed = (place.isLog ?? isLog) && all.some(({value}) => value > 0);
@@ -537,8 +539,8 @@ function smooth(points) {
     `C${text(bend(at(i), at(i - 1), at(i + 1)))} ${text(bend(at(i + 1), at(i + 2), at(i)))} ${text(at(i + 1))}`).join("")}z`;
 }
 
-/** Draw friction over directions for series {points of {value, lower, upper}, colour, name}, with a ring around the picked
- * direction. */
+/** Draw friction over directions for series {points of {value, lower, upper}, colour, name}.
+ * A ring marks the picked direction. */
 function drawCompass(place, directions, series, picked, describe) {
   const unit = rem();
   const [width, height] = [Math.max(place.clientWidth, 12 * unit), Math.max(place.clientHeight, 12 * unit)];

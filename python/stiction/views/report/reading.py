@@ -15,7 +15,7 @@ READING_OPTIONS = ("unit", "spacing", "columns", "channel", "missing_value", "mi
 
 
 def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
-    """Return the interpretation of a file, and its reading options, as markup."""
+    """Return a table (markup) on how a file was read, with its reading options."""
     rows = "".join(
         f'<tr><th scope="row">{escaped(name)}</th><td>{escaped(value)}</td></tr>'
         for name, value in reading_rows(reading, options)
@@ -24,7 +24,7 @@ def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
 
 
 def reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return names and values of the detected layout of a file, and of its reading options."""
+    """Return table rows (name and value) with the detected layout of a file and its reading options."""
     source, body = reading.source, reading.body
     steps = [f"{step:.6g} µm along {axis}" for axis, step in zip("xy", body.spacings[::-1], strict=False)]
     specified = {name: options.get(name) for name in READING_OPTIONS}

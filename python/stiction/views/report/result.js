@@ -32,8 +32,8 @@ function indexOf(rule, cell, load, way = state.way) {
   return ((lead * R + facts.rules.indexOf(rule)) * W + way) * L + load;
 }
 
-/** Return friction for a rule: value, interval, status and kind of interval. A value without a combined interval has the
- * sampling interval of positions, which is drawn but not printed. */
+/** Return friction for a rule: value, interval, status and kind of interval.
+ * A value without a combined interval has the sampling interval of positions, which is drawn but not printed. */
 function frictionAt(rule, cell, load, at = place(), way = state.way) {
   const index = indexOf(rule, cell, load, way);
   const first = index * at.size;
@@ -88,7 +88,7 @@ function intervalName(isCombined) {
   return `interval, combined uncertainty${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
 }
 
-/** Return whether mu0 and tau0 have the ranges of the study. */
+/** Return whether mu0 and tau0 are within the uncertainty ranges of the study. */
 const isAtRange = () => [["mu0", state.mu0], ["tau0", state.tau0]].every(([name, value]) => !nodeAxes[name].bounds.length ||
   nodeAxes[name].bounds.some(([low, high]) => low <= value && value <= high));
 
@@ -374,7 +374,7 @@ function showStrengthNotice() {
 /** Pick a dimension and a load; return a function that undoes the choice. */
 function pick(d, l) {
   const before = [state.dimension, state.load];
-  Object.assign(state, {dimension: d, load: l, pointed: null}); // a touch sends no leave event
+  Object.assign(state, {dimension: d, load: l, pointed: null}); // touch screens send no leave event
   sliders.dimension.set(d);
   sliders.load.set(l);
   redraw(...FRICTION);

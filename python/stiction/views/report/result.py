@@ -55,7 +55,7 @@ PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
         )
     },
 }  # fmt: skip
-"""Title, description and further attributes in the markup of each plot."""
+"""Title, description and additional HTML attributes of each plot."""
 
 MAIN_PLOTS = {True: ("friction", "compass"), False: ("over", "friction", "area", "stiffness")}
 """Plots that are shown before "More" is opened, for measured bodies (True) and for generated bodies (False)."""

@@ -20,14 +20,14 @@ from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.report.page import Page, escaped, part
 from stiction.views.report.pictures import inline
 
-# Above this fraction of the mean square slope in the shortest octave, the report advises a finer scan.
+# The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
 MAX_OCTAVE_FRACTION = 0.1
 
 
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> Page:
-    """Return the page of a levelled profile or surface, with its command and the interpretation of its file.
+    """Return the page of a levelled profile or surface, with its command and the table on how its file was read.
 
     `options` are the options of `characterisation_text`.
     """

@@ -15,11 +15,11 @@ from stiction._checks import Floats
 from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefix, format_estimate
 
 FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores, for a relative precision of 5e-7
-NO_INTERVAL = -128  # value stored as the decimals of the upper end if the interval is not printed
+NO_INTERVAL = -128  # stored instead of the decimals of the upper end if no interval is printed
 MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded digits before the decimal point
 
 
-_COMPRESSION = 7  # a sixth of the time of level 9, with 0.5 % more bytes
+_COMPRESSION = 7  # zlib level; it takes a sixth of the time of level 9, with 0.5 % more bytes
 
 
 def packed(values: ArrayLike, leading: int) -> str:
@@ -36,7 +36,7 @@ def packed(values: ArrayLike, leading: int) -> str:
 
 
 def packed_bytes(values: NDArray[np.int8]) -> str:
-    """Return small whole numbers as text."""
+    """Return whole numbers from -128 to 127 as text."""
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION)).decode("ascii")
 
 
@@ -103,7 +103,7 @@ def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.
         np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_decimals)
     )
     upper_decimals = np.where(has_no_interval, NO_INTERVAL, upper_decimals)
-    # If both ends print as equal, the value is printed without trailing zeros instead.
+    # If both ends have the same printed digits, only the value is printed, without trailing zeros.
     for index in zip(*np.nonzero(is_equal), strict=True):
         text = format_estimate(float(mean[index]), float(lower[index]), float(upper[index]))
         if "[" not in text:
