@@ -1,4 +1,4 @@
-"""Parsing of arguments that are numbers, or strings with units."""
+"""Parsing of arguments that are given as numbers or as strings with units."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from stiction._errors import ArgumentError
 from stiction._units import Quantity, exact_text, quantity, short_repr, unit_names
 
 _CORE_UNITS = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m^2"}
-"""Core unit of each kind of quantity, which is the unit of a plain number."""
+"""Core unit of each kind of quantity. A number without a unit is in this unit."""
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split a comma-separated string or a nested list into its values. Any other value becomes a list of one."""
+    """Split a comma-separated string or a nested list into its values. Any other value is returned in a list."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and np.ndim(value) == 1
@@ -45,7 +45,7 @@ def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
 
 
 _DECIMAL_COMMA = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
-"""Pattern of a comma between two integers that may be a decimal comma, as in "0,2" but not in "0, 2" or "0.2,0.3"."""
+"""Pattern of a comma that may be a decimal comma, as in "0,2" but not in "0, 2" or "0.2,0.3"."""
 
 
 def reject_decimal_commas(name: str, value: Any) -> None:
@@ -60,7 +60,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or more numbers or strings. `integers` treats the comma in "0,90" as a separator."""
+    """Parse one or more numbers, or a string of numbers. With `integers`, the comma in "0,90" is a separator."""
     if not integers:
         reject_decimal_commas(name, value)
     try:
@@ -74,7 +74,7 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
 
 
 MAX_NUMBER = 1e6
-"""Largest coefficient, percentage or limit of a range; larger values are input errors."""
+"""Largest accepted coefficient, percentage or range limit. A larger value is treated as an input error."""
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
@@ -97,7 +97,7 @@ def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load, and return also whether it is a pressure on the slider. A plain number is a force in mN.
+    """Return a load, and whether it is a pressure on the slider. A number without a unit is a force in mN.
 
     The load must be above 0, or at least 0 with `or_zero`.
     """

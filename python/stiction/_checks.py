@@ -54,7 +54,7 @@ def read_only(array: _Array) -> _Array:
 
 
 def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf) -> float:
-    """Return a finite float strictly between `above` and `below`.
+    """Check that a value is a finite number strictly between `above` and `below`, and return it as a float.
 
     A zero-dimensional array counts as a number. If a unit is given, a string such as "39 nm" is accepted too.
     """
@@ -81,7 +81,7 @@ def scalar(value: Any) -> Any:
 
 
 def fraction(name: str, value: Any) -> float:
-    """Return a number between 0 and 1."""
+    """Check that a value is a number from 0 to 1, and return it."""
     result = number(name, value)
     if not 0 <= result <= 1:
         raise ValueError(f"{name} must be from 0 to 1, got {value!r}")
@@ -89,7 +89,7 @@ def fraction(name: str, value: Any) -> float:
 
 
 def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 1) -> int:
-    """Return an integer between `minimum` and `maximum`."""
+    """Check that a value is an integer from `minimum` to `maximum`, and return it."""
     try:
         result = operator.index(scalar(value)) if not isinstance(scalar(value), bool) else minimum - 1
     except TypeError:

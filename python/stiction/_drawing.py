@@ -22,12 +22,12 @@ MAX_LEGEND_LINES = 12  # maximum number of lines for which a legend is drawn
 
 
 def to_readable_unit(heights: Floats) -> tuple[Floats, str]:
-    """Return heights and their unit: nm if they span less than 0.5 µm, otherwise µm."""
+    """Convert heights (µm) to nm if they span less than 0.5 µm, and return the heights with their unit."""
     return (heights * 1000, "nm") if np.ptp(heights) < _MAX_NM_RANGE else (heights, "µm")
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
-    """Draw heights against x, with different scales of the two axes."""
+    """Draw the heights of a profile against x. The two axes have different scales."""
     heights, unit = to_readable_unit(heights)
     ax.plot(x, heights, color="0.2", linewidth=0.8)
     ax.set(xlim=(0, float(x[-1])), xlabel="x (µm)", ylabel=f"height ({unit})")
@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw spectral density against wave number on logarithmic scales: all harmonics, and their means in bins."""
+    """Draw the spectral density of all harmonics, and its means in bins, against wave number on logarithmic axes."""
     wave_number, density = harmonics
     positive = density > 0
     if not positive.any():

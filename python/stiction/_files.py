@@ -16,14 +16,14 @@ from pathlib import Path
 from stiction._text import printable_path
 
 PARTIAL_NAME = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
-"""Pattern of names of partial files, which a killed process leaves behind.
+"""Pattern of the names of partial files. A killed process leaves its partial file behind.
 
 The name contains the machine, the process id, the run and a random number.
 """
 
 MAX_PARTIAL_AGE = 3600.0  # age in seconds above which a partial file of another machine counts as stale
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-_RUN_TOKEN = secrets.token_hex(4)  # identifies the run, because process ids are reused
+_RUN_TOKEN = secrets.token_hex(4)  # random token of this run, because process ids are reused
 _NUM_SEARCHED_BYTES = 2**16  # number of bytes at the beginning and end of a file that are searched for its mark
 
 
@@ -42,7 +42,7 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
 
 @contextmanager
 def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a partial file that replaces `path` when complete; raise `failure` if `path` lacks the mark."""
+    """Yield a partial file that replaces `path` when complete; raise `failure` if an existing file lacks the mark."""
     check_replaceable(path, mark, failure)
     with _translate_errors(path, failure), _partial(path, Path.replace) as partial:
         yield partial
@@ -68,7 +68,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 def _partial(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
     """Yield an empty file next to `path`. It is moved to `path` on success, and removed otherwise."""
     partial = path.parent / new_partial_name()
-    try:  # open the file inside `try`, because Ctrl-C may come as soon as it exists
+    try:  # create the file inside `try`, because Ctrl-C may arrive immediately afterwards
         os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial
         move(partial, path)

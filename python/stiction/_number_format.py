@@ -1,4 +1,4 @@
-"""Formatting of numbers: the interval sets the number of digits, and the unit is chosen for the fewest zeros."""
+"""Formatting of numbers: the interval sets the number of digits, and the unit is chosen to avoid zeros."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 MAX_DIGITS = 4  # maximum number of significant digits of a value, even with a narrow interval
 UNBOUNDED_END = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-MAX_PRECISE_END_RATIO = 100.0  # above this ratio of upper end to value, the end is printed with one digit
+MAX_PRECISE_END_RATIO = 100.0  # above this ratio of the upper end to the value, the upper end is printed with one digit
 
 _PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
@@ -16,11 +16,11 @@ _PREFIXES = {
     "um": ((1e6, 1e6, "m"), (1e3, 1e3, "mm"), (1.0, 1.0, "µm"), (0.0, 1e-3, "nm")),
     "pJ": ((1e3, 1e3, "nJ"), (1.0, 1.0, "pJ"), (0.0, 1e-3, "fJ")),
 }
-"""Minimum value, factor to the core unit and name of each prefixed unit, by core unit."""
+"""Prefixed units of each core unit: smallest value to be printed in the unit, factor to the core unit, and name."""
 
 
 def format_with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
-    """Format a value with its interval to `digits` digits of the half-width, as in "0.157 [0.102, 0.216]".
+    """Format a value with its interval, as in "0.157 [0.102, 0.216]". The half-width has `digits` significant digits.
 
     The value has two to four significant digits. The text is "none" for a missing value, and ends with "no interval"
     for a missing interval. The interval is omitted if both ends are equal to four digits.
@@ -42,7 +42,7 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
 
 
 def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number with its interval to one digit of the half-width, or without an interval to two digits."""
+    """Format a number with its interval, rounded to one digit of the half-width; without an interval, to two digits."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
@@ -51,7 +51,7 @@ def format_estimate(mean: float, lower: float = math.nan, upper: float = math.na
 
 
 def format_limits(low: float, high: float) -> str:
-    """Format both ends of a range to one digit of its half-width and at least two significant digits."""
+    """Format a range, rounded to one digit of its half-width, but with at least two significant digits."""
     if math.isinf(high):
         return f"{format_significant(low)} to {UNBOUNDED_END}"
     decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
@@ -71,7 +71,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Return the number of decimals for `digits` digits of the half-width, and two to four digits of the value."""
+    """Return the number of decimals that gives `digits` digits to the half-width, and two to four to the value."""
     size = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
         return size + MAX_DIGITS - 1
@@ -91,7 +91,7 @@ def format_with_unit(value: float, unit: str) -> str:
 
 
 def choose_prefix(value: float, unit: str) -> tuple[float, str]:
-    """Return the factor and the name of the unit in which a value has the fewest zeros."""
+    """Return the factor and the name of the prefixed unit in which a value has the fewest zeros."""
     if value == 0:
         return 1.0, unit.replace("um", "µm")
     # Round the value to the printed digits first, so that 0.99996 mN is printed as 1 mN.
@@ -99,7 +99,7 @@ def choose_prefix(value: float, unit: str) -> tuple[float, str]:
     return next((factor, name) for minimum, factor, name in _PREFIXES[unit] if rounded >= minimum)
 
 
-MIN_PERCENT = 0.001  # smallest percentage that is printed; smaller ones are printed as "below" this limit
+MIN_PERCENT = 0.001  # smallest percentage that is printed; a smaller percentage is printed as "below" this limit
 
 
 def format_time(seconds: float) -> str:

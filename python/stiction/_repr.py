@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 NOTEBOOK_DPI = 110  # resolution of a notebook image, dots per inch
 NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of a notebook image, inches
 MAX_COLUMN_WIDTH = 4.0  # maximum width (inches) of one-column figures, which get a higher resolution
-PNG_COMPRESSION = 4  # half the time of the default level 6, but images of maps are 10 % larger
+PNG_COMPRESSION = 4  # compression level; it takes half the time of the default level 6, but map images are 10 % larger
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
-"""Next smaller unit and its factor, for values below 0.1."""
+"""Next smaller unit of each unit, with the conversion factor. It is used for values below 0.1."""
 
 
 class TextRepr:
@@ -37,14 +37,14 @@ class TextRepr:
 
 
 class PlotRepr(TextRepr):
-    """Mixin for a text and a plot in a notebook. The class must have a method ``plot(ax=None)``."""
+    """Mixin that shows text and a plot in a notebook. The class must have a method ``plot(ax=None)``."""
 
     def _repr_html_(self) -> str:
         return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]
 
 
 class TableRepr(TextRepr):
-    """Mixin for a table of values with units in a notebook."""
+    """Mixin that shows a table of values with units in a notebook."""
 
     def _repr_html_(self) -> str:
         units = field_units(type(self))
@@ -135,7 +135,7 @@ def table_html(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def plot_html(draw: Callable[[Axes], object]) -> str:
-    """Return the plot of a drawing function as an inline image, or its error message if there is nothing to draw."""
+    """Return the plot that a function draws as an inline image, or the error message if there is nothing to draw."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=NOTEBOOK_SIZE, layout="constrained")

@@ -31,7 +31,7 @@ _QUANTITY = re.compile(
 
 
 _NUMBER_AND_UNIT = re.compile(r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*")
-"""Pattern of a number and a unit; it allows more digits and larger exponents than any valid quantity has."""
+"""Pattern of a number and a unit. It allows more digits and larger exponents than a valid quantity can have."""
 
 
 def unit_names(kind: str) -> tuple[str, ...]:
@@ -104,7 +104,7 @@ def to_core_units(name: str, value: Any, kind: str) -> Any:
 
 
 def loads_to_core_units(name: str, value: Any, area: float) -> Any:
-    """Convert loads to mN, from forces or from pressures on an area (µm²). Numbers are returned unchanged.
+    """Convert loads with a unit, which are forces or pressures on an area (µm²), to mN. Numbers remain unchanged.
 
     Raises a `ValueError` if a string is neither a force nor a pressure.
     """
