@@ -512,6 +512,14 @@ def test_calibration_preserves_given_parameters() -> None:
     [
         (lambda: calibrate([]), "must contain a test with sliding"),
         (lambda: calibrate([3]), "must be a sequence of FrictionTest"),
+        (
+            lambda: calibrate(simulate_ball_tests(), mu0=1e300),
+            r"^mu0 must be a finite number below 1e\+06, got 1e\+300$",
+        ),
+        (
+            lambda: calibrate(simulate_ball_tests(), tau0=1e300),
+            r"^tau0 must be a finite number below 1e\+06, got 1e\+300$",
+        ),
         (lambda: FrictionTest(BALL, 1), "either coefficient or force"),
         (lambda: FrictionTest(BALL, 1, coefficient=0.1, force=1), "either coefficient or force"),
         (lambda: FrictionTest(BALL, "1 um", coefficient=0.1), "load .* unit"),

@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from typing import Literal
 
+from stiction._arguments import MAX_NUMBER
 from stiction._checks import check_choice, number
 from stiction._units import short_repr, to_core_units
 from stiction.mechanics.model import Sliding
@@ -105,8 +106,8 @@ def calibrate(
             "because it cannot be estimated from so few tests"
         )
     known = (
-        None if mu0 is None else number("mu0", mu0),
-        None if tau0 is None else number("tau0", to_core_units("tau0", tau0, "pressure")),
+        None if mu0 is None else number("mu0", mu0, below=MAX_NUMBER),
+        None if tau0 is None else number("tau0", to_core_units("tau0", tau0, "pressure"), below=MAX_NUMBER),
     )
     if any(value is not None and value < 0 for value in known):
         raise ValueError("mu0 and tau0 must not be negative")
