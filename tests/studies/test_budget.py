@@ -388,12 +388,26 @@ def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
     assert shares.min() >= 0
 
 
-def test_interval_of_a_zero_coefficient_covers_the_range_of_mu0() -> None:
-    options = {"load": "20 MPa", "effective_modulus": "80 GPa", "cutoff": "none"} | PAIR_OPTIONS | {"shifts": 8}
-    low, high = pair(*rough_surfaces(points=24), mu0="0±0.1", **options).interval
+IN_SIX_DIRECTIONS = PAIR_OPTIONS | {
+    "load": "20 MPa", "effective_modulus": "80 GPa", "cutoff": "none", "shifts": 8,
+    "direction": list(range(0, 360, 60)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [5, 6, 7, 8])
+def test_interval_of_a_zero_coefficient_covers_the_range_of_mu0(seed: int) -> None:
+    result = pair(*rough_surfaces(seed, points=24), mu0="0±0.1", **IN_SIX_DIRECTIONS)
+    assert result.value == 0
+    low, high = result.interval
     assert low == 0
     assert high == pytest.approx(0.1 * halfnorm.ppf(0.975), rel=0.02)
-    assert pair(*rough_surfaces(points=24), mu0=0.0, **options).interval[1] < budget.NEGLIGIBLE_COEFFICIENT
+
+
+def test_coefficient_without_strength_is_zero_in_spite_of_round_off() -> None:
+    result = pair(*rough_surfaces(points=24), mu0=0.0, **IN_SIX_DIRECTIONS)
+    assert (result.value, *result.interval) == (0, 0, 0)
+    assert not result.at().friction_by_axis.sel(sliding="all").values.any()
+    assert "τ0 is 0, so the coefficient is the given μ0; the surfaces add 0" in [each.text for each in result.caveats]
 
 
 CONTAINMENT_INPUTS = (

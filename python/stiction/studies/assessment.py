@@ -310,7 +310,8 @@ def compute_value_numbers(
     value, lower, upper, mu0, count = (np.asarray(array, float) for array in (value, lower, upper, mu0, contact_count))
     separate = np.where(is_merged, np.nan, count)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio_to_mu0 = np.where((mu0 > 0) & (np.asarray(tau0) == 0), value / mu0, np.nan)
+        ratio_to_mu0 = np.where(value == mu0, 1.0, np.where(mu0 > 0, value / mu0, np.nan))
+        ratio_to_mu0 = np.where(np.asarray(tau0) == 0, ratio_to_mu0, np.nan)
         half_width = (upper - lower) / (2 * value)
     return {
         "deficit": -value,

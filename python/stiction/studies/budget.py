@@ -18,7 +18,14 @@ from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket
 from stiction.mechanics.closed_forms import hardness_under_shear, solve_yield_condition
 from stiction.mechanics.quantities import attributes_of
-from stiction.studies.evaluation import PerLoad, area_growth, areas_of, member_sums, member_values
+from stiction.studies.evaluation import (
+    NEGLIGIBLE_COEFFICIENT,
+    PerLoad,
+    area_growth,
+    areas_of,
+    member_sums,
+    member_values,
+)
 from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
@@ -236,10 +243,6 @@ def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known_inter
         over = np.moveaxis(combined, dims.index("cut_off"), 0)
         over[0, ..., 1], over[0, ..., 2] = np.fmin.reduce(over[..., 1]), np.fmax.reduce(over[..., 2])
     return combined
-
-
-NEGLIGIBLE_COEFFICIENT = 1e-9
-"""Largest coefficient that is attributed to round-off, for an interface without strength."""
 
 
 class _CoefficientSamples:

@@ -54,6 +54,8 @@ if TYPE_CHECKING:
 LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
 SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of single members (spread_low and spread_high)
+NEGLIGIBLE_COEFFICIENT = 1e-9
+"""Largest coefficient that is attributed to round-off, for an interface without strength."""
 NEGLIGIBLE_LOAD_RATIO = 0.01
 """Ratio of load to pull-off force below which the load is negligible and a coefficient has no meaning."""
 
@@ -291,6 +293,19 @@ def default_loads(result: Result) -> Floats:
 # ---- Means over members ----------------------------------------------------------------------------------------------
 
 
+def _without_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
+    """Return means over opposite directions (*dims, statistic) with zeros for an interface without strength.
+
+    The contributions of opposite directions then cancel except for round-off, which would have a random sign.
+    """
+    import xarray
+
+    table = xarray.DataArray(means, dims=[*dims, "statistic"])
+    is_round_off = (abs(table) < NEGLIGIBLE_COEFFICIENT).all("statistic")
+    is_zero = is_round_off & (members["mu0"] == 0) & (members["tau0"] == 0)
+    return np.asarray(table.where(~is_zero, 0.0).transpose(*table.dims).values)
+
+
 def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
     import xarray
 
@@ -328,7 +343,8 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     }
     round_mean = coefficient.mean(axis=direction_axis)
     variables["friction_all_round"] = (
-        (*other_dims, "statistic"), order.mean(round_mean), attributes_of("friction_all_round"),
+        (*other_dims, "statistic"), _without_round_off(order.mean(round_mean), other_dims, members),
+        attributes_of("friction_all_round"),
     )  # fmt: skip
     axes, places = axes_of(members["direction"].values)
     if several and axes.size and _is_requested("friction_by_axis", names):
@@ -336,9 +352,10 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
             [np.take(coefficient, pair, axis=direction_axis).mean(axis=direction_axis) for pair in places],
             axis=direction_axis,
         )
-        named = ("axis" if dim == "direction" else dim for dim in dims)
+        named = ["axis" if dim == "direction" else dim for dim in dims]
         variables["friction_by_axis"] = (
-            (*named, "statistic"), order.mean(by_axis), attributes_of("friction_by_axis"),
+            (*named, "statistic"), _without_round_off(order.mean(by_axis), named, members),
+            attributes_of("friction_by_axis"),
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, attributes_of("axis"))
     with warnings.catch_warnings():
