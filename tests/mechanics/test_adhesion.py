@@ -284,7 +284,7 @@ def test_attraction_decreases_everywhere_as_the_load_decreases_to_pull_off():
     assert not attraction.relax(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
 
 
-def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_tried(monkeypatch):
+def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_solved(monkeypatch):
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert not curve.pull_off_is_bound
@@ -326,7 +326,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
 
 
 @pytest.mark.soak
-def test_random_adhesive_problems_converge_and_few_results_are_lower_bounds():
+def test_random_adhesive_problems_converge_and_few_pull_off_forces_are_lower_bounds():
     """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
 
     Some of them have a hardness.
@@ -405,7 +405,7 @@ def test_zero_work_of_adhesion_gives_bit_identical_results():
     assert little.contact_area == pytest.approx(plain.contact_area, rel=1e-6)
 
 
-def test_pull_off_force_is_computed_even_if_two_iterations_change_nothing():
+def test_pull_off_force_is_positive_if_two_iterations_leave_the_pressure_unchanged():
     """Solve a case in which two consecutive iterations change nothing, so that the ratio of their changes is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
     heights = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]

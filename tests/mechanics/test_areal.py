@@ -72,7 +72,7 @@ def assert_sums_close(one, other, tolerance, names=DIRECTION_FREE_SUMS + DIRECTI
 class TestArealReference:
     @pytest.mark.parametrize("sliding", ["opposing", "all"])
     @pytest.mark.parametrize("curvature", ["signed", "convex"])
-    def test_areal_load_sums_equal_reference_implementation(self, sliding, curvature):
+    def test_areal_load_sums_equal_those_of_the_reference_implementation(self, sliding, curvature):
         total = 0
         for seed in (3, 4):
             upper, lower = rough_pair(seed)
@@ -92,7 +92,7 @@ class TestArealReference:
                         assert abs(getattr(curve, name)[row, k] - expected[name]) <= INDEPENDENT_TOLERANCE * size
         assert total > 20
 
-    def test_areal_contacts_equal_reference_implementation(self):
+    def test_areal_contacts_equal_those_of_the_reference_implementation(self):
         upper, lower = rough_pair()
         table = contacts(upper, lower, 0.15, direction=20.0)
         result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.15)
@@ -179,7 +179,7 @@ class TestArealExact:
         assert table.normal[0].tolist() == [0, 0, 1]
 
     @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
-    def test_friction_on_a_slope_is_the_tangent_of_slope_plus_friction_angle(self, angle):
+    def test_friction_coefficient_on_a_slope_equals_tangent_of_slope_plus_friction_angle(self, angle):
         slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
         def ramp(x, y):
@@ -243,7 +243,7 @@ class TestArealExact:
         same = np.abs(other.centre[:, 0] - lines.position[0, 0]).argmin()
         assert np.allclose(other.normal[same], one.normal[nearest], atol=1e-8)
 
-    def test_level_contacts_have_friction_only_under_the_rule_of_all_contacts(self):
+    def test_level_contacts_contribute_friction_only_if_friction_acts_at_all_contacts(self):
         # Level contacts do not oppose the motion. A rough body on a flat has therefore no friction under the opposing
         # rule.
         upper, _ = rough_pair()
@@ -451,7 +451,7 @@ class TestLoading:
 class TestProfiles:
     """Tests of the sliding rules on profiles."""
 
-    def test_friction_at_all_contacts_is_available_for_profiles(self):
+    def test_profile_loads_with_friction_at_all_contacts_equal_sums_over_contacts(self):
         upper, lower = (
             self_affine(5, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.01, shortest_wavelength=0.2, side=side)
             for side in ("upper", "lower")
@@ -513,7 +513,7 @@ class TestBadInput:
         with pytest.raises(ValueError, match="direction must be a single direction"):
             approach_at_load(upper, lower, 0.1, mu0=0.3, direction=[0, 90])
 
-    def test_unset_fields_of_a_contact_model_are_none(self):
+    def test_contact_model_fields_that_are_not_set_are_none(self):
         model = ContactModel()
         assert (model.detection, model.curvature) == (None, None)
         assert ContactModel(direction=[0, 90]) == ContactModel(direction=(0, 90))
@@ -735,7 +735,7 @@ def test_areal_candidates_include_every_minimum_of_the_gap():
     assert apart.min(axis=0).max() < 1e-6
 
 
-def test_normal_tangential_and_lateral_loads_equal_sums_over_reference_contacts():
+def test_load_components_along_and_across_the_motion_equal_sums_over_reference_contacts():
     upper, lower = rough_pair()
     result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.1)
     curve = press(upper, lower, [0.1], direction=33)
@@ -770,7 +770,7 @@ def test_load_fraction_of_overlapping_ellipses_is_reported():
     assert np.allclose(curve.validity.share_overlapping, [0, 0, 2 / 3, 2 / 3], atol=0.02)
 
 
-def test_load_of_a_long_valley_is_limited_to_the_map():
+def test_load_of_a_valley_longer_than_the_map_tends_to_line_contact():
     # As the bow decreases, the ellipse grows, and its part on the map approaches a line contact.
     y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
     flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))

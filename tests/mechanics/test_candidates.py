@@ -42,7 +42,7 @@ def pair():
 
 class TestCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
-    def test_loads_of_pressed_candidates_equal_loads_of_their_surfaces(self, pair, curvature):
+    def test_pressing_candidates_gives_the_same_loads_as_pressing_their_surfaces(self, pair, curvature):
         points = candidates(*pair, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
         ours = press(points, steps, shear="-x")
@@ -90,7 +90,7 @@ class TestCandidates:
 
 
 class TestContactModel:
-    def test_keywords_override_the_contact_model(self, pair):
+    def test_keyword_arguments_of_press_override_fields_of_the_contact_model(self, pair):
         assert set(ContactKeywords.__annotations__) == {"model"} | {
             field.name for field in dataclasses.fields(ContactModel)
         }
@@ -132,7 +132,7 @@ def test_names_of_sums_match_the_core_and_laws_have_unique_names():
             stiction._core.force_and_area(law.name, {}, overlap=0.1, radius=1.0)
 
 
-def test_combined_status_is_that_of_the_first_failed_condition():
+def test_combined_status_names_the_first_failed_condition():
     arguments = [
         (False, False, False, False), (True, True, False, False), (True, False, True, False),
         (True, False, False, True), (True, False, False, False),

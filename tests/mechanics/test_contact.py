@@ -50,7 +50,7 @@ class TestProfileReference:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     @pytest.mark.parametrize("bodies", ["rough on rough", "flat on rough", "rough on flat"])
     @pytest.mark.parametrize("dimension", [1.0, 1.7])
-    def test_load_sums_of_profiles_equal_reference_implementation(
+    def test_load_sums_of_profiles_equal_those_of_the_reference_implementation(
         self, rough_pair, dimension, bodies, curvature, detection
     ):
         upper, lower = rough_pair(dimension, points=150_000)
@@ -69,7 +69,7 @@ class TestProfileReference:
             expected = np.transpose([list(pressing.sum_contacts(row, sigma).values()) for row in rows])
             assert_close(all_sums(curve), expected, INDEPENDENT_TOLERANCES[detection])
 
-    def test_contacts_of_profiles_equal_reference_implementation(self, rough_pair):
+    def test_contacts_of_profiles_equal_those_of_the_reference_implementation(self, rough_pair):
         upper, lower = rough_pair(1.4)
         table = contacts(upper, lower, 0.01, effective_modulus=3.0)
         rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)

@@ -137,7 +137,7 @@ def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_uniform_pressure_bounds_on_a_flat_are_reached_at_the_largest_load(boundary):
+def test_half_space_solver_converges_on_a_flat_up_to_a_uniform_pressure_bound(boundary):
     """Solve a flat with equal bounds up to the largest load that the bounds permit.
 
     With a periodic boundary all points move equally. With a free boundary the traction is that of a punch.
@@ -400,7 +400,7 @@ def test_pressure_is_limited_by_hardness_and_area_tends_to_load_over_hardness():
     assert ratio == pytest.approx(1.0, abs=0.05)
 
 
-def test_random_half_space_problems_with_hardness_are_solved():
+def test_random_half_space_problems_with_hardness_satisfy_the_contact_conditions():
     """Check that problems of the stress suite are solved, with a mean contact pressure of at most the hardness."""
     random = np.random.default_rng(8)
     for _ in range(8):
@@ -525,7 +525,7 @@ def test_second_order_gentle_friction_equals_sum_over_random_slopes(rule, gradie
         assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE_TOLERANCE)
 
 
-def test_second_order_gentle_friction_has_expected_limits():
+def test_second_order_gentle_friction_equals_first_order_at_small_slopes_and_for_grooves():
     for rule in ("opposing", "all"):
         for arguments in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
             first, second = (gentle_friction(0.4, sliding=rule, order=order, **arguments) for order in (1, 2))
@@ -688,7 +688,7 @@ def test_half_space_curve_is_read_only_and_checks_indices():
 
 
 @pytest.mark.parametrize("load", [0.02, 0.05, 0.1])
-def test_contact_of_a_ball_on_a_level_flat_opposes_no_direction(load):
+def test_ball_on_a_level_flat_has_no_opposing_contact_in_any_direction(load):
     # The only patch is level. A residual asymmetry of the solution must not change its class.
     x = (np.arange(65) - 32) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
@@ -748,7 +748,7 @@ def test_half_space_solutions_for_several_loads_equal_those_for_single_loads(bou
 
 
 @pytest.mark.parametrize(("shape", "boundary"), [((256,), "periodic"), ((48, 40), "periodic"), ((48, 40), "free")])
-def test_solutions_at_given_approaches_and_at_their_loads_are_equal(shape, boundary):
+def test_solution_at_an_approach_equals_solution_at_the_load_of_that_approach(shape, boundary):
     body = rough(shape)
     upper = flat_like(body)
     expected = np.array([0.05, 0.2, 0.6]) * (body.heights.max() - body.heights.mean())
@@ -841,7 +841,7 @@ def test_half_space_solver_stops_soon_after_ctrl_c():
     assert time.process_time() - pressed[0] < MAX_SECONDS_TO_END
 
 
-def test_half_space_solver_converges_with_extrapolated_steps():
+def test_half_space_solver_converges_if_extrapolated_steps_are_very_long():
     """Solve a half-plane problem in which extrapolated steps are about thirty times as long as trial steps."""
     study = Study.named("figure6-half-plane")
     dimension = float(study.surfaces.fractal_dimensions()[7])

@@ -35,7 +35,7 @@ def test_area_interpolated_over_hardness_agrees_with_direct_solutions(rms: float
     assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION_TOLERANCE)
 
 
-def test_area_interpolated_over_hardness_agrees_with_its_definition() -> None:
+def test_area_interpolated_over_hardness_equals_its_formula() -> None:
     random = np.random.default_rng(4)
     nodes, elastic = np.sort(random.uniform(0.2, 3.0, 7)), np.array([0.3, 1.1])
     at_nodes = random.uniform(0.8, 1.2, (2, 7)) / nodes
@@ -62,7 +62,7 @@ def test_area_interpolated_over_hardness_agrees_with_its_definition() -> None:
     np.testing.assert_allclose(area_per_load(hardness, nodes, at_nodes, elastic), expected, rtol=1e-13)
 
 
-def test_area_interpolated_over_hardness_has_expected_limits() -> None:
+def test_area_interpolated_over_hardness_equals_node_and_elastic_values_at_the_limits() -> None:
     assert area_per_load([0.5], [0.5, 1.0], [2.1, 1.1], 0.3)[0] == pytest.approx(2.1)
     soft = area_per_load([1e3], [1e2, 1e4], [0.3, 0.3], 0.3)
     assert soft[0] == pytest.approx(0.3)

@@ -57,7 +57,7 @@ def ball():
     return half_space(flat_like(lower), lower, [4 / 3 * MODULUS * radius**3], tolerance=1e-8), radius
 
 
-def test_onset_of_ball_equals_cattaneo_mindlin(ball):
+def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball):
     curve, radius = ball
     for poisson in (0.0, 0.3, (0.2, 0.5)):
         onset = curve.onset(0, mu0=0.3, poisson=poisson, steps=LOAD_FRACTIONS)
@@ -97,7 +97,7 @@ def test_slip_of_a_ball_spreads_from_the_edge_inwards(ball):
     assert np.isnan(early[away < 0.5 * radius]).all()
 
 
-def test_onset_of_cylinder_equals_cattaneo():
+def test_onset_of_sliding_of_a_cylinder_equals_cattaneo_solution():
     n = 1024
     x = (np.arange(n) - n / 2 + 0.31) / n
     lower = Profile(-(x**2) / 2, spacing=1 / n)
@@ -258,7 +258,7 @@ def test_initial_tangential_stiffness_equals_mindlin_ratio(areas):
         assert light.tangential_load[0] / light.displacement[0] == pytest.approx(onset.stiffness, rel=1e-4)
 
 
-def test_poisson_ratio_of_the_stiffer_body_has_less_weight():
+def test_poisson_ratio_of_a_rigid_body_does_not_change_tangential_stiffness():
     lower = rough((32, 32))
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], compliance_share=1.0)
     soft = [curve.onset(0, mu0=0.3, poisson=poisson, steps=1).stiffness for poisson in ((0.0, 0.4), 0.4, 0.0)]
@@ -293,7 +293,7 @@ def test_onset_of_profiles_agrees_with_ciavarella_jaeger(boundary):
 
 
 @pytest.mark.parametrize("factor", [10.0, 0.01])
-def test_onset_scales_with_size(areas, factor):
+def test_onset_displacement_stiffness_and_energy_scale_with_size(areas, factor):
     problem = areas._problem
     lower = Surface(-problem.gap * factor, spacing=problem.spacing[0] * factor)
     boundary = "periodic" if problem.periodic else "free"
@@ -314,7 +314,7 @@ def test_onset_reaches_requested_displacements(areas):
     np.testing.assert_allclose(again.displacement, onset.displacement, rtol=1e-6)
 
 
-def test_onset_includes_contacts_at_hardness():
+def test_onset_of_sliding_is_finite_if_contacts_are_at_hardness():
     lower = rough((64, 64))
     load = mean_pressure(lower, 0.1)
     curve = half_space(flat_like(lower), lower, [load], hardness=1.0)
@@ -480,7 +480,7 @@ def test_onset_accepts_sphere_and_elastic_plastic_laws_on_profiles():
     assert yields.sliding_load < onset.sliding_load
 
 
-def test_pickled_load_curve_has_equal_onset(many_asperities):
+def test_pickled_load_curve_gives_the_same_onset_of_sliding(many_asperities):
     bodies, curve = many_asperities
     again = pickle.loads(pickle.dumps(curve))
     assert again.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
@@ -521,7 +521,7 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
     assert np.abs(result.residual).max() < 1e-6
 
 
-def test_onset_data_frame_has_units_and_fits_have_residuals(many_asperities):
+def test_onset_data_frame_contains_units_and_fitted_models_contain_residuals(many_asperities):
     onset = many_asperities[1].onset(1, mu0=0.3, tau0=0.1)
     frame = onset.frame()
     assert list(frame) == ["tangential_load_mN", "displacement_um", "slipped_area", "slipped_load", "energy_lost_mN_um"]

@@ -106,7 +106,7 @@ def test_table_of_quantities_contains_every_result_variable_with_its_unit(result
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
-def test_stored_variables_have_the_dimensions_and_dtypes_of_their_quantities(results):
+def test_stored_variables_have_the_dimensions_and_dtypes_in_the_table_of_quantities(results):
     for title, dataset in results.items():
         for name in map(str, dataset.data_vars):
             quantity = QUANTITIES[name]
@@ -116,7 +116,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_of_their_quantities(res
             assert quantity.stored, f"{name} of {title}"
 
 
-def test_variables_at_a_load_have_the_dimensions_of_their_quantities(at_loads):
+def test_variables_at_a_load_have_the_dimensions_in_the_table_of_quantities(at_loads):
     for title, dataset in at_loads.items():
         for name in map(str, dataset.data_vars):
             if name == "status":  # The status belongs to the coefficient, not to the contact.
@@ -131,7 +131,7 @@ def test_variables_at_a_load_have_the_dimensions_of_their_quantities(at_loads):
                 )
 
 
-def test_intervals_at_a_load_are_within_the_bounds_of_their_quantities(at_loads):
+def test_intervals_at_a_load_are_within_the_bounds_in_the_table_of_quantities(at_loads):
     for title, name, item in list_variables(at_loads):
         if name in QUANTITIES and "statistic" in item.dims and item.dtype.kind == "f":
             ends, mean = item.sel(statistic=["lower", "upper"]), item.sel(statistic="mean")
@@ -140,7 +140,7 @@ def test_intervals_at_a_load_are_within_the_bounds_of_their_quantities(at_loads)
             assert not (ends > max(high, float(mean.max()))).any(), f"{name} of {title}"
 
 
-def test_member_values_are_quantities_with_the_unit_of_the_table():
+def test_variables_of_each_member_have_the_units_in_the_table_of_quantities():
     options = {"mu0": 0.2, "effective_modulus": 10.0}
     longer = Profile(heights((600,), 5), spacing=0.5)
     result = {
@@ -155,7 +155,7 @@ def test_member_values_are_quantities_with_the_unit_of_the_table():
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
-def test_variables_of_resolution_have_the_units_of_their_quantities():
+def test_resolution_dataset_variables_have_the_units_in_the_table_of_quantities():
     result = resolution(*maps(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
     shared = {*map(str, result.data_vars)} & {*QUANTITIES}
     assert {"contact_area", "contact_count", "mean_pressure", "error", *SIX_SUMS} <= shared
@@ -175,7 +175,7 @@ def test_table_of_quantities_agrees_with_the_core_and_its_classes():
 
 
 @pytest.mark.parametrize("name", QUANTITIES)
-def test_entries_of_the_table_of_quantities_are_consistent(name):
+def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
     quantity = QUANTITIES[name]
     assert quantity.words
     assert len(quantity.short) <= len(quantity.words)

@@ -99,7 +99,7 @@ def test_bracket_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
     assert float(max_area(0.9, 1000)) == 1.0
 
 
-def test_bracket_of_few_contacts_allows_area_to_decrease_with_resolution():
+def test_bracket_of_few_contacts_includes_a_finer_result_with_smaller_area():
     """Use a pair of seven contacts whose finest result has more area than a coarser result."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04

@@ -67,7 +67,7 @@ def test_closure_equals_the_decrease_of_the_mean_gap(boundary):
         assert (curve.closure < curve.approach).all()
 
 
-def test_response_to_tilt_agrees_with_dense_matrices():
+def test_approach_and_moments_caused_by_tilt_agree_with_dense_matrices():
     from stiction.mechanics.half_space_problem import TiltResponse, lever_arms
 
     one = half_space(*make_pair(3, (24, 32)), [1.0]).at(0)
