@@ -93,7 +93,7 @@ def test_low_pass_filter_is_linear_symmetric_and_invariant_under_scaling():
     assert turned == pytest.approx(cut_off(surface, 3.0).heights, abs=ROUND_OFF)
 
 
-def test_low_pass_filter_adds_history_and_preserves_the_grid():
+def test_low_pass_filter_is_recorded_in_the_history_and_preserves_the_grid():
     profile = Profile(np.arange(60.0), spacing=0.1, history=("ground",))
     smooth = cut_off(profile, 0.5)
     assert smooth.history == ("ground", "waves shorter than 0.5 µm cut off (Gaussian filter, 50 % at 0.5 µm)")

@@ -58,7 +58,7 @@ class TestGaussian:
 
 
 class TestMissingPoints:
-    def test_profile_filter_assigns_no_weight_to_missing_points(self):
+    def test_filtered_profile_equals_reference_with_zero_weights_at_missing_points(self):
         profile, missing = rough_profile(points=200), np.zeros(200, bool)
         missing[[0, 1, 50, 51, 52, 53, 120]] = True
         expected = mean_line(profile.heights, profile.spacing, 0.3, weights=(~missing).astype(float))
@@ -69,7 +69,7 @@ class TestMissingPoints:
         for result in results:
             assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(profile)
 
-    def test_surface_filter_assigns_no_weight_to_missing_points(self):
+    def test_filtered_surface_equals_reference_with_zero_weights_at_missing_points(self):
         surface, missing = self_affine_map(1, 0.7, (24, 30), spacing=(0.5, 0.25)), np.zeros((24, 30), bool)
         missing[3:9, 10:14], missing[20:, :4] = True, True
         expected = mean_surface(
@@ -78,7 +78,7 @@ class TestMissingPoints:
         result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
         assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(surface)
 
-    def test_filter_preserves_heights_that_have_no_measured_points_in_reach(self):
+    def test_filter_leaves_heights_unchanged_far_from_all_measured_points(self):
         missing = np.zeros(400, bool)
         missing[100:300] = True
         profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)

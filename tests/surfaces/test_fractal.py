@@ -54,7 +54,7 @@ class TestProfile:
     @pytest.mark.parametrize("band_limit", [None, "nyquist"])
     @pytest.mark.parametrize("convention", ["paper", "classical"])
     @pytest.mark.parametrize("dimension", [1.0, 1.35, 1.7])
-    def test_fractal_profile_equals_direct_sum_at_full_size(self, dimension, convention, band_limit):
+    def test_fractal_profile_of_150000_points_equals_direct_sum(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
         # The points are both ends, the last points before a recurrence starts anew, the first points after it, and some
@@ -85,7 +85,7 @@ class TestProfile:
     def test_fractal_profile_starts_at_height_zero(self):
         assert weierstrass_mandelbrot(random_phases(1), 1.5, **SMALL_GRID).heights[0] == pytest.approx(0, abs=1e-13)
 
-    def test_classical_dimension_d_equals_dimension_1_plus_d_over_2_of_the_paper(self):
+    def test_profile_of_classical_dimension_d_equals_profile_of_paper_dimension_1_plus_d_over_2(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
             classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL_GRID)

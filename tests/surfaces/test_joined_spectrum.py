@@ -92,7 +92,7 @@ def test_joined_spectrum_is_positive_in_gaps_between_scans(complete_surface):
     assert (np.diff(joined.wave_number) > 0).all()
 
 
-def test_joined_profiles_count_as_sections_of_an_isotropic_surface(complete_surface):
+def test_joined_profiles_are_treated_as_sections_of_an_isotropic_surface(complete_surface):
     lines = [Profile(complete_surface.heights[row], spacing=SPACING) for row in (0, 300, 600, 900)]
     joined = joined_spectrum(lines, per_decade=5)
     known = scale_dependent_roughness(complete_surface, periodic=True)

@@ -47,7 +47,7 @@ def scan_path(complete_surface, tmp_path):
     return tmp_path / "hole.npy"
 
 
-def test_masks_move_with_their_points_during_preparation(complete_surface, scan_path, tmp_path):
+def test_masks_of_missing_points_are_preserved_by_preparation_and_files(complete_surface, scan_path, tmp_path):
     scan = read_surface(scan_path, missing="mask", **READ_OPTIONS)
     missing = np.isnan(np.load(scan_path))
     assert np.array_equal(scan.missing, missing)
@@ -85,7 +85,7 @@ def test_masks_move_with_their_points_during_preparation(complete_surface, scan_
             assert np.array_equal(again.heights[~again.missing], body.heights[~body.missing])
 
 
-def test_gap_at_an_edge_is_masked_in_maps_and_cropped_in_profiles(tmp_path):
+def test_missing_points_at_an_edge_are_masked_in_maps_and_cropped_in_profiles(tmp_path):
     corner = np.where(np.arange(36).reshape(6, 6) < 8, np.nan, 1.0)
     np.save(tmp_path / "corner.npy", corner)
     with pytest.raises(ValueError, match='missing="mask"'):

@@ -21,7 +21,7 @@ def test_quasi_random_points_are_evenly_spread(dimensions):
 
 
 class TestLines:
-    def test_line_pairs_use_every_line_before_repeating(self):
+    def test_line_pairs_use_every_line_before_any_line_is_repeated(self):
         body = surface((30, 64))
         pairs = LinePairs(body, body, level=None, several=True)
         assert pairs.max_count() == 30
@@ -43,7 +43,7 @@ class TestLines:
 
 
 class TestMaps:
-    def test_map_pairs_of_one_map_are_always_shifted(self):
+    def test_map_pairs_from_a_single_map_never_overlap_without_a_shift(self):
         body = surface()
         pairs = MapPairs(flipped(body), body)
         moved = np.array([pairs.map_shift(index) for index in range(30)])
@@ -65,7 +65,7 @@ class TestMaps:
                     assert all(o >= 0 and o + 24 <= n for o, n in zip(origin, body.heights.shape, strict=True))
         assert pairs.used == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
 
-    def test_map_pieces_have_the_finer_of_the_two_spacings(self):
+    def test_paired_map_pieces_have_the_finer_spacing_of_both_maps(self):
         fine = surface((64, 64), 0.05)
         coarse = Surface(surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
         pairs = MapPairs(fine, coarse)
@@ -94,7 +94,7 @@ class TestMaps:
             MapPairs(surface((20, 64)), surface((20, 64))).pair(0)
 
 
-def test_isotropic_pairs_have_the_length_of_the_shorter_profile():
+def test_isotropic_surface_pairs_have_the_length_of_the_shorter_profile():
     one, other = (
         self_affine(1, hurst_exponent=0.8, rms=0.05, points=points, spacing=spacing, side=side)
         for points, spacing, side in ((200, 0.02, "upper"), (300, 0.01, "lower"))

@@ -44,7 +44,7 @@ def test_scale_dependent_roughness_tends_to_the_spectral_moments():
     assert result.curvature[-1] ** 2 == pytest.approx(laplacian / 4, rel=ROUND_OFF)
 
 
-def test_scale_dependent_roughness_sums_spectrum_above_wavelength():
+def test_scale_dependent_roughness_is_the_sum_of_the_spectrum_above_a_wavelength():
     x = np.arange(1000) * 0.1
     long, short = 0.3 * np.sin(2 * np.pi * x / 10), 0.02 * np.sin(2 * np.pi * x / 0.5)
     result = scale_dependent_roughness(Profile(long + short, spacing=0.1), periodic=True)
@@ -158,7 +158,7 @@ class TestInstrument:
         power = 0.1**2 * harmonic**-2.8 / (np.arange(1, 2**13) ** -2.8).sum()
         assert 1.2 < power / (noise**2 / 2**13) < 4  # the power includes the noise, and is four times the lowest power
 
-    def test_noise_limit_of_pure_white_noise_is_a_long_wavelength(self):
+    def test_white_noise_profile_has_a_noise_limit_above_10_micrometres(self):
         result = instrument_limit(Profile(np.random.default_rng(2).normal(size=4096), spacing=0.1))
         assert result.reason == "noise floor"
         assert result.noise > 10
@@ -221,7 +221,7 @@ class TestInstrument:
         transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # These wavelengths are 80 to 200 points long.
         assert instrument_limit(Profile(np.fft.irfft(transform, 8192), spacing=0.1)).reason == "pixels"
 
-    def test_quantisation_of_heights_is_reported_as_instrument_limit(self):
+    def test_rounded_heights_have_an_instrument_limit_due_to_quantisation(self):
         smooth = self_affine(
             5, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, longest_wavelength=5.0, shortest_wavelength=0.5
         )
@@ -280,14 +280,14 @@ class TestTexture:
 
 
 @pytest.mark.parametrize("periodic", [False, True])
-def test_spectra_of_white_noise_on_a_map_count_all_of_its_lines(periodic):
+def test_white_noise_map_has_as_many_independent_line_spectra_as_lines(periodic):
     noise = Surface(np.random.default_rng(6).normal(size=(96, 128)), spacing=0.1)
     for (*_, count, _), lines in zip(line_spectra(noise, periodic), noise.heights.shape, strict=True):
         assert np.median(count) == pytest.approx(lines, rel=0.05)
 
 
 @pytest.mark.parametrize("degrees", [0, 5, 17])
-def test_line_spectra_count_straight_grooves_as_one_line(degrees):
+def test_straight_grooves_have_only_one_independent_line_spectrum(degrees):
     y, x = np.indices((128, 128))
     across = x * math.cos(math.radians(degrees)) + y * math.sin(math.radians(degrees))
     frequencies = np.linspace(0.02, 0.4, 200)
@@ -312,7 +312,7 @@ class TestNoiseOfAnisotropicMap:
         return filtered_noise(rng, (192, 192), 0.8, longest=60, shortest=5, stretch=6.0), rng
 
     @pytest.mark.parametrize("level", [0.002, 0.05])
-    def test_white_noise_on_grooves_is_filtered_at_the_shorter_of_two_axis_limits(self, grooves, level):
+    def test_filter_at_the_instrument_limit_removes_white_noise_from_grooves(self, grooves, level):
         heights, rng = grooves
         noise = level * rng.normal(size=heights.shape)
         scan = Surface(heights + noise, spacing=0.1)
@@ -327,7 +327,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered == pytest.approx(clean, rel=0.04)
 
-    def test_noise_hidden_across_grooves_contributes_to_the_slope_fraction(self):
+    def test_slope_fraction_includes_noise_that_is_hidden_across_grooves(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)

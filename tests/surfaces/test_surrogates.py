@@ -51,7 +51,7 @@ class TestSurrogate:
             assert roughness_parameters(other).Pq == pytest.approx(roughness_parameters(profile).Pq, rel=1e-11)
 
     @pytest.mark.parametrize("points", [8, 9, 10, 11])
-    def test_surrogate_has_the_averaged_spectrum_of_the_mirrored_profile(self, points):
+    def test_surrogate_spectrum_equals_the_averaged_spectrum_of_the_mirrored_profile(self, points):
         heights = rough_profile(points=points).heights
         image = np.concatenate([heights, heights[::-1]]) - heights.mean()
         density = np.abs(np.fft.fft(image)) ** 2
