@@ -107,7 +107,7 @@ def test_pull_off_force_is_shown_in_rows_text_report_and_figure(adhesive_result,
     assert len(adhesive_result.figure("adhesion").axes) == 2
 
 
-def test_contribution_of_roughness_is_unknown_with_adhesion(adhesive_result):
+def test_contribution_of_roughness_is_unknown_for_adhesive_pairs(adhesive_result):
     """The attraction, which depends on the roughness, raises the contribution of mu0 above mu0."""
     for point in adhesive_result.summary().points:
         assert point.parts[0] > 1.02 * point.at["mu0"]

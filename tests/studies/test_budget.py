@@ -68,7 +68,7 @@ def test_interval_at_a_load_is_independent_of_other_loads() -> None:
         np.testing.assert_array_equal(table[name].sel(load=study_loads), result.at_study_loads[name])
 
 
-def test_interval_of_friction_has_the_width_of_the_range_of_mu0() -> None:
+def test_friction_interval_without_other_errors_equals_the_interval_of_mu0() -> None:
     kwargs = dict(load="2 MPa", tau0=0.0, effective_modulus="80 GPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.001), mu0="0.2±0.02", **kwargs)
     assert result.interval == pytest.approx((0.2 - Z_95 * 0.02, 0.2 + Z_95 * 0.02), abs=SAMPLING_ERROR * 4 * 0.02)
@@ -89,7 +89,7 @@ def test_adhesive_friction_at_the_ends_of_a_range_of_tau0_is_proportional_to_tau
     )
 
 
-def test_replaced_result_is_solved_again_over_the_hardness_range(tmp_path) -> None:
+def test_replacing_a_result_replaces_its_solutions_over_the_hardness_range(tmp_path) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **THREE_POSITIONS)
     pair(*rough_surfaces(), effective_modulus="80 GPa", directory=tmp_path, **kwargs)
     softer = pair(*rough_surfaces(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
@@ -123,7 +123,7 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
 
 
 @pytest.mark.parametrize("dwell_hours", range(1, 20))
-def test_hardness_nodes_of_a_dwell_time_are_distinct(dwell_hours) -> None:
+def test_hardness_nodes_include_the_hardness_after_a_dwell_and_are_distinct(dwell_hours) -> None:
     options = {"hardness": "0.2 GPa", "wait": f"{dwell_hours} h", "creep": 0.05, "effective_modulus": "5 GPa"}
     study = pair_study(*rough_surfaces(), load="5 MPa", mu0=0.2, tau0="50 MPa", cutoff="none", **options)
     nodes, _ = choose_area_nodes(study)
@@ -143,7 +143,7 @@ def test_interval_ends_equal_quantiles_of_the_samples(infinite) -> None:
         _ends(samples)
 
 
-def test_large_maps_are_solved_over_the_hardness_range_for_two_members_only(monkeypatch) -> None:
+def test_only_two_members_of_large_maps_are_solved_over_the_hardness_range(monkeypatch) -> None:
     options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*rough_surfaces(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
     with thread_executor(1) as executor:
@@ -345,7 +345,7 @@ def test_interval_contains_the_value_for_truncated_distributions_of_tau0(tau0: s
     assert result.interval[0] <= result.value <= result.interval[1]
 
 
-def test_intervals_are_nested_and_positive_for_random_statistics(monkeypatch) -> None:
+def test_combined_interval_contains_sampling_interval_for_random_statistics(monkeypatch) -> None:
     monkeypatch.setattr(budget, "MAX_BUDGETS", 0)  # This saves the time for computing budgets.
     # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
     random = np.random.default_rng(5)
@@ -437,7 +437,7 @@ def test_combined_interval_contains_sampling_interval_and_bracket(inputs: dict[s
             assert point.rules[0].lower <= point.bracket[0] <= point.bracket[1] <= point.rules[0].upper
 
 
-def test_interval_at_zero_mu0_and_tau0_ignores_the_range_of_the_study_mu0():
+def test_interval_at_mu0_and_tau0_of_zero_excludes_the_uncertainty_of_the_study_mu0():
     upper, lower = (
         self_affine_surface(3, hurst_exponent=0.8, rms=0.03, shape=(32, 32), spacing=0.1, side=side)
         for side in ("upper", "lower")

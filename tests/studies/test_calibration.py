@@ -64,7 +64,7 @@ def test_calibration_far_from_bounds_equals_least_squares() -> None:
         assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * 3.92 * deviation)
 
 
-def test_calibration_at_a_bound_agrees_with_brute_force_integration() -> None:
+def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integration() -> None:
     tests = simulate_ball_tests(tau0=0.0, seed=11)
     interface = calibrate(tests, common=0.0, sliding="all")
     mu0, tau0 = np.meshgrid(np.linspace(0.1, 0.2, 801), np.linspace(0.0, 0.003, 801), indexing="ij")
@@ -83,7 +83,7 @@ def test_calibration_at_a_bound_agrees_with_brute_force_integration() -> None:
     assert interface.tau0[1] == 0.0
 
 
-def test_common_error_of_all_tests_widens_the_identified_interval() -> None:
+def test_common_error_of_all_friction_tests_widens_the_interval_of_the_identified_sum() -> None:
     tests = simulate_ball_tests()
     narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
@@ -478,7 +478,7 @@ def test_outlier_does_not_shift_a_robust_fit() -> None:
     assert abs(robust[0] - expected[0]) < 0.3 * (expected[2] - expected[1])
 
 
-def test_common_error_of_each_test_run_widens_the_interval() -> None:
+def test_common_error_within_each_test_run_widens_the_interval() -> None:
     random = np.random.default_rng(8)
     offsets = {run: 0.1 * random.standard_normal() for run in "abcd"}
     tests = [
@@ -499,7 +499,7 @@ def test_common_error_of_each_test_run_widens_the_interval() -> None:
     assert with_runs[2] - with_runs[1] > without_runs[2] - without_runs[1]
 
 
-def test_calibration_preserves_given_parameters() -> None:
+def test_calibration_uses_given_values_of_mu0_or_tau0_unchanged() -> None:
     tests = simulate_ball_tests()
     fixed = calibrate(tests[:1], sliding="all", tau0="12 MPa")
     assert fixed.separated

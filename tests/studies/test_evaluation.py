@@ -168,14 +168,14 @@ def test_unsolved_load_is_reported_instead_of_interpolated(areal_contact, readin
     np.testing.assert_array_equal(area_of_incomplete, area_of_complete)
 
 
-def test_load_between_distant_load_steps_counts_as_not_reached():
+def test_load_between_load_steps_that_are_far_apart_has_status_not_reached():
     curve, values = np.array([1e-3, 1.0, 10.0]), np.array([2e-3, 1.5, 12.0])
     crossing = intervals.Crossing.of(curve, np.array([1e-3, 0.1, 1.0, 3.0]), ratio=True)
     assert crossing.reached.tolist() == [True, False, True, True]
     assert np.isnan(crossing.at(values)).tolist() == [False, True, False, False]
 
 
-def test_load_steps_are_added_between_distant_given_loads():
+def test_load_steps_are_inserted_between_given_loads_that_are_far_apart():
     loads = choose_load_steps([1e-3, 2e-3, 2.0], press="areas", mechanics="half-space")
     assert {1e-3, 2e-3, 2.0} <= set(loads.tolist())
     assert (loads[1:] / loads[:-1]).max() < 1.02 * MAX_AREAL_LOAD_RATIO

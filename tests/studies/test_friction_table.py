@@ -104,7 +104,7 @@ def test_fit_of_laws_recovers_exact_power_laws(dataset):
     assert result["stiffness_exponent"].values == pytest.approx(1)
 
 
-def test_interval_half_width_is_2_to_14_times_the_standard_error(dataset, table):
+def test_friction_table_interval_half_width_is_2_to_14_times_the_standard_error(dataset, table):
     """Compare the upper half-width with the standard error of the coefficients of the pairs."""
     friction = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
     mean, lower, upper = friction.values

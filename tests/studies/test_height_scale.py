@@ -83,7 +83,7 @@ def test_result_at_height_scale_1_equals_the_unscaled_result(result):
         )
 
 
-def test_plastic_contacts_have_equal_area_at_every_height_factor(bodies):
+def test_contact_area_of_plastic_contacts_equals_load_over_hardness_at_every_height_factor(bodies):
     computed = pair(*bodies, **PAIR_OPTIONS | {"hardness": "0.1 GPa"})
     table = computed.at(height_scale=[0.5, 1, 4], compute=True)
     assert mean_values(table["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
@@ -211,7 +211,7 @@ def test_interpolation_between_height_factors_is_within_the_stated_error(hardnes
     assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
 
 
-def test_fewest_missing_height_factors_enclose_the_requested_factors():
+def test_missing_height_factors_are_the_fewest_that_enclose_the_requested_factors():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]

@@ -141,7 +141,7 @@ def test_sample_mean_ignores_missing_values():
 
 
 @pytest.mark.parametrize("lines", [1, 16])
-def test_mean_over_positions_of_a_column_is_independent_of_other_columns(lines):
+def test_mean_over_positions_of_one_column_does_not_depend_on_other_columns(lines):
     values = np.exp(np.random.default_rng(0).normal(size=(64, 50)).cumsum(axis=0) * 0.3)
     lines_of_positions = np.arange(64) * lines // 64
     all_columns = np.stack(positions_mean(values, lines_of_positions))

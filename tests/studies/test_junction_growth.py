@@ -94,7 +94,7 @@ def test_area_and_stiffness_without_shear_are_independent_of_junction_growth(gro
         assert growth_result.at()[name].equals(result_without_growth.at()[name])
 
 
-def test_friction_interval_covers_the_range_of_junction_growth():
+def test_friction_interval_extends_between_results_at_the_ends_of_the_junction_growth_range():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth="0..27")
     results_at_ends = [
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth=value) for value in (0.675, 26.325)
@@ -162,7 +162,7 @@ def test_pair_rejects_bad_values_of_junction_growth(arguments, term):
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH | arguments)
 
 
-def test_contact_area_between_solved_loads_is_a_power_of_the_load():
+def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_load():
     loads, areas = np.array([1.0, 4.0, 100.0]), np.array([3.0, 6.0, np.nan])
     solved = xarray.Dataset({"contact_area": ("load", areas)}, {"load": loads})
     interpolated = _interpolate_loads(solved, np.array([0.1, 1.0, 2.0, 4.0]))["contact_area"].values
@@ -176,7 +176,7 @@ def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
     assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
 
 
-def test_sampled_areas_agree_with_exact_areas_inside_and_beyond_the_nodes():
+def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_hardness_nodes():
     nodes, at_nodes = np.array([0.15, 0.5, 1.3]), np.array([[6.5, 2.1, 0.95], [7.0, 2.3, 1.1]])
     elastic = np.array([0.4, 0.5])
     areas = SampledAreas(nodes, at_nodes, elastic)

@@ -150,7 +150,7 @@ def test_stiffness_of_two_arcs_equals_hertz(circular_arc):
     np.testing.assert_allclose(member["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
-def test_member_values_have_units_names_and_history(result):
+def test_dataset_of_member_values_has_units_names_and_history(result):
     members = result.at(per_member=True)
     assert members["contact_area"].attrs["units"] == "um^2"
     assert members["normal_stiffness"].attrs["units"] == "mN/um"

@@ -50,7 +50,7 @@ def test_report_interpolation_is_bilinear_next_to_undefined_nodes():
     assert interpolated(AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # This point is a node.
 
 
-def test_node_of_an_uncertain_input_has_weight_only_at_its_value():
+def test_node_of_an_uncertain_input_has_weight_only_within_its_bounds():
     axis = Axis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]), np.array([0.2]))
     assert axis.weights(0.2).tolist() == [0, 0, 0, 0, 0, 1]
     assert axis.weights(0.2001)[-1] == 1
@@ -166,7 +166,7 @@ def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
     assert is_interpolated(AXES, unbounded).all()
 
 
-def test_corrections_vanish_for_polynomials_of_the_same_degree():
+def test_interpolation_corrections_vanish_for_cubic_polynomials():
     axis = AXES[0]
     before, after = axis.corrections(0.7)
     assert np.isnan(after).all()  # There is no node above 1.

@@ -60,7 +60,7 @@ def test_groups_of_pair_options_are_disjoint_and_complete():
 
 
 @pytest.mark.parametrize("name", [name for name, option in PAIR_OPTIONS.items() if option.key])
-def test_study_key_of_a_pair_option_exists(name):
+def test_pair_option_refers_to_an_existing_study_key(name):
     tables = [Study]
     for key_part in PAIR_OPTIONS[name].key.split("."):
         fields = [table.model_fields[key_part] for table in tables if key_part in table.model_fields]
@@ -102,7 +102,7 @@ def test_error_about_a_wrong_value_names_the_command_line_option(values, message
     assert caught.value.with_names(format_command_line_name).startswith(message)
 
 
-def test_none_and_false_count_as_options_that_are_not_given():
+def test_pair_options_with_value_none_or_false_are_treated_as_not_given():
     options = read_options({"load": 1.0, "shifts": None, "check": False})
     assert all(options.given(name) is None for name in PAIR_OPTIONS if name != "load")
 

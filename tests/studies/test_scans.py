@@ -36,7 +36,7 @@ def scans_of_members(upper: int, lower: int, times: int = 1):
 # ---- scans_mean ------------------------------------------------------------------------------------------------------
 
 
-def test_mean_over_scans_has_variance_components_from_mean_squares() -> None:
+def test_variance_components_of_the_mean_over_scans_are_computed_from_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
     result = scans_mean(table.ravel(), *scans_of_members(4, 5))
@@ -76,7 +76,7 @@ def simulate_coefficient(upper, lower):
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.05, 0.2])
-def test_intervals_over_scans_cover_the_mean_of_parts_and_the_next_test(spread) -> None:
+def test_intervals_from_several_scans_cover_the_true_mean_and_a_single_friction_test(spread) -> None:
     rng = np.random.default_rng(2016)
 
     def gradients(*shape):
