@@ -405,7 +405,7 @@ def test_bracket_for_finer_scans_is_absent_if_the_point_has_a_fault():
     assert "finer scan" not in coefficients_text([point])
 
 
-def test_bracket_starts_at_a_value_below_the_plastic_limit():
+def test_bracket_starts_at_the_coefficient_if_it_is_below_the_plastic_limit():
     lower, upper = summarize(measured_result(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
     assert lower == pytest.approx(0.22)
     assert lower < upper

@@ -112,7 +112,7 @@ def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
     assert [path.read_bytes() for path in paths] == contents  # Drawing again writes identical files.
 
 
-def test_figures_do_not_overwrite_files_of_other_programs_and_reject_empty_results(tmp_path):
+def test_drawing_figures_rejects_empty_results_and_preserves_files_of_other_programs(tmp_path):
     from matplotlib.figure import Figure
 
     for ending in FORMATS:
@@ -241,7 +241,7 @@ def test_figure_lines_have_the_colours_of_their_sliding_rules(maps_at_two_cutoff
         )
 
 
-def test_compass_curve_passes_through_its_points_and_starts_at_zero(maps_at_two_cutoffs):
+def test_compass_curve_passes_through_the_mean_in_each_direction_on_an_axis_from_zero(maps_at_two_cutoffs):
     axes = draw_figure(maps_at_two_cutoffs, "compass").axes[0]
     reference = at_load(maps_at_two_cutoffs, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
     points, curve = axes.lines[:2]
@@ -260,7 +260,7 @@ def test_positions_figure_is_sorted_for_maps_and_ordered_by_offset_for_profiles(
     assert set(line_of_profiles.get_xdata()) == set(profiles_dataset["x"].values)
 
 
-def test_contacts_figure_marks_every_contact_and_its_loads_add_up(maps_at_two_cutoffs):
+def test_contacts_figure_marks_every_contact_and_its_load_percentages_sum_to_100(maps_at_two_cutoffs):
     picture = contact_picture(maps_at_two_cutoffs)
     figure = contacts_figure(picture, direction=90.0)
     axes = figure.axes[0]

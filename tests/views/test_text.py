@@ -97,7 +97,7 @@ def test_result_text_has_one_line_for_each_condition():
     assert "with μ0 = 0.2, E* = 100 GPa" in " ".join(lines[5:7])
 
 
-def test_caveat_of_some_points_states_the_number_of_points():
+def test_caveat_that_applies_to_some_points_states_their_number():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["share_at_edge"].loc[{"load": 1.0}] = 0.6
     text = result_text(summarize(dataset, measured_study()))

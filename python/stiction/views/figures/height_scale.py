@@ -1,4 +1,4 @@
-"""Figure of friction and true contact area for several factors of the heights."""
+"""Figure of friction and true contact area for heights scaled by several factors."""
 
 from __future__ import annotations
 
