@@ -202,7 +202,7 @@ def test_verdict_on_a_part_of_a_claim_is_true_only_if_the_data_support_it(name):
     assert [(judge_values.verdict, judge_values.left_out) for judge_values in computed] == [("true", ()), ("false", ())]
 
 
-def test_computed_value_of_a_part_equals_the_value_in_its_test_data():
+def test_computed_value_of_a_claim_part_equals_the_known_value_of_test_data():
     def number(name, **world):
         return judge_part(name, create_result(**world)).value
 
@@ -220,7 +220,7 @@ def test_parts_of_claims_have_data_for_which_they_are_true_and_false():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in PARTS]
 
 
-def test_bands_are_wider_than_percentiles_for_a_minimum_of_noisy_data():
+def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentiles():
     # The friction is independent of D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
     result = create_result(**sums_with_friction(lambda d, a, f: 0.2 * noise))
@@ -275,7 +275,7 @@ def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_dimension():
     assert judge_part("4c", result).verdict == "undefined"
 
 
-def test_part_judged_by_bands_is_undefined_if_dimensions_are_self_locked():
+def test_verdict_from_bands_is_undefined_if_most_dimensions_are_self_locked():
     # Above D = 1.6, only one dimension is not self-locked.
     assert judge_part("3b", create_result(), ruling="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="ruling"):

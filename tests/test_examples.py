@@ -206,7 +206,7 @@ def has_code(page):
 
 @pytest.mark.docs
 @named([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
-def test_code_of_a_documentation_page_runs(page, tmp_path, monkeypatch):
+def test_code_of_a_documentation_page_runs_without_error(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("upper", "lower", "lapped"):  # Create the files that the pages assume to exist.
         side = "lower" if name == "lapped" else name
@@ -264,7 +264,7 @@ SLURM_TASK = {"SLURM_CPUS_PER_TASK": "1", "SLURM_ARRAY_TASK_ID": "2", "SLURM_ARR
 @named([page for page in PAGES if page.name == "cluster.md"])
 # The package distributed closes sockets and event loops late, so pytest would report resource warnings.
 @pytest.mark.filterwarnings("ignore")
-def test_code_of_the_page_on_clusters_runs(page, tmp_path, monkeypatch):
+def test_code_of_the_page_on_clusters_runs_without_error(page, tmp_path, monkeypatch):
     """Run the page with a local Dask scheduler, and with a stand-in for Slurm that starts jobs on this machine."""
     distributed = pytest.importorskip("distributed")
     for name, script in (("sbatch", SBATCH), ("scancel", SCANCEL)):

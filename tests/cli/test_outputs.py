@@ -66,7 +66,7 @@ def test_command_does_not_overwrite_a_foreign_file(scans_folder, arguments, name
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
-def test_pair_output_files_use_the_currently_stored_study(scans_folder):
+def test_pair_output_files_contain_values_for_the_study_that_is_stored_last(scans_folder):
     check_stiction(*PAIR_COMMAND, cwd=scans_folder)
     folder = scans_folder / "pair"
     result, report = open_result(folder), (folder / "report.html").read_bytes()

@@ -916,7 +916,7 @@ def test_profiles_of_metals_use_the_half_space_model_by_default(scans_folder):
         assert parse_study(scans_folder, *PROFILE_FILES, *options, *asperity_options).contact.mechanics == "asperities"
 
 
-def test_width_option_scales_the_load_to_one_strip(scans_folder):
+def test_width_option_converts_the_force_to_the_force_on_a_strip_1_um_wide(scans_folder):
     arguments = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
     study = parse_study(scans_folder, *PROFILE_FILES, *arguments, "--load", "5 N", "--width", "5 mm")
     assert [float(load) for load in study.friction.load] == [1.0]

@@ -3,18 +3,18 @@
 // Page of the app: form, uploads, jobs and results. The server sends numbers as text.
 
 const byId = (id) => document.getElementById(id);
-const UPDATE_DELAY = 400; // milliseconds without a change before the values are updated
+const UPDATE_DELAY = 400; // time without a change after which the values are updated, milliseconds
 const POLL_INTERVAL = 500; // milliseconds between two requests for the progress of jobs
 const sides = ["upper", "lower"];
 const scans = {upper: null, lower: null};
-const arriving = {upper: 0, lower: 0}; // number of files that are being uploaded or read, by side
-// number of the latest upload or preview by side; answers to earlier requests are ignored
+const arriving = {upper: 0, lower: 0}; // number of files of each side that are being uploaded or read
+// Number of the latest upload or preview request of each side; responses to earlier requests are ignored.
 const latestRequests = {upper: 0, lower: 0};
 const form = byId("pair");
 let jobs = [];
 let current = null; // number of the job that is shown
 let reportAddress = ""; // address of the job's report in the frame
-let selection = null; // values selected in the report, if they differ from the inputs
+let selection = null; // values selected in the report, or null if they equal the inputs
 
 const createNode = (tag, properties = {}, ...children) => {
   const node = Object.assign(document.createElement(tag), properties);
@@ -28,7 +28,7 @@ if (location.hash) {
   history.replaceState(null, "", "/");
 }
 const key = localStorage.getItem("key") ?? "";
-/** Return an address with the key, for requests by the browser itself. */
+/** Return an address that contains the key, for links and frames that the browser loads itself. */
 const withKey = (address) => `${address}${address.includes("?") ? "&" : "?"}key=${key}`;
 
 /** Return the JSON response of the server; throw an error with its message if it rejects the request. */
@@ -191,7 +191,7 @@ async function submitJob(errorId, body) {
 }
 
 let pollTimer = 0;
-let latestPoll = 0; // number of the latest request for the progress; answers to earlier ones are ignored
+let latestPoll = 0; // number of the latest progress request; responses to earlier requests are ignored
 
 /** Request the progress of all jobs periodically. Requests are short, because a browser has few connections. */
 async function poll() {
@@ -289,7 +289,7 @@ function connectReport() {
 async function updateFromReport() {
   const job = jobs.find(({number}) => number === current);
   const {load, mu0, tau0, dimension: d} = reportDocument()?.getElementById("readout")?.dataset ?? {};
-  if (!job?.answer || job.by || load === undefined) return; // during the computation only the report is updated
+  if (!job?.answer || job.by || load === undefined) return; // until the computation ends, only the report shows other values
   const isNear = (value, reference) => Math.abs(value - reference) <= 1e-9 * Math.abs(reference);
   const {at} = job.answer;
   const wanted = {load, mu0, tau0: Number((1000 * tau0).toPrecision(12)), d: job.command.startsWith("stiction pair") ? "" : d, isStudyLoad: isNear(load, at.load)};
@@ -337,7 +337,7 @@ function submitRun(event) {
 }
 
 let listTimer = 0;
-let latestList = 0; // number of the latest request for the list; answers to earlier ones are ignored
+let latestList = 0; // number of the latest request for the list; responses to earlier requests are ignored
 
 /** List the results in the directory while their panel is open. */
 async function listResults() {

@@ -18,11 +18,11 @@ FIELDS: dict[str, FormField] = {
 """Form fields by the names of their options, without dashes."""
 
 READING_FIELDS = tuple(flag for flag, field in FIELDS.items() if field.place == "scan")
-"""Names of the options for reading files, which the form contains for each scan."""
+"""Names of the reading options that the form contains separately for each scan."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
-    """Return the HTML of all fields in one part of the form."""
+    """Return the HTML of all fields in one section of the form."""
     return "\n".join(_field_html(flag, field) for flag, field in FIELDS.items() if field.place == place)
 
 
@@ -53,11 +53,11 @@ def page_facts() -> str:
 
 
 _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
-"""Pattern of an option, with the next word of the message, which may be its value."""
+"""Pattern of an option name and the word after it, which may be the value of the option."""
 
 
 def find_first_option(message: str) -> str:
-    """Return the option at the start of an error message if the form has a field for it, or else an empty string."""
+    """Return the option name at the start of an error message if the form has a field for it; otherwise empty."""
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FIELDS else ""
 

@@ -1,4 +1,4 @@
-"""Job queue of the server. It runs commands in separate processes, one at a time.
+"""Job queue of the server, which runs commands in separate processes, one at a time.
 
 A job is a command that a user could type: the command line gives the same numbers, and "stop" has the same effect as
 Ctrl-C. A scan or result that exceeds the memory limit ends the command, but not the server.
@@ -25,12 +25,12 @@ from stiction.app.form import find_first_option, replace_option_names
 from stiction.studies.store import open_stored
 
 POLL_INTERVAL = 0.4  # interval between checks of the progress of a command, seconds
-MAX_SHUTDOWN_TIME = 5.0  # time for a command to write its results before it is killed, seconds
+MAX_SHUTDOWN_TIME = 5.0  # time in which a stopped command can write its results before it is killed, seconds
 MAX_KILL_TIME = 1.0  # maximum time until a killed process has ended, seconds
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
-MAX_OUTPUT = 2**25  # maximum number of bytes that a command prints
+MAX_OUTPUT = 2**25  # maximum number of bytes that a command may print
 JOB_MEMORY = 0.5  # maximum fraction of the machine's memory for the running job
-READER_MEMORY = 0.25  # maximum fraction of the memory for each of two processes that read scans or results
+READER_MEMORY = 0.25  # maximum fraction of the machine's memory for each of two reader processes
 SCOPE_TEXT = ", here and in the pictures"
 END_OF_RECORD = b"\n}\n"  # end of the JSON record of a command; the command draws figures afterwards
 
@@ -85,7 +85,7 @@ class Job:
 
 
 class Jobs:
-    """Queue of all jobs of a server, and the directory of these jobs."""
+    """Job queue of a server, with the directory that contains the files of the jobs."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -157,7 +157,7 @@ class Jobs:
 
     async def _monitor(self, job: Job) -> None:
         """Monitor the progress of a command, and read its result whenever the number of members has doubled."""
-        num_reported = 2  # with fewer members, there is no interval
+        num_reported = 2  # an interval requires at least two members
         while True:
             await asyncio.sleep(POLL_INTERVAL)
             with suppress(*REPORTED_ERRORS):  # there is no result yet, or the surfaces do not touch
@@ -193,7 +193,7 @@ class Jobs:
         return await self.run_reader(["stiction", "at", str(job.folder), *options, "--json"])
 
     async def run_reader(self, arguments: list[str]) -> str:
-        """Return the output of a module that finishes quickly; at most two run at a time."""
+        """Run a module that finishes quickly and return its output; at most two such modules run at the same time."""
         async with self._reader_slots:
             return remove_paths(await run_module(arguments, memory=READER_MEMORY), self.root)
 
@@ -243,6 +243,6 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # otherwise, the transport would outlive the event loop
+            with suppress(TimeoutError):  # waiting ensures that the transport is closed before the event loop
                 await asyncio.wait_for(process.wait(), MAX_KILL_TIME)
         errors.cancel()

@@ -25,7 +25,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
 
 MAX_DRAWN_POINTS = 160  # maximum number of rows, columns or points of an image
-# colours of the lower and the upper line, visible on light and dark backgrounds
+# Colours of the lower and the upper line, which are visible on light and dark backgrounds.
 LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 

@@ -1,4 +1,4 @@
-"""Start of the server in a private directory. The server opens a browser, and exits when no window is open."""
+"""Start and end of the app: runs the server in a private directory, and opens the page in a browser."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MAX_WINDOW_ABSENCE = 90.0
 
 MAX_WAIT_FIRST_WINDOW = 600.0  # time until the first window must be opened, seconds
 
-MAX_IDLE = 20.0  # time for a connection to send the head of its request, seconds
+MAX_IDLE = 20.0  # time in which a connection must send the head of its request, seconds
 MAX_IDLE_CONNECTIONS = 64
 """Maximum number of connections without a complete request head; if there are more, the oldest is closed."""
 
@@ -39,7 +39,7 @@ class Connection(H11Protocol):
         super().connection_made(transport)
         self.idle[self] = self.loop.call_later(MAX_IDLE, self._abort)
         if len(self.idle) > MAX_IDLE_CONNECTIONS:
-            # Check again in a second callback, because the event loop first reads requests that have already arrived.
+            # The check runs in a second callback, so that the event loop first reads requests that have arrived.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:

@@ -41,7 +41,7 @@ MAX_LISTED_RESULTS = 100  # maximum number of listed results
 MAX_PREVIEW_POINTS = 2**21  # maximum number of points of a scan for which a preview is drawn
 REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 KEY_HEADER = "x-stiction-key"
-PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content; the cookie suffices for them
+PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content, for which the cookie suffices
 
 ALLOWED_OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
 """Options of each command that the page may set."""
@@ -60,7 +60,7 @@ RESPONSE_HEADERS = {
     "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "cache-control": "no-store", "x-content-type-options": "nosniff", "referrer-policy": "no-referrer",
     "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin",
-    "connection": "close",  # the server reads no more data from the connection
+    "connection": "close",  # the server closes the connection after each response
 }  # fmt: skip
 ENDED_RESPONSE = PlainTextResponse("The server has ended.\n", 503)
 BUSY_RESPONSE = PlainTextResponse(f"The server already has {MAX_REQUESTS} requests; try again later.\n", 503)
@@ -69,7 +69,7 @@ FOREIGN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.\n", 
 
 
 class Server:
-    """ASGI application of the page. Scans and results are in `root`, existing results in `working_directory`.
+    """ASGI application of the app. Scans and new results are in `root`, existing results in `working_directory`.
 
     The server accepts requests only from `origin`. The first request needs `token`; all other requests need two
     secrets: a cookie, which a browser also sends to other ports of this computer, and a key, which only the page has.
@@ -243,7 +243,7 @@ class Server:
             self.scans[scan] = path
         except OSError as error:
             with suppress(RuntimeError):  # the request is complete
-                # read the rest, because the browser would not receive the error otherwise
+                # The rest of the upload is read, because the browser would not receive the error otherwise.
                 async for _ in request.stream():
                     pass
             raise RejectedError(f"the scan cannot be stored: {error.strerror}") from None

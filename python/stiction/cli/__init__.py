@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, as in shells
-EXIT_BAD_INPUT = 2  # exit status
+EXIT_BAD_INPUT = 2  # exit status after an error in the input
 
 MIN_ADDRESS_SPACE = 2**30
 """Address space in bytes (ulimit -v) below which OpenBLAS may block forever while SciPy is imported."""
@@ -33,7 +33,7 @@ def main() -> None:
         status = run_command_line()
     except KeyboardInterrupt:  # Ctrl-C was pressed while libraries were imported
         status = EXIT_INTERRUPTED
-    if status == EXIT_INTERRUPTED:  # exit without waiting for threads that still compute
+    if status == EXIT_INTERRUPTED:  # exit without waiting for threads that still run a computation
         with suppress(OSError):
             sys.stdout.flush()
             sys.stderr.flush()
@@ -51,7 +51,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # another handler is installed, or SIGINT is ignored, as in a background job
+        yield  # keep another handler, or an ignored SIGINT as in a background job
         return
     try:
         signal.signal(signal.SIGINT, exit_process)
@@ -61,7 +61,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
 
 def _open_closed_streams() -> None:
-    """Open closed standard streams on the null device, so that other files do not get their descriptors."""
+    """Redirect closed standard streams to the null device, so that no other file gets their descriptors."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)

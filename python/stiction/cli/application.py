@@ -42,14 +42,14 @@ def print_message(text: str, kind: str = "") -> None:
 
 
 def report_interruption(detail: str = "") -> typer.Exit:
-    """Print that the command was interrupted, and return the exception that exits with status 130."""
+    """Report on standard error that the command was interrupted, and return the exception for exit status 130."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would only print a traceback
     print_message(f"interrupted{detail}")
     return typer.Exit(EXIT_INTERRUPTED)
 
 
 def show_status(text: str) -> None:
-    """Show the current operation on a terminal, in a line that the next message replaces."""
+    """Show the current operation on a terminal, in a line that the next message overwrites."""
     if has_terminal():
         line = f"stiction: {printable(text, MAX_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear_line(f"{line}\r")
@@ -82,7 +82,7 @@ def print_output(text: str) -> None:
 
 
 _BOLD_TEXT = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do not quote)(?![^ ;])")
-"""Pattern of the text that terminals show in bold: the coefficient of friction and the assessment."""
+"""Pattern of the text that is printed in bold on terminals: the friction coefficient and the assessment."""
 
 
 def print_warning(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -117,7 +117,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     },
     "Contact laws": {"table": ("table", "Tabulate friction, area and stiffness for another code.")},
 }
-"""Commands by group, each with its module and a line of help that is printed without importing the module."""
+"""Commands by group, each with its module and a help line, so that the help needs no import of the module."""
 
 EXIT_STATUS_HELP = (
     f"Exit status: 0 success, {EXIT_BAD_INPUT} bad input (with one message), {EXIT_INTERRUPTED} interrupted."
@@ -129,7 +129,7 @@ def format_epilog(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# textual default value, which typer puts into parentheses
+# Default value given as text, which typer prints in parentheses.
 _DEFAULT_VALUE = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
 _OPTION_TYPE = re.compile(r" <[\w\[\] ]+>$")  # type that typer appends to an option
@@ -257,7 +257,7 @@ def run_command_line() -> int:
             stream.reconfigure(errors="replace")  # print ? for characters that the encoding lacks
     warnings.showwarning = print_warning
     _PRINTED_WARNINGS.clear()
-    # suppress NumPy's warnings about NaN, which the output explains
+    # NumPy's warnings about NaN are suppressed, because the output explains missing values.
     warnings.filterwarnings("ignore", category=RuntimeWarning)
     sys.unraisablehook = _handle_unraisable
     try:
@@ -270,7 +270,7 @@ def run_command_line() -> int:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
             message = error.format_message()
-            # Replace the validation library's message about a number that is out of range.
+            # The wording of the validation library for a number out of range is replaced.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
             message = _suggest_command(message)
             print_message(f"{message}\ntry {command} --help")
@@ -285,17 +285,17 @@ def run_command_line() -> int:
         print_message(error.with_names(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    except (RuntimeError, SystemError) as error:  # no thread can be started, or a library has run out of memory
+    except (RuntimeError, SystemError) as error:  # a thread cannot start, or a library is out of memory
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
         return report_interruption().exit_code
-    except SystemExit:  # raised by the parser if the reader of its help has closed the pipe
+    except SystemExit:  # raised by the parser if the pipe for its help text is closed
         return 0
     return EXIT_BAD_INPUT
 
 
 def _suggest_command(message: str) -> str:
-    """Return a message of the parser, with a suggestion if the command is unknown."""
+    """Return an error message of the parser; for an unknown command, suggest a similar command."""
     unknown = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS.values() for name in group]
     suggestions = difflib.get_close_matches(unknown[1], names, n=1) if unknown else []
@@ -304,7 +304,7 @@ def _suggest_command(message: str) -> str:
 
 @contextmanager
 def _uncover_interrupts() -> Iterator[None]:
-    """Raise KeyboardInterrupt if it caused another error, such as the ImportError of an extension module."""
+    """Raise KeyboardInterrupt instead of an error that it caused, such as the ImportError of an extension module."""
     try:
         yield
     except Exception as error:

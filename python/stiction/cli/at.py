@@ -1,4 +1,4 @@
-"""Command `stiction at`: values of a result at other loads, mu0, tau0 or factors of the heights."""
+"""Command `stiction at`: values of a result at other loads, mu0 and tau0, or for scaled heights."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def _print_scaled_heights(
     stored: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result for several factors of its heights. On request, compute the missing factors first."""
+    """Print a result for several height factors. On request, compute results for missing factors first."""
     from stiction.studies.executors import thread_executor
     from stiction.studies.height_scale import compute_factors, evaluate_height_scale, parse_factors
     from stiction.views.height_scale import height_scale_record, height_scale_text
@@ -185,7 +185,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
             if "nominal_area" not in coordinates:
                 raise ValueError(f"--load of a study must be a force, got {value!r}")
             force *= float(coordinates["nominal_area"])
-        # round like the loads of a pair, so that equal loads compare equal
+        # Forces are rounded like the loads of `pair`, so that equal loads compare as equal.
         loads.add(float(f"{force:.12g}"))
     return sorted(loads)
 

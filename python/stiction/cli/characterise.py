@@ -288,7 +288,7 @@ def _select_line(body: Profile | Surface, row: int | None, column: int | None) -
 
 
 def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
-    """Subtract a form. The default is a line for a profile and a plane for a surface."""
+    """Subtract a trend or form from a body. The default is a line for a profile and a plane for a surface."""
     if level == "none":
         return body
     is_profile = isinstance(body, Profile)

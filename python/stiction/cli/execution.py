@@ -1,4 +1,4 @@
-"""Computation of the missing parts of a study by a command, with its directory, workers and messages."""
+"""Computation of a study by a command: output directory, workers, and messages on the terminal."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _FILE_ENDINGS = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json"
 
 
 def open_executor(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
-    """Return an executor with a number of threads, or with the workers of a Dask scheduler."""
+    """Return an executor with the given number of threads, or with the workers of a Dask scheduler."""
     if scheduler is None:
         return thread_executor(workers)
     if workers is not None:
@@ -58,7 +58,7 @@ def parse_part(text: str | None) -> tuple[int, int] | None:
 
 
 def check_output_directory(directory: Path) -> None:
-    """Raise a `StudyError` if the output directory is a file or has the name of a file."""
+    """Raise a `StudyError` if the output directory is an existing file, or if its name looks like a file name."""
     if directory.is_file():
         raise StudyError(
             f"{printable_path(directory)} must be a directory, got a file; use --output DIR to choose a directory"
@@ -68,7 +68,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
-    """Return advice for the case that the output directory contains another study."""
+    """Return advice on how to continue if the output directory contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if replaceable:
         remedies.append("overwrite the stored result with --replace")

@@ -130,8 +130,8 @@ def pair(
     for file in bodies.files:
         show_reader_import(Path(file.file))
     studies = bodies.studies
-    body_attributes(studies[0])  # reject surfaces that cannot be pressed before any file is written
-    # the result already shows the source of the elasticity
+    body_attributes(studies[0])  # check the surfaces before any file is written
+    # The first remark is omitted if it states the source of the elasticity, which the result shows too.
     first_remark = 0 if verbose else bool(bodies.elasticity.source)
     for remark in bodies.remarks[first_remark:]:
         print_message(remark)
@@ -191,7 +191,7 @@ def preview_line(study: Study) -> str:
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:
-    """Compute a preview with the asperity model in one worker, and print it if messages appear on a terminal."""
+    """Compute a preview with the asperity model in one worker, and print it if messages go to a terminal."""
 
     def print_preview(future: Future[str]) -> None:
         if not future.cancelled() and future.exception() is None:  # an error means that the surfaces do not touch

@@ -14,11 +14,11 @@ from stiction.studies.pair_options import OPTION_GROUPS, PAIR_OPTIONS, format_co
 COMMON_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.items() if declared.is_common) | {
     "upper", "lower", "output", "help_all",
 }  # fmt: skip
-"""Parameters in the short help of `pair`."""
+"""Names of the parameters that the short help of `pair` lists."""
 
 
 class _OptionNames(dict[str, str]):
-    """Command line names of options, which replace the placeholders in a help line."""
+    """Mapping from the placeholders in a help line to the command line names of options."""
 
     def __missing__(self, name: str) -> str:
         return format_command_line_name(name)
@@ -44,7 +44,7 @@ def pair_argument(name: str) -> Any:
 
 
 def read_given_options(context: typer.Context) -> dict[str, object]:
-    """Return the options of `pair` on the command line, by field name."""
+    """Return the values of the `pair` options given on the command line, by field name."""
     values: Mapping[str, object] = context.params
     return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
 

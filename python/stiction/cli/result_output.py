@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-# number of lines for caveats in `pair` and `run`; values and assessment then fit on a terminal of 24 lines
+# Number of lines for caveats in `pair` and `run`, with which the output fits on a terminal of 24 lines.
 MAX_CAVEAT_LINES = 5
 
 VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
@@ -51,7 +51,7 @@ def print_values(
 
     study = result.study
     try:
-        # this caveat about tau0 was already printed when the study was created
+        # The warning about tau0 was already printed when the study was created.
         with warnings.catch_warnings(action="ignore"):
             summary = result.summary()
     except StoreError:
@@ -70,7 +70,7 @@ def print_values(
             print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE_OPTION))
 
     def print_remainder() -> None:
-        complete_summary = result.summary()  # this summary includes the studies computed since the first summary
+        complete_summary = result.summary()  # includes studies that were computed after the first summary
         if as_json:
             print_output(rows.summary_json(command, complete_summary, **(fields or {})))
         elif study.is_measured and (remainder := text.resolution_and_onset_text(complete_summary, verbose=verbose)):
@@ -101,7 +101,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {names[0]} (open it), {' and '.join(names[1:])}")
 
 
-MAX_REWRITES = 4  # maximum number of attempts to write files that agree with the stored study
+MAX_REWRITES = 4  # maximum number of attempts to write files that agree with a changing study
 
 
 def _write_files(result: Result, folder: Path) -> list[str]:
@@ -127,5 +127,5 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:
-    """Return the function that prints messages. With JSON on standard output, it prints to standard error."""
+    """Return the function that prints messages: to standard error if standard output contains JSON."""
     return print_message if as_json else print_output

@@ -53,7 +53,7 @@ def plot(
     output: Annotated[Path | None, option("--output -o DIR", "Directory for the figures.", "DIR")] = None,
     formats: Annotated[str, option("--format FORMATS", 'Formats of the figures, from "png,pdf,svg".')] = "png",
 ) -> None:
-    """Draw the figures of a result again. The result may be unfinished."""
+    """Draw the figures of a complete or unfinished result again."""
     from stiction.views.style import parse_formats
 
     chosen_formats = parse_formats(split_values(formats))
@@ -71,7 +71,7 @@ def report(
     directory: Directory,
     output: Annotated[Path | None, option("--output -o FILE.html", "File to write.", "DIR/report.html")] = None,
 ) -> None:
-    """Write an interactive HTML report on a result. The result may be unfinished."""
+    """Write an interactive HTML report on a complete or unfinished result."""
     from stiction.views.report import save_report
 
     path = output if output is not None else directory / "report.html"

@@ -25,7 +25,7 @@ TABLE_OUTPUT_MARKS = {
     CSV_FILE_NAME: b"stiffness over area (GPa/um)",
     LAWS_FILE_NAME: b"b of k/A0 = b p^c",
 }
-"""Marks by which files of an earlier table are recognised; other files are not overwritten."""
+"""Bytes that identify the files of an earlier table, which may be overwritten, unlike all other files."""
 
 
 @command(
