@@ -19,10 +19,10 @@ FLOWCHART_BOXES = {
     "maps": (22, 55, 38, "two height maps", "question"),
     "profiles": (82, 55, 42, "two profiles", "question"),
     "other": (142, 55, 48, "one map and one profile", "question"),
-    "areas": (22, 12, 38, "areas, half-space\n(default)", "answer"),
+    "areas": (22, 12, 38, "height maps,\nhalf-space (default)", "answer"),
     "lay": (82, 34, 42, "Is there a lay across\nthe profiles?", "question"),
-    "grooves": (62, 12, 34, "--lay grooves:\nprofiles across it", "answer"),
-    "isotropic": (101, 12, 34, "--lay isotropic:\nrandom areas", "answer"),
+    "grooves": (62, 12, 36, "--lay grooves:\nprofiles across the lay", "answer"),
+    "isotropic": (101, 12, 36, "--lay isotropic:\nrandom height maps", "answer"),
     "lines": (142, 12, 40, "lines of the map,\n128 pairs", "answer"),
 }
 FLOWCHART_ARROWS = [
@@ -66,4 +66,4 @@ def draw(dark: bool) -> Figure:
 
 if __name__ == "__main__":
     for name, dark in (("decision", False), ("decision_dark", True)):
-        draw(dark).savefig(IMAGES / f"{name}.png", dpi=200, transparent=dark, facecolor=None if dark else "white")
+        draw(dark).savefig(IMAGES / f"{name}.png", dpi=200, facecolor="none" if dark else "white")

@@ -90,4 +90,4 @@ def draw(dark: bool) -> Figure:
 
 if __name__ == "__main__":
     for name, dark in (("sliding_rules", False), ("sliding_rules_dark", True)):
-        draw(dark).savefig(IMAGES / f"{name}.png", dpi=200, transparent=dark, facecolor=None if dark else "white")
+        draw(dark).savefig(IMAGES / f"{name}.png", dpi=200, facecolor="none" if dark else "white")
