@@ -10,18 +10,18 @@ from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE, NOT_OPPOSING_COLO
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
 BAR_PATTERNS = {
-    "Lines: a pair of 150 000 points at 40 approaches": {"NumPy and SciPy": r"plain NumPy/SciPy program.*"},
-    "Lines: 50 profiles of 150 000 points by Eq. 1": {
+    "Pair of profiles: 150 000 points, 40 approaches": {"NumPy and SciPy": r"plain NumPy/SciPy program.*"},
+    "Generation of 50 profiles of 150 000 points (Eq. 1)": {
         "NumPy, direct sum": r"direct sum in NumPy.*",
         "FINUFFT and BLAS": r"FINUFFT .* and a BLAS product.*",
     },
-    "Lines: 8192 points pressed at 40 approaches, theirs at one load": {
+    "Profiles: 8192 points, stiction at 40 approaches, tamaas at one load": {
         "tamaas (elastic half-plane)": r"tamaas, one load of a profile.*"
     },
-    "Areas: 1024 × 1024 pressed at 40 approaches, theirs at one load": {
+    "Height maps: 1024 × 1024 points, stiction at 40 approaches, tamaas at one load": {
         "tamaas (elastic half-space)": r"tamaas, one load at 1024 x 1024.*"
     },
-    "Half-space: 512 × 512 at one load, equal error": {
+    "Half-space: 512 × 512 points, one load, equal error": {
         "tamaas": r"512 x 512, mean pressure 0.03 .*",
         "aspher": r"512 x 512, mean pressure 0.03 .*",
     },
@@ -79,7 +79,7 @@ def draw() -> None:
         axes.set_ylim(place + 1.2, 0.9)
         axes.set_yticks(places, labels=names)
         axes.tick_params(axis="y", length=0)
-        axes.set_xlabel("time on one thread, in times of stiction's")
+        axes.set_xlabel("run time divided by the run time of stiction (one thread)")
         for side in ("top", "right", "left"):
             axes.spines[side].set_visible(False)
         save_figure(figure, DOCS / "images/performance.png")

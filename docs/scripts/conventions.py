@@ -122,7 +122,7 @@ def draw_pair(ax: Axes, profiles: ContactingProfiles) -> None:
     j = round(8.3 / profiles.lower.spacing)
     draw_arrow(ax, np.array([x[j], touching[j]]), np.array([x[j], touching[j] - APPROACH]))
     draw_label(ax, np.array([x[j], touching[j] - APPROACH - 0.15]), r"approach $\delta$")
-    draw_label(ax, np.array([1.15, touching[115] + 0.12]), "at first touch", va="bottom")
+    draw_label(ax, np.array([1.15, touching[115] + 0.12]), "at first contact", va="bottom")
 
     corner = np.array([-0.6, bottom + 0.12])
     draw_arrow(ax, corner, corner + np.array([0.5, 0.0]))

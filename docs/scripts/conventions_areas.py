@@ -1,4 +1,4 @@
-"""Draw the conventions of areas in three dimensions: writes images/conventions_areas.png.
+"""Draw the conventions of height maps in three dimensions: writes images/conventions_areas.png.
 
 The library computes contacts, normals and tangents of one small pair. Only the positions of labels are chosen by hand.
 """
@@ -91,7 +91,7 @@ def draw_contact(axes, normal, tangent):
     draw_arrow(axes, origin, s, INK_COLOUR, r"$\mathbf{s}$", length=1.2)
     axes.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-0.8, 1.2))
     axes.text2D(
-        0.5, 0.93, r"(b) one that opposes, $\mathbf{s}\cdot\mathbf{n} < 0$", transform=axes.transAxes, ha="center"
+        0.5, 0.93, r"(b) an opposing contact, $\mathbf{s}\cdot\mathbf{n} < 0$", transform=axes.transAxes, ha="center"
     )
     hide_axes(axes)
     axes.view_init(elev=14, azim=-75)
