@@ -83,7 +83,7 @@ TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all 
   CHECK(stiction::contacts(all_candidates, 0.01, law, directions[1]).size() == 1);
 }
 
-TEST_CASE("tangent: is consistent with the contact sums, also at walls along the motion") {
+TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at walls along the motion") {
   // Nearly vertical walls that lean by 1e-12, rotated by `turn` relative to the motion.
   // The tangent t is almost perpendicular to the motion, so (s·n) n - s cancels.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {

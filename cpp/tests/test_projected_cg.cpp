@@ -53,7 +53,7 @@ struct Springs {
 
 }  // namespace
 
-TEST_CASE("ProjectedCgSolver: independent springs under pressure reach the same potential") {
+TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal potentials") {
   // The gaps are 0, 1, 2 and 9, the stiffness is 2, and the load is 10. (δ + δ - 1 + δ - 2) 2 = 10 gives δ = 8/3.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, none, line);
@@ -89,7 +89,7 @@ TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
   }
 }
 
-TEST_CASE("ProjectedCgSolver: moves a load that is entirely at the bounds to the points that overlap") {
+TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach lies between loaded and overlapping points") {
   const ProjectedCgSolver start(std::vector<double>{0.0, 1.0, 0.0}, 1.0, std::vector<double>{1.0}, false);
   ProjectedCgSolver solver = start;
   solver.restart(std::vector<double>{0.0, 5.0, 2.0});
