@@ -143,7 +143,7 @@ def test_interval_ends_equal_quantiles_of_the_samples(infinite) -> None:
         _ends(samples)
 
 
-def test_only_two_members_of_large_maps_are_solved_over_the_hardness_range(monkeypatch) -> None:
+def test_hardness_range_of_large_maps_is_solved_for_two_members_only(monkeypatch) -> None:
     options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*rough_surfaces(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
     with thread_executor(1) as executor:
