@@ -75,6 +75,7 @@ def test_materials_have_unique_names():
         ("unobtainium??", "known material, got 'unobtainium"),
         ("", "there are aluminium, aluminium alloy"),
         (3, "name must be the name of a material, got 3"),
+        ([0.1] * 100, r"^name must be the name of a material, got \[0\.1, [0-9., ]{20,35}\.\.\.$"),
     ],
 )
 def test_material_error_suggests_the_nearest_name(name, message):

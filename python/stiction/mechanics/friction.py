@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, number
 from stiction._drawing import draw_area, draw_friction
 from stiction._repr import PlotRepr, TextRepr, axes_for
+from stiction._units import short_repr
 from stiction.mechanics.quantities import QUANTITIES, SUMS
 
 if TYPE_CHECKING:
@@ -248,7 +249,7 @@ def friction_parameter(name: str, values: ArrayLike) -> Floats:
     """Return mu0 or tau0 as an array of finite, non-negative numbers."""
     array = float_array(name, values)
     if not (array >= 0).all():
-        raise ValueError(f"{name} must not be negative, got {values!r}")
+        raise ValueError(f"{name} must not be negative, got {short_repr(values)}")
     return array
 
 

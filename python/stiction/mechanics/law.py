@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Literal
 
 import stiction._core
 from stiction._checks import check_choice, number
+from stiction._units import short_repr
 
 
 def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
@@ -125,7 +126,7 @@ def as_law(law: Law | LawName) -> Law:
         check_choice("law", law, LawName)
         return LAWS_BY_NAME[law]
     if not isinstance(law, Law):
-        raise ValueError(f"law must be a contact law or the name of a contact law, got {law!r}")
+        raise ValueError(f"law must be a contact law or the name of a contact law, got {short_repr(law)}")
     return law
 
 

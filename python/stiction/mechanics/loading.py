@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import stiction._core
 from stiction._checks import Floats, float_array
-from stiction._units import to_core_units
+from stiction._units import short_repr, to_core_units
 from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.friction import Sums
@@ -91,7 +91,7 @@ def approach_at_load(
     """
     targets = float_array("loads", to_core_units("loads", loads, "force"))
     if not (targets > 0).all():
-        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
+        raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     model = model_for_pair(upper, lower, contact)
     if model.angles().ndim > 0:
         raise ValueError(

@@ -10,6 +10,8 @@ from functools import cache
 from importlib import resources
 from typing import Any, Literal, get_args
 
+from stiction._units import short_repr
+
 MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"]
 
 
@@ -129,7 +131,7 @@ def material(name: str) -> Material:
     """
     by_name = _materials_by_name()
     if not isinstance(name, str):
-        raise ValueError(f"name must be the name of a material, got {name!r}")
+        raise ValueError(f"name must be the name of a material, got {short_repr(name)}")
     result = by_name.get(_normalise_name(name))
     if result is None:
         matches = difflib.get_close_matches(_normalise_name(name), by_name, n=3, cutoff=0.5)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, whole_number
+from stiction._units import short_repr
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import attributes_of
@@ -245,7 +246,7 @@ def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int]
     study = result.study
     unique_loads = np.unique(np.atleast_1d(float_array("load", loads)))
     if not unique_loads.size or not (unique_loads > 0).all():
-        raise ValueError(f"load must be above 0 mN, got {loads!r}")
+        raise ValueError(f"load must be above 0 mN, got {short_repr(loads)}")
     areas = member_values(result, unique_loads)["contact_area"]
     indices = None if members is None else _check_members(members, areas["repetition"].values.tolist())
     cells = cells_of(areas.to_dataset())

@@ -590,7 +590,7 @@ def choose_load_steps(
     """
     requested = np.atleast_1d(float_array("loads", loads))
     if not requested.size or not (requested > 0).all():
-        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
+        raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     if press == "lines" and mechanics == "asperities":
         steps = _extend_loads(requested, LINE_LOAD_MARGIN, NUM_LINE_LOADS)
     elif press == "lines":

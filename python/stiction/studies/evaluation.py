@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array
+from stiction._units import short_repr
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import gentle_friction, hardness_under_shear
 from stiction.mechanics.friction import (
@@ -119,7 +120,7 @@ def at_load(
     if study.contact.adheres and 0 in values:
         values = np.unique(np.where(values == 0, unloaded_load(result), values))
     if not values.size or not (values > 0).all():
-        raise ValueError(f"loads must be above 0 mN, got {loads!r}")
+        raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     material = material_of(result, mu0, tau0)
     areas = None
     if reading == "mean":

@@ -176,7 +176,7 @@ def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") 
 def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
     """Parse a shape with at least `least` rows and columns and at most MAX_POINTS points."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
-        raise ValueError(f"shape must be (rows, columns), got {shape!r}")
+        raise ValueError(f"shape must be (rows, columns), got {short_repr(shape)}")
     rows, columns = (whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)
     if rows * columns > MAX_POINTS:
         raise ValueError(f"shape must have at most {MAX_POINTS} points, got {shape!r}")
