@@ -328,6 +328,8 @@ def open_stored(path: str | Path) -> StoredResult:
     path = Path(path)
     if not path.exists():
         raise StoreError(f"{printable_path(path)}: no such directory")
+    if path.is_file():
+        raise StoreError(f"{printable_path(path)}: is a file, but a result is a directory")
     blocks = _list_blocks(path)
     try:
         study = _study(path)
