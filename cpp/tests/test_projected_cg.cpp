@@ -89,7 +89,7 @@ TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
   }
 }
 
-TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach lies between loaded and overlapping points") {
+TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach lies between the points") {
   const ProjectedCgSolver start(std::vector<double>{0.0, 1.0, 0.0}, 1.0, std::vector<double>{1.0}, false);
   ProjectedCgSolver solver = start;
   solver.restart(std::vector<double>{0.0, 5.0, 2.0});
