@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-import xarray
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
 from stiction.mechanics.hardness import area_per_load
-from stiction.studies.hardness import SampledAreas, _interpolate_loads
+from stiction.studies.hardness import NodeAreas, SampledAreas
 from stiction.studies.interfaces import ShearStrength
 
 TABOR_TOLERANCE = 5e-3
@@ -164,9 +163,9 @@ def test_pair_rejects_bad_values_of_junction_growth(arguments, term):
 
 def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_load():
     loads, areas = np.array([1.0, 4.0, 100.0]), np.array([3.0, 6.0, np.nan])
-    solved = xarray.Dataset({"contact_area": ("load", areas)}, {"load": loads})
-    interpolated = _interpolate_loads(solved, np.array([0.1, 1.0, 2.0, 4.0]))["contact_area"].values
-    assert interpolated == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])
+    solved = NodeAreas(loads, np.ones(1), np.ones(1), areas[:, np.newaxis, np.newaxis], None, np.zeros((3, 1)))
+    interpolated = solved.interpolate_loads(solved.areas, np.array([0.1, 1.0, 2.0, 4.0]))
+    assert interpolated.ravel() == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])
 
 
 @pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])

@@ -369,8 +369,6 @@ class _CoefficientSamples:
         """
         if self.growth is None or (np.ndim(tau0) == 0 and tau0 == 0):
             return 1.0
-        if np.shape(pressure) != hardness.shape:
-            pressure = np.broadcast_to(pressure, hardness.shape)
         return self.areas.growth_ratio(self.load, self.rule, hardness, pressure, modulus)
 
     def next_test(self) -> tuple[float, float]:
@@ -380,11 +378,13 @@ class _CoefficientSamples:
         """
         from scipy.special import stdtrit
 
-        key = len(self.names), self.freedom
-        if key not in self.areas.cache:
-            self.areas.cache[key] = stdtrit(self.freedom, stratified_points(len(self.names) + 1)[:, -1])
+        scores = self.areas.cached(
+            ("t", len(self.names), self.freedom),
+            (),
+            lambda: stdtrit(self.freedom, stratified_points(len(self.names) + 1)[:, -1]),
+        )
         scatter = math.sqrt(math.log1p(self.scatter**2))
-        factor = np.exp(np.minimum(self.areas.cache[key] * scatter, MAX_EXPONENT))
+        factor = np.exp(np.minimum(scores * scatter, MAX_EXPONENT))
         return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
@@ -467,8 +467,7 @@ class _CoefficientSamples:
         """
         from scipy.special import ndtri
 
-        key = "inputs", self.names, tuple(fixed.items()), wait
-        if key not in self.areas.cache:
+        def compute() -> Any:
             cube = stratified_points(len(self.names) + 1)
             columns = dict(zip(self.names, cube.T, strict=False))
             columns |= {name: np.full(NUM_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns}
@@ -477,31 +476,29 @@ class _CoefficientSamples:
             if (creep := find_creep(self.study)) is not None:
                 hardness = hardness * wait ** -creep.quantile(cube[:, -1])
             scores = {name: ndtri(columns[name]) for name in self.places}
-            self.areas.cache[key] = columns, scores, samples, hardness, compute_relative_modulus(self.study, samples)
-        return self.areas.cache[key]  # type: ignore[no-any-return]
+            return columns, scores, samples, hardness, compute_relative_modulus(self.study, samples)
+
+        return self.areas.cached(("inputs", self.names, tuple(fixed.items()), wait), (), compute)  # type: ignore[no-any-return]
 
     def _area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
         """Return samples of the true area before shear, divided by the true area at the study's values.
 
         The samples are cached for each load.
         """
-        key = "area ratio", self.names, tuple(fixed.items()), wait, self.load
-        if key not in self.areas.cache:
+
+        def compute() -> Floats:
             *_, hardness, modulus = self._input_samples(fixed, wait)
-            softest = None if self.areas.hardness is None else hardness
-            self.areas.cache[key] = self.areas.area_ratio(self.load, softest, modulus)
-        return np.asarray(self.areas.cache[key])
+            return self.areas.area_ratio(self.load, None if self.areas.hardness is None else hardness, modulus)
+
+        return self.areas.cached(("area ratio", self.names, tuple(fixed.items()), wait, self.load), (), compute)
 
     def _pressure_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
         """Return the contact pressure H' (GPa) under shear. The last samples are cached for the next load."""
         assert self.growth is not None, "contacts grow under shear"
-        key = self.names, tuple(fixed.items()), wait, self.mu0, self.tau0
-        if self.areas.cache.get("pressure", (None,))[0] != key:
-            _, _, samples, hardness, _ = self._input_samples(fixed, wait)
-            given = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
-            pressure = self._under_shear(hardness, *(samples.get(name, value) for name, value in given.items()))
-            self.areas.cache["pressure"] = key, pressure
-        return np.asarray(self.areas.cache["pressure"][1])
+        _, _, samples, hardness, _ = self._input_samples(fixed, wait)
+        central = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
+        inputs = [samples.get(name, value) for name, value in central.items()]
+        return self.areas.cached("pressure", (hardness, *inputs), lambda: self._under_shear(hardness, *inputs))
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
@@ -530,15 +527,14 @@ def _ends(values: NDArray[Any]) -> tuple[float, float]:
             f"the inputs are too uncertain, because {count} of {values.size} samples have no coefficient; "
             "specify narrower ranges"
         )
-    ordered = np.sort(values)  # four times faster than `numpy.quantile`
-    low, high = (_quantile(ordered, part) for part in (0.025, 0.975))
-    return low, high
-
-
-def _quantile(ordered: NDArray[Any], probability: float) -> float:
-    """Return a quantile of sorted samples by linear interpolation, or as a step function if samples are infinite."""
-    if np.isinf(ordered[-1]):
-        return float(ordered[max(math.ceil(probability * ordered.size) - 1, 0)])
-    position = probability * (ordered.size - 1)
-    index = min(int(position), ordered.size - 2)
-    return float(ordered[index] + (position - index) * (ordered[index + 1] - ordered[index]))
+    # Partitioning takes a tenth of the time of sorting all samples.
+    probabilities = np.array([0.025, 0.975])
+    if np.isinf(values).any():  # the quantile is a step function
+        steps = np.maximum(np.ceil(probabilities * values.size).astype(int) - 1, 0)
+        low, high = np.partition(values, steps)[steps]
+    else:
+        positions = probabilities * (values.size - 1)
+        below = np.minimum(positions.astype(int), values.size - 2)
+        ordered = np.partition(values, np.unique([below, below + 1]))
+        low, high = ordered[below] + (positions - below) * (ordered[below + 1] - ordered[below])
+    return float(low), float(high)

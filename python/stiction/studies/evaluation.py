@@ -548,36 +548,34 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
 
 def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
     """Return member values whose adhesive forces are based on the true area at the onset of sliding."""
-    import xarray
-
     study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
-    grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *members["sliding"].values.tolist())}
-    factor = np.stack([grown[rule] for rule in members["sliding"].values.tolist()])
+    rules = members["sliding"].values.tolist()
+    grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
     with np.errstate(invalid="ignore"):
-        added_strength = xarray.Variable(
-            ("sliding", "load", "mu0", "tau0"), np.where(tau0 > 0, tau0 * (factor - 1), 0.0)
+        factor = np.stack([grown[rule] for rule in rules])[:, np.newaxis]  # (sliding, direction, load, mu0, tau0)
+        added_strength = np.where(tau0 > 0, tau0 * (factor - 1), 0.0)
+    sums = member_sums(result, members["load"].values, ("normal_adhesive", "tangential_adhesive"), of=of)
+    dims = (*cells_of(members), "repetition", *MOTIONS, "load", "mu0", "tau0")
+    with np.errstate(invalid="ignore"):
+        normal, tangential = (
+            members[f"{name}_load"].transpose(*dims).values
+            + added_strength * sums[f"{name}_adhesive"].transpose(*dims[:-2]).values[..., np.newaxis, np.newaxis]
+            for name in ("normal", "tangential")
         )
-    six = member_sums(result, members["load"].values, of=of)
-    dims = members["friction_coefficient"].dims
-    loads = {
-        f"{name}_load": members[f"{name}_load"] + (added_strength * six[f"{name}_adhesive"].variable).transpose(*dims)
-        for name in ("normal", "tangential")
-    }
-    normal, tangential = (loads[f"{name}_load"].transpose(*dims).values for name in ("normal", "tangential"))
     status = members["status"].transpose(*dims).values.copy()
     has_coefficient = status == friction.STATUS_OK
     status[has_coefficient & (normal <= 0)] = friction.STATUS_SELF_LOCKED
-    seizes = (members["normal_load"].variable * 0.0 + added_strength).transpose(*dims).values
-    status[has_coefficient & np.isinf(seizes)] = friction.STATUS_SEIZURE
+    status[has_coefficient & np.isinf(added_strength)] = friction.STATUS_SEIZURE
     with np.errstate(invalid="ignore", divide="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
     onset = np.where(np.isfinite(grown["all"]), grown["all"], np.nan)
-    area = members["contact_area"].variable * xarray.Variable(("load", "mu0", "tau0"), onset)
+    area_dims = tuple(dim for dim in dims if dim not in MOTIONS)
+    area = members["contact_area"].transpose(*area_dims[:-2]).values[..., np.newaxis, np.newaxis] * onset
     values = {
         "friction_coefficient": coefficient, "normal_load": normal, "tangential_load": tangential, "status": status
     }  # fmt: skip
     changed: dict[str, Any] = {name: (dims, each, members[name].attrs) for name, each in values.items()}
-    changed["contact_area_at_onset"] = (area.dims, area.values, attributes_of("contact_area_at_onset"))
+    changed["contact_area_at_onset"] = (area_dims, area, attributes_of("contact_area_at_onset"))
     return members.assign(changed)
 
 

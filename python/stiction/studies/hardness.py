@@ -7,12 +7,12 @@ interpolated.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -305,13 +305,49 @@ def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
     return stored if is_equal else None
 
 
-def _average_areas(solved: xarray.Dataset) -> xarray.Dataset:
-    """Return A/F times the relative modulus of each node (loads, m, n), averaged over the members.
+_Value = TypeVar("_Value")
 
-    A is the true area, and F is the load. The unit of the result is 1/GPa.
-    """
-    means = solved.mean("repetition")
-    return (means * means["relative_modulus"] / means["load"]).transpose("load", "relative_modulus", "hardness")
+
+@dataclass(frozen=True, eq=False)
+class NodeAreas:
+    """Mean true areas of the members at the loads of the study, for several hardnesses and relative moduli e."""
+
+    loads: Floats  # loads of the study (l,), mN
+    hardnesses: Floats  # hardnesses H/e at the nodes (n,), GPa
+    moduli: Floats  # relative moduli e at the nodes (m,)
+    areas: Floats  # areas per load e A/F at the nodes (l, m, n), 1/GPa
+    opposing_areas: Floats | None  # areas per load A/F of contacts that oppose the motion (l, n), 1/GPa
+    errors: Floats  # relative standard errors of the ratios of A at the nodes to A in the study (l, n)
+    tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F for all interpolators
+
+    @classmethod
+    def load(cls, result: StoredResult) -> NodeAreas | None:
+        """Load the areas stored with a result, or return None if `load_areas_over_hardness` does."""
+        if (solved := load_areas_over_hardness(result)) is None:
+            return None
+        means = solved.mean("repetition")
+        means = (means * means["relative_modulus"] / means["load"]).transpose("load", "relative_modulus", "hardness")
+        moduli, hardness = solved["relative_modulus"].values, result.study.contact.hardness
+        return cls(
+            solved["load"].values, solved["hardness"].values, moduli, means["contact_area"].values,
+            means["opposing_area"].values[:, moduli.size // 2] if "opposing_area" in means else None,
+            _estimate_node_errors(solved, None if hardness is None else float(hardness)),
+        )  # fmt: skip
+
+    def interpolate_loads(self, areas: Floats, loads: Floats) -> Floats:
+        """Interpolate areas (l, ...) over the load by power laws.
+
+        Areas are constant outside the loads of the study.
+        """
+        position = np.interp(np.log(loads), np.log(self.loads), np.arange(self.loads.size))
+        below = np.floor(position).astype(int)
+        weight = (position - below).reshape(-1, *[1] * (areas.ndim - 1))
+        # At loads of the study, the areas at the next load may be NaN and must not be used.
+        return np.asarray(areas[below] ** (1 - weight) * areas[np.ceil(position).astype(int)] ** weight)
+
+    def nearest_errors(self, loads: Floats) -> Floats:
+        """Return the errors at the nearest load of the study for each load."""
+        return np.asarray(self.errors[np.abs(self.loads - loads[:, np.newaxis]).argmin(axis=1)])
 
 
 class SampledAreas:
@@ -362,7 +398,8 @@ class AreaInterpolator:
     errors: Floats  # relative standard errors of the ratios of A at the nodes to A in the study (loads, n)
     pressures: Floats  # nominal pressures (loads,), GPa
     opposing_areas: Floats | None = None  # areas per load A/F of contacts that oppose the motion (loads, n)
-    cache: dict[Any, Any] = field(default_factory=dict)  # cached samples that several points of a result share
+    tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, see `_sheared_area`
+    cache: dict[Any, tuple[tuple[Any, ...], Any]] = field(default_factory=dict)  # inputs and values of `cached`
 
     @classmethod
     def from_result(
@@ -384,26 +421,22 @@ class AreaInterpolator:
         """
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
-        solved = result.alongside(load_areas_over_hardness)
+        solved = result.alongside(NodeAreas.load)
         # With junction growth, friction at all loads depends on the areas at the nodes.
         grows = bool(study.contact.junction_growth)
-        if solved is not None and (grows or set(loads.tolist()) <= set(solved["load"].values.tolist())):
-            over = _interpolate_loads(_average_areas(solved), loads)
-            areas, node_hardnesses, moduli = (
-                over["contact_area"],
-                over["hardness"].values,
-                over["relative_modulus"].values,
-            )
-            borne = np.isfinite(areas.values).all(axis=(0, 1))
+        if solved is not None and (grows or set(loads.tolist()) <= set(solved.loads.tolist())):
+            areas, hardnesses = solved.interpolate_loads(solved.areas, loads), solved.hardnesses
+            borne = np.asarray(np.isfinite(areas).all(axis=(0, 1)))
             if borne[-1] and (own_hardness is None or borne.sum() > 1):
-                finite = borne & np.isfinite(node_hardnesses)
-                table = node_hardnesses[finite], areas.values[..., finite], areas.values[..., -1]
-                growth = growth if moduli.size == 1 else np.zeros(loads.size)
-                errors = _estimate_node_errors(solved.sel(load=loads, method="nearest"), own_hardness)[:, finite]
-                opposing_areas = (
-                    over["opposing_area"].values[:, moduli.size // 2, finite] if "opposing_area" in over else None
-                )
-                return cls(own_hardness, *table, moduli, growth, errors, pressures, opposing_areas)
+                finite = borne & np.isfinite(hardnesses)
+                opposing_areas = solved.opposing_areas
+                if opposing_areas is not None:
+                    opposing_areas = solved.interpolate_loads(opposing_areas[:, finite], loads)
+                return cls(
+                    own_hardness, hardnesses[finite], areas[..., finite], areas[..., -1], solved.moduli,
+                    growth if solved.moduli.size == 1 else np.zeros(loads.size),
+                    solved.nearest_errors(loads)[:, finite], pressures, opposing_areas, solved.tables,
+                )  # fmt: skip
         column = ratio[:, np.newaxis]
         if own_hardness is None:
             none = np.zeros((loads.size, 0))
@@ -430,9 +463,8 @@ class AreaInterpolator:
             table = self.node_hardnesses, self.node_areas[load], self.elastic_areas[load]
             ratio = np.asarray(hardness / modulus)
             areas = area_per_load(ratio.ravel(), *table).reshape(-1, *(ratio.shape or (1,)))
-            if (key := ("own", load)) not in self.cache:
-                self.cache[key] = area_per_load([self.hardness], *table)
-            study_areas = self.cache[key]
+            own_hardness = np.array([self.hardness])
+            study_areas = self.cached(("own", load), (), lambda: area_per_load(own_hardness, *table))
         scale = np.power(modulus, -(1.0 + self.growth[load]))
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
@@ -469,50 +501,43 @@ class AreaInterpolator:
 
     def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the sheared contacts, in arbitrary units."""
-        key = "areas", load, rule
-        if key not in self.cache:
+        key = float(self.pressures[load]), rule, float(self.node_hardnesses[0])
+        if key not in self.tables:
             areas, elastic_areas, middle = self.node_areas[load], self.elastic_areas[load], self.moduli.size // 2
             # `opposing_areas` contains areas only for the E* of the study.
             if rule == "opposing" and self.opposing_areas is not None:
                 elastic_areas = elastic_areas[[middle]] * self.opposing_areas[load, -1] / areas[middle, -1]
                 areas = self.opposing_areas[[load]]
-            self.cache[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
-        log_hardness = self._log_hardness(hardness, modulus)
-        sampled = self.cache[key](log_hardness.ravel()).reshape(-1, *log_hardness.shape)
+            self.tables[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
+        # Consecutive loads and sliding rules share the arrays.
+        log_hardness = self.cached("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))
+        sampled = self.tables[key](log_hardness.ravel()).reshape(-1, *log_hardness.shape)
         return _interpolate_moduli(sampled, self.moduli, modulus)
 
-    def _log_hardness(self, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return ln(hardness/modulus), cached because consecutive loads and sliding rules share the arrays."""
-        cache = self.cache.get("log hardness")
-        if cache is None or cache[0] is not hardness or cache[1] is not modulus:
-            cache = self.cache["log hardness"] = hardness, modulus, np.log(hardness / modulus)
-        return np.asarray(cache[2])
-
     def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return the true area that the contacts had before shear, in the units of `_sheared_area`.
+        """Return the true area that the contacts had before shear, in the units of `_sheared_area`."""
 
-        The area is cached, because many values of mu0 and tau0 have the same hardnesses.
+        def compute() -> Floats:
+            return self._sheared_area(load, rule, hardness, modulus)
+
+        # Many values of mu0 and tau0 have the same arrays of samples.
+        return self.cached(("before", load, rule), (hardness, modulus), compute) if hardness.size > 1 else compute()
+
+    def cached(self, name: Any, inputs: tuple[Any, ...], compute: Callable[[], _Value]) -> _Value:
+        """Return the value last computed under a name, or compute it if an input has changed.
+
+        Numbers are compared by value, and arrays by identity.
         """
-        key = "before", load, rule
-        cache = self.cache.get(key)
-        if cache is None or cache[0] is not hardness or cache[1] is not modulus:
-            cache = hardness, modulus, self._sheared_area(load, rule, hardness, modulus)
-            if hardness.size > 1:  # cache only arrays of samples
-                self.cache[key] = cache
-        return np.asarray(cache[2])
-
-
-def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
-    """Interpolate areas per load between loads by power laws, with constant values outside the loads of the dataset."""
-    import xarray
-
-    known_loads = areas["load"].values
-    position = np.interp(np.log(loads), np.log(known_loads), np.arange(known_loads.size))
-    below = np.floor(position).astype(int)
-    # At loads of the dataset, the areas at the next load may be NaN and must not be used.
-    lower, upper = (areas.isel(load=index).drop_vars("load") for index in (below, np.ceil(position).astype(int)))
-    weight = xarray.DataArray(position - below, dims="load")
-    return lower ** (1 - weight) * upper**weight
+        if name in self.cache:
+            old_inputs, value = self.cache[name]
+            if all(
+                old is new or (np.ndim(old) == np.ndim(new) == 0 and old == new)
+                for old, new in zip(old_inputs, inputs, strict=True)
+            ):
+                return value  # type: ignore[no-any-return]
+        value = compute()
+        self.cache[name] = inputs, value
+        return value
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:

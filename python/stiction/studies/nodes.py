@@ -387,19 +387,11 @@ def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float
 
     The interpolation is cubic, or bilinear if one of the 16 nodes has no value.
     """
-    with np.errstate(invalid="ignore"):
-        cubic, linear = (
-            _weighted(table, axes[0].weights(mu0, cubic=each), axes[1].weights(tau0, cubic=each))
-            for each in (True, False)
-        )
+    cubic, linear = (
+        _weighted_sums(table, axes[0].weights(mu0, cubic=each), axes[1].weights(tau0, cubic=each))
+        for each in (True, False)
+    )
     return np.where(np.isfinite(cubic), cubic, linear)
-
-
-def _weighted(table: Floats, over_mu0: Floats, over_tau0: Floats) -> Floats:
-    """Return the weighted sum of node values (..., m, t), ignoring nodes with zero weight."""
-    rows, columns = np.flatnonzero(over_mu0), np.flatnonzero(over_tau0)
-    selected = table[..., rows, :][..., columns]
-    return np.asarray(np.einsum("...mt,m,t->...", selected, over_mu0[rows], over_tau0[columns]))
 
 
 def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_]:
@@ -430,7 +422,9 @@ def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_
 
 def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
     """Return interpolated values (..., m, t) at midpoints of panels and their estimated errors; NaN if undefined."""
-    over_mu0, over_tau0 = (_weights_at_middles(axis, cubic=cubic) for axis in axes)
+    over_mu0, over_tau0 = (
+        np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles]) for axis in axes
+    )
     by_mu0, by_tau0 = (
         np.stack([axis.corrections(value, cubic=cubic) for value in axis.panel_middles], axis=1) for axis in axes
     )
@@ -445,12 +439,10 @@ def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
     return np.where(np.isnan(before), after, np.where(np.isnan(after), before, np.sqrt(before * after)))
 
 
-def _weights_at_middles(axis: Axis, *, cubic: bool) -> Floats:
-    return np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles])
-
-
 def _weighted_sums(table: NDArray[Any], over_mu0: Floats, over_tau0: Floats) -> Floats:
     """Return weighted sums (..., k, l) of node values (..., m, t), using the weights (k, m) and (l, t).
+
+    Weights (m,) and (t,) of a single point give sums (...).
 
     A sum is NaN if a node with a weight is not finite.
     """
