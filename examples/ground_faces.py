@@ -51,7 +51,7 @@ for tau0, colour in zip((0.0, 0.5), STRENGTH_COLOURS, strict=True):
 area, low, high = 100 * np.transpose([table["contact_area_fraction"] for table in rows])
 bottom.fill_between(ANGLES, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
 bottom.plot(ANGLES, area, "o-", markersize=3, color=AREA_COLOUR)
-top.set(ylabel=r"$\mu_s$, opposing contacts rub", ylim=(0, None))
+top.set(ylabel=r"$\mu_s$, friction at opposing contacts", ylim=(0, None))
 bottom.set(xlabel="angle between the lays (degrees)", ylabel="true area (%)", ylim=(0, None))
 figure.legend(
     loc="outside lower center", ncols=2, handlelength=3,

@@ -30,7 +30,7 @@ rows = [pair(create_face("upper", rms), lower, **OPTIONS).at().isel(cut_off=0, l
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
 for tau0, colour in zip((0.0, 0.5), STRENGTH_COLOURS, strict=True):
-    for rule, style, rule_text in (("opposing", "-", "opposing contacts rub"), ("all", "--", "all rub")):
+    for rule, style, rule_text in (("opposing", "-", "opposing contacts"), ("all", "--", "all contacts")):
         # The results are means over all directions, which cancel the effect of a tilt.
         middle, low, high = np.transpose([table["friction_all_round"].sel(sliding=rule, tau0=tau0) for table in rows])
         left.fill_between(FINISHES, low, high, color=colour, alpha=0.15, linewidth=0)
