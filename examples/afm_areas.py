@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from stiction import Study, run, self_affine_surface, write_surface
+from stiction.studies.contact_picture import contact_picture
 from stiction.views.figures import draw_figures
 from stiction.views.text import result_text
 
@@ -42,4 +43,4 @@ study = Study().with_changes(
 )
 result = run(study)
 print(result_text(result.summary()))
-draw_figures(result, Path())
+draw_figures(result, Path(), picture=contact_picture(result))
