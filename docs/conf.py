@@ -79,6 +79,12 @@ ACCESSIBILITY_REPLACEMENTS = (
     ('<div class="output text_html"', '<div tabindex="0" class="output text_html"'),
     ('<div class="formula"', '<div tabindex="0" class="formula"'),
     (' aria-label="Toggle hidden content"', ""),
+    ('<aside class="sidebar-drawer', '<aside aria-label="Pages" class="sidebar-drawer'),
+    ('<aside class="toc-drawer', '<aside aria-label="Sections of this page" class="toc-drawer'),
+    (
+        '<div class="content-icon-container">',
+        '<div role="navigation" aria-label="Page" class="content-icon-container">',
+    ),
 )
 """Replacements in HTML pages that improve the use with a keyboard or a screen reader."""
 
@@ -89,8 +95,9 @@ def list_pages(app: Sphinx) -> list[Path]:
 
 
 def improve_accessibility(app: Sphinx, exception: Exception | None) -> None:
-    """Make elements that scroll reachable by keyboard, and add the level of headings."""
-    for page in list_pages(app) if exception is None else ():
+    """Make elements that scroll reachable by keyboard, add the level of headings, and name landmarks."""
+    generated_pages = [Path(app.outdir) / name for name in ("genindex.html", "search.html")]
+    for page in (*list_pages(app), *generated_pages) if exception is None else ():
         text = page.read_text("utf-8")
         for before, after in ACCESSIBILITY_REPLACEMENTS:
             text = text.replace(before, after)
