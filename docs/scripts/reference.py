@@ -70,7 +70,7 @@ def name_tables(docs: Path) -> str:
         text = (docs / f"reference/api_{group}.md").read_text("utf-8")
         title = re.search(r"^# (.*)$", text, re.MULTILINE)
         assert title is not None
-        lines += [f"## [{title[1]}](api_{group}.md)", "", "| name | |", "|---|---|"]
+        lines += [f"## [{title[1]}](api_{group}.md)", "", "| name | description |", "|---|---|"]
         lines += [_row(f"`{name.split('.')[-1]}`", _summary(name)) for name in ENTRY_PATTERN.findall(text)]
         lines.append("")
     return "\n".join(lines)
@@ -161,4 +161,6 @@ def parameter_tables() -> str:
 
 def built_in_table() -> str:
     """Return a table of the built-in studies."""
-    return "\n".join(["| study | |", "|---|---|", *(_row(f"`{name}`", study_summary(name)) for name in study_names())])
+    return "\n".join(
+        ["| study | description |", "|---|---|", *(_row(f"`{name}`", study_summary(name)) for name in study_names())]
+    )
