@@ -16,7 +16,7 @@ from stiction import (
     scale_dependent_roughness,
     self_affine,
 )
-from stiction.mechanics.brackets import kappa_spread, max_area
+from stiction.mechanics.brackets import friction_bracket, kappa_spread, max_area, max_friction
 from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
@@ -97,6 +97,20 @@ def test_bracket_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
     assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
     assert float(max_area(100.0, 1000)) == pytest.approx(100 * math.exp(0.1))
     assert float(max_area(0.9, 1000)) == 1.0
+
+
+def test_max_friction_of_samples_equals_upper_end_of_each_bracket():
+    mu0, adhesion, value = (
+        np.array([0.1, 0.2, 0.2, 0.3]),
+        np.array([0.05, 0.02, 0.0, 0.1]),
+        np.array([0.3, 0.6, 0.2, 0.35]),
+    )
+    ends = [friction_bracket(*sample, contacts=38.0)[1] for sample in zip(value, mu0, adhesion, strict=True)]
+    assert max_friction(value, mu0, adhesion, 38.0) == pytest.approx(ends)
+    # The real area is far above F/H in the first two samples, so that their adhesive friction grows by `spread`.
+    spread = float(kappa_spread(np.array(38.0)))
+    assert ends[:2] == pytest.approx((mu0 + spread * (value - mu0))[:2])
+    assert ends[2] == value[2]
 
 
 def test_bracket_of_few_contacts_includes_a_finer_result_with_smaller_area():

@@ -125,9 +125,15 @@ def friction_bracket(
     given.
     """
     highest = value if upper is None else upper
-    if adhesion > 0:
-        highest += adhesion * float(max_area((highest - mu0) / adhesion, contacts)) - max(highest - mu0, adhesion)
-    return min(mu0 + adhesion, value), highest
+    return min(mu0 + adhesion, value), float(max_friction(highest, mu0, adhesion, contacts))
+
+
+def max_friction(value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contacts: float) -> Floats:
+    """Return the largest mu_s of a yielding pair at all finer resolutions, for samples of mu_s, mu0 and tau0/H."""
+    strength, stuck = np.asarray(adhesion), np.asarray(value - mu0)
+    area_ratio = stuck / np.where(strength > 0, strength, 1.0)
+    increase = strength * max_area(area_ratio, contacts) - np.maximum(stuck, strength)
+    return np.asarray(value + np.where(strength > 0, increase, 0.0))
 
 
 def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.mechanics.brackets import friction_bracket
+from stiction.mechanics.brackets import friction_bracket, max_friction
 from stiction.mechanics.closed_forms import hardness_under_shear, solve_yield_condition
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.evaluation import (
@@ -285,8 +285,8 @@ class _CoefficientSamples:
         self.finest: tuple[float, float] | None = None  # range of the coefficient for finer scans
         free = study.uses_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
-            contacts = float(point["contact_count"][0]) * float(point["members"])
-            limits = self.mu0, self.tau0 / float(point["sheared_pressure"]), contacts
+            self.contacts = float(point["contact_count"][0]) * float(point["members"])
+            limits = self.mu0, self.tau0 / float(point["sheared_pressure"]), self.contacts
             self.finest = friction_bracket(value, *limits)
             self.bracket = friction_bracket(value, *limits, upper)
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
@@ -451,7 +451,7 @@ class _CoefficientSamples:
             coefficients, hardness = np.where(seizes, 1.0, coefficients), np.where(seizes, np.inf, hardness)
         if UNRESOLVED_INPUT in columns and self.finest is not None:
             lowest = np.minimum(mu0 + tau0 / hardness, coefficients)
-            highest = np.maximum(coefficients * (self.finest[1] / self.value), lowest)
+            highest = np.maximum(max_friction(coefficients, mu0, tau0 / hardness, self.contacts), lowest)
             coefficients = lowest + columns[UNRESOLVED_INPUT] * (highest - lowest)
         if self.places:
             coefficients = coefficients * np.exp(sum(error * scores[name] for name, error in self.places.items()))
