@@ -17,7 +17,7 @@ def main() -> None:
     lines = []
     for name in names or BENCHMARKS:
         module = import_module(name)
-        lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| | |", "|---|---|"]
+        lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| quantity | result |", "|---|---|"]
         for question, answer in module.measure_rows():
             print(f"{question:75s} {answer}", flush=True)
             lines.append(f"| {question} | {answer} |")

@@ -697,7 +697,10 @@ def verdict_of(claim: int, outcomes: list[Outcome]) -> Verdict:
 
 def claims_markdown(outcomes: list[Outcome]) -> str:
     """Render a table with a row for each part."""
-    lines = ["| | verdict | claim, and its test numbers | value [95 %] | criterion |", "|---|---|---|---|---|"]
+    lines = [
+        "| claim or test | verdict | statement, and its test numbers | value [95 %] | criterion |",
+        "|---|---|---|---|---|",
+    ]
     for claim, statement in CLAIMS.items():
         lines.append(f"| **{claim}** | {_verdict_badge(verdict_of(claim, outcomes))} | **{statement}** | | |")
         for outcome in _outcomes_of_claim(claim, outcomes):
@@ -744,7 +747,7 @@ def _render_side_by_side(
     columns: Mapping[str, list[Outcome]], head: Callable[[Part], str], cell: Callable[[Outcome], str]
 ) -> str:
     first = next(iter(columns.values()))
-    lines = [f"| | {' | '.join(columns)} |", "|" + "---|" * (len(columns) + 1)]
+    lines = [f"| claim or test | {' | '.join(columns)} |", "|" + "---|" * (len(columns) + 1)]
     for claim in CLAIMS:
         verdicts = [f"**{verdict_of(claim, outcomes)}**" for outcomes in columns.values()]
         lines.append(f"| **{claim}** | {' | '.join(verdicts)} |")

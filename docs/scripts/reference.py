@@ -18,9 +18,9 @@ from stiction.views.study_keys import markdown_row
 
 ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
 """Pattern of a name in a reference page."""
-VERDICT_TITLES = ("", "verdict", "claim, and its test numbers")
+VERDICT_TITLES = ("claim or test", "verdict", "statement, and its test numbers")
 COLUMN_TITLES = (
-    "", "profiles, 100 repetitions", "profiles, 2000 repetitions", "height maps, asperities, 25", "half-planes, 20",
+    "claim or test", "profiles, 100 repetitions", "profiles, 2000 repetitions", "height maps, asperities, 25", "half-planes, 20",
     "half-spaces, 30",
 )  # fmt: skip
 """Titles of the columns of `generated/columns.md` that the page about friction shows."""
