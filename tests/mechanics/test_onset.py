@@ -546,7 +546,7 @@ BAD_ARGUMENTS = [
     ({"mu0": 0.0}, "mu0 and tau0 must not both be 0"),
     ({"mu0": 0.3, "tau0": -0.1}, "tau0 must not be negative"),
     ({"mu0": 0.3, "steps": 0}, "steps must be a whole number"),
-    ({"mu0": 0.3, "steps": [0.5, 1.2]}, "above the sliding load"),
+    ({"mu0": 0.3, "steps": [0.5, 1.2]}, "fractions of the sliding load"),
     ({"mu0": 0.3, "steps": [0.5, 0.5]}, "strictly increasing"),
     ({"mu0": 0.3, "steps": []}, "strictly increasing"),
     ({"mu0": 0.3, "steps": [0.0, 0.5]}, "above 0"),

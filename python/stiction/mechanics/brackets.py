@@ -137,7 +137,7 @@ def max_friction(value: Floats | float, mu0: Floats | float, adhesion: Floats | 
 
 
 def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """Add the plastic limit, and the intervals for friction at all contacts, to a `resolution` dataset."""
+    """Add the plastic limit to a `resolution` dataset, and the bounds that hold if friction acts at all contacts."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness

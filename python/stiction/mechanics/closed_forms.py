@@ -46,7 +46,7 @@ def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
                 return function(*args, **kwargs)
-        except ArithmeticError:  # base class of NumPy's FloatingPointError
+        except ArithmeticError:  # base class of FloatingPointError, which NumPy raises
             raise ValueError(
                 f"arguments of {function.__name__} must be less extreme, because a number exceeds the range of double "
                 "precision"

@@ -367,7 +367,7 @@ def load_fractions(steps: int | Sequence[float]) -> Floats:
     if not (fractions.size > 0 and (fractions > 0).all() and (np.diff(fractions) > 0).all()):
         raise ValueError(f"steps must be strictly increasing fractions of the sliding load above 0, got {steps!r}")
     if not fractions[-1] <= 1:
-        raise ValueError(f"steps must be at most 1, got {steps!r}, because the surfaces slide above the sliding load")
+        raise ValueError(f"steps are fractions of the sliding load and must be at most 1, got {steps!r}")
     return fractions
 
 

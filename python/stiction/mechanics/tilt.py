@@ -27,7 +27,7 @@ from stiction.mechanics.half_space_problem import (
 MAX_OFF_CENTRE = 1e-4
 MAX_TILT_SOLUTIONS = 60  # maximum number of solutions per load
 MAX_EDGE_STEP = 0.5  # largest edge displacement in one step, in standard deviations of the gap
-# Smallest response of a moment to a slope.
+# Smallest change of the moment per unit slope for which the tilt is defined.
 # The unit is the load times the squared length, divided by the standard deviation of the gap.
 MIN_RESPONSE = 1e-6
 
