@@ -900,5 +900,5 @@ def test_status_column_of_an_olympus_map_is_not_read_as_heights(tmp_path):
     plain.write_text(olympus_text())
     assert np.array_equal(read_or_none(path, missing="mask").heights, read_or_none(plain, missing="mask").heights)
     path.write_text("\n".join([*alike[:-1], alike[-1][:-1] + "0"]))
-    with pytest.raises(FormatError, match="without a meaning"):
+    with pytest.raises(FormatError, match="flags of unknown meaning"):
         read_measurement(path, missing="mask")

@@ -596,7 +596,7 @@ def npy_bytes(array):
     ("content", "name", "message"),
     [
         (npy_bytes(np.zeros(9)), "a.npy", "neither the unit of its heights"),
-        (npy_bytes(np.array([1, None])), "a.npy", "damaged .npy file, or contains objects"),
+        (npy_bytes(np.array([1, None])), "a.npy", "damaged .npy file, or contains Python objects"),
         (npy_bytes(np.ones((1, 9))).replace(b"(1, 9), }   ", b"(True, 9), }"), "a.npy", "damaged .npy file"),
         (npy_bytes(np.zeros(9))[:-5], "a.npy", "damaged"),
         (npy_bytes(np.zeros(9, complex)), "a.npy", "array of complex128"),

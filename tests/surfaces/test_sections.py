@@ -173,7 +173,7 @@ class TestSettingClass:
     [
         ({}, r"one section length is 80 µm, and the profile is 50 µm long: measure a longer one"),
         ({"lc": 60.0}, "one section length is 60 µm"),
-        ({"lc": 2.0}, "lc must be at least 7 points, 3.5 µm, got 2 µm"),
+        ({"lc": 2.0}, r"lc must be at least 3.5 µm \(7 points\), got 2 µm"),
         ({"lc": -1.0}, "lc must be a finite number above 0 µm"),
         ({"lc": 40.0, "ls": 0.7}, "ls must be 0, or between two points, 1 µm, and lc, 40 µm, got 0.7 µm"),
         ({"lc": 40.0, "ls": 41.0}, "ls must be 0, or between two points"),

@@ -30,9 +30,9 @@ _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with on
 _BINS_PER_DECADE = 12
 _MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that has its own power law
 # Assumed relative deviation of the true spectrum from a power law in each bin.
-# No measured spectrum is closer to a power law.
+# No measured spectrum follows a power law more closely than this.
 _RELATIVE_MODEL_ERROR = 0.1
-# Minimum log-likelihood gain of an additional piece, which has three parameters and one break among about 50 bins.
+# Minimum log-likelihood gain of an additional piece, which has three parameters and begins at one of about 50 bins.
 _PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin. Random scatter about a power law causes a deviance of about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.

@@ -289,8 +289,8 @@ def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | No
     longest = MAX_WAVELENGTH_FRACTION * side
     if not shortest < longest:
         raise ValueError(
-            f"scans must have a reliable band, got a scan of {side:g} µm with a lower limit of {shortest:g} µm "
-            f"({reason}) and an upper limit of {longest:g} µm, a third of its side"
+            f"scans must have a reliable band, but the lower limit of a scan of {side:g} µm, {shortest:g} µm "
+            f"({reason}), is above its upper limit, {longest:g} µm, a third of its side"
         )
     return (shortest, longest), reason
 

@@ -250,7 +250,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _overlap(
     shape: tuple[int, ...], other: tuple[int, ...], shift_found: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two scans at a shift (points), as slices of the first and positions in the second scan."""
+    """Return the overlap of two scans at a shift (points): slices of the first, and positions in the second scan."""
     selected, positions = [], []
     for points, others, step in zip(shape, other, shift_found.tolist(), strict=True):
         first = max(0, math.ceil(step) + (_OVERLAP_MARGIN if step > 0 else 0))

@@ -294,7 +294,7 @@ def _compute_with_cutoff(
         raise SectionError(_too_short(profile, lc))
     if lc * ROUND_OFF_FACTOR < _min_section_length(spacing):
         raise ValueError(
-            f"lc must be at least {SEVEN_POINTS.size} points, {_min_section_length(spacing):g} µm, got {lc:g} µm"
+            f"lc must be at least {_min_section_length(spacing):g} µm ({SEVEN_POINTS.size} points), got {lc:g} µm"
         )
     is_ls_given = ls is not None
     if ls is None:

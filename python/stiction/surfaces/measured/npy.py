@@ -78,9 +78,9 @@ def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
             shape, fortran_order, kind = header(file)
     except Exception as error:  # parsing the header, a Python literal, can raise many kinds of errors
         reason = " ".join(str(error).split())[:80]
-        raise FormatError(f"is a damaged .npy file, or contains objects ({reason})") from None
+        raise FormatError(f"is a damaged .npy file, or contains Python objects ({reason})") from None
     if kind.hasobject or any(isinstance(count, bool) for count in shape):
-        raise FormatError("is a damaged .npy file, or contains objects")
+        raise FormatError("is a damaged .npy file, or contains Python objects")
     points, available = math.prod(shape), len(data) - file.tell()
     if min(shape, default=0) < 0 or points * kind.itemsize > available:
         raise FormatError(f"is a damaged .npy file with {available} bytes, too few for its {points} points")

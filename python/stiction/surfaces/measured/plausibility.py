@@ -18,7 +18,7 @@ from stiction.surfaces.measured.raw import FileCaveat
 MIN_REPEATS = 2
 # Smallest distance of a code from all other heights, relative to the range of these heights.
 MIN_CODE_DISTANCE = 2.0
-# Minimum number of different heights for a value to be a code. A surface with steps has fewer different heights.
+# A repeated height counts as a code for missing points only above this number of different heights.
 MIN_DISTINCT_HEIGHTS = 5
 MAX_CODES = 3  # maximum number of codes for missing points in a scan
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples

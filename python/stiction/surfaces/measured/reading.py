@@ -437,7 +437,7 @@ def _read_binary(path: Path) -> Content:
         except FormatError as error:
             raise FormatError(f"is binary, not text, and {error}") from None
     raise FormatError(
-        f"is binary, not text, despite its name ({path.suffix or 'without an ending'}); the package SurfaceTopography "
+        f"is a binary file, although its ending is {path.suffix or 'missing'}; the package SurfaceTopography "
         "may be able to read it (pip install SurfaceTopography)"
     )
 

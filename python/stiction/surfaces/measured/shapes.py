@@ -333,8 +333,8 @@ def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> Col
         if not is_valid and not is_invalid:
             if zeros and ones and columns is None:
                 raise FormatError(
-                    f"has flags in column {place} ({printable(name)}), {zeros} of 0 and {ones} of 1, without a "
-                    'meaning: name the column "valid" if 1 marks measured points, or "invalid" if 1 marks missing '
+                    f"has flags of unknown meaning in column {place} ({printable(name)}), {zeros} zeros and {ones} ones"
+                    '; name the column "valid" if 1 marks measured points, or "invalid" if 1 marks missing '
                     "points; or choose other columns (--columns) to ignore the flags"
                 )
             reason = "removed: all its flags are equal" if not (zeros and ones) else "is ignored"

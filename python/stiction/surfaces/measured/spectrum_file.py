@@ -155,16 +155,20 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         )
         bands = tuple((float(match["shortest"]), float(match["longest"])) for match in scans)
     except KeyError as error:
-        raise FormatError(f"{printable_path(path)}: is not a spectrum: it has no column {error.args[0]!r}") from None
+        raise FormatError(
+            f"{printable_path(path)} is not a spectrum, because it has no column {error.args[0]!r}"
+        ) from None
     except ValueError:
         raise FormatError(
-            f"{printable_path(path)}: is not a spectrum: it contains values that are not numbers"
+            f"{printable_path(path)} is not a spectrum, because it contains values that are not numbers"
         ) from None
     steps = np.diff(np.log(q)) if (q > 0).all() and np.isfinite(q).all() else np.empty(0)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > _RATIO_TOLERANCE * steps.mean() + 1e-12:
-        raise FormatError(f"{printable_path(path)}: is not a spectrum: {WAVE_NUMBER!r} must rise in equal ratios")
+        raise FormatError(
+            f"{printable_path(path)} is not a spectrum, because {WAVE_NUMBER!r} does not rise in equal ratios"
+        )
     if not (density > 0).all() or not np.isfinite(density).all():
-        raise FormatError(f"{printable_path(path)}: is not a spectrum: {DENSITY!r} must be above 0")
+        raise FormatError(f"{printable_path(path)} is not a spectrum, because {DENSITY!r} is not above 0")
     return JoinedSpectrum(
         wave_number=read_only(q), density=read_only(density), count=read_only(count),
         contribution=read_only(contribution), ratio=read_only(ratio), bands=bands,
