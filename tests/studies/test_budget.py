@@ -437,7 +437,7 @@ def test_combined_interval_contains_sampling_interval_and_bracket(inputs: dict[s
             assert point.rules[0].lower <= point.bracket[0] <= point.bracket[1] <= point.rules[0].upper
 
 
-def test_interval_at_mu0_and_tau0_of_zero_excludes_the_uncertainty_of_the_study_mu0():
+def test_interval_for_zero_mu0_and_tau0_ignores_the_uncertainty_of_mu0():
     upper, lower = (
         self_affine_surface(3, hurst_exponent=0.8, rms=0.03, shape=(32, 32), spacing=0.1, side=side)
         for side in ("upper", "lower")

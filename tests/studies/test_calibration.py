@@ -510,7 +510,7 @@ def test_calibration_uses_given_values_of_mu0_or_tau0_unchanged() -> None:
 @pytest.mark.parametrize(
     ("call", "pattern"),
     [
-        (lambda: calibrate([]), "must contain a test with sliding"),
+        (lambda: calibrate([]), "must contain at least one test with sliding"),
         (lambda: calibrate([3]), "must be a sequence of FrictionTest"),
         (
             lambda: calibrate(simulate_ball_tests(), mu0=1e300),

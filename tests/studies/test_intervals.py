@@ -31,7 +31,7 @@ DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # The other cases run only i
     ],
 )
 @pytest.mark.parametrize("quantity", ["half zeros", "bounded", "lognormal 0.5"])
-def test_neighbors_mean_interval_covers_the_mean_with_nearly_minimal_width(quantity, positions, correlation):
+def test_interval_of_the_mean_of_neighbors_covers_the_mean_and_is_narrow(quantity, positions, correlation):
     random = np.random.default_rng([positions, int(10 * correlation)])
     truth, smallest_width = estimate_truth(quantity, positions, correlation, random)
     coverage, width_ratio, defined_fraction = measure_coverage(

@@ -118,7 +118,7 @@ class TestListedPositions:
         assert result.dataset.attrs["shape"].tolist() == [64, 80]
         assert result.dataset.sizes["repetition"] == 1
 
-    def test_positions_can_be_given_as_lists_texts_or_arrays(self):
+    def test_positions_can_be_given_as_lists_strings_or_arrays(self):
         upper, lower = self.create_maps()
         studies = [
             pair_study(upper, lower, load=[0.1], mu0=0.3, effective_modulus=10.0, positions=positions)

@@ -50,21 +50,23 @@ MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
 
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # largest fraction of the load on one contact for which a value may be quoted
-CAUTION_LOAD_FRACTION_AT_EDGE = 0.25  # A caveat is issued if contacts at the edge carry a larger fraction of the load.
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # A caveat is issued if one contact carries a larger fraction of the load.
+# A caveat is issued if contacts at the edge carry more than this fraction of the load.
+CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # A caveat is issued if one contact carries more than this fraction of the load.
 
 MERGED_AREA_FRACTION = 0.3  # ratio of true to nominal area above which contacts are assumed to have merged
-MAX_AFFECTED_FRACTION = 0.5  # A caveat is issued if a larger fraction of the load, members or scan length is affected.
-MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if a larger fraction of the scan points is interpolated.
-MAX_SPACING_RATIO = 3.0  # A caveat is issued if the ratio of the grid spacings of two scans is larger.
+# A caveat is issued if more than this fraction of the load, the members or the scan length is affected.
+MAX_AFFECTED_FRACTION = 0.5
+MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if more than this fraction of the scan points is interpolated.
+MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two scans differ by more than this factor.
 
 NEARLY_BULK_STRENGTH = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
-MAX_SEIZING_FRACTION = 0.025  # The interval has no upper limit if a larger fraction of the samples seizes.
+MAX_SEIZING_FRACTION = 0.025  # The interval has no upper limit if more than this fraction of the samples seizes.
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
 
-MAX_NEGLECTED_ADHESION = 0.05  # A caveat is issued if adhesion adds a larger load, relative to the applied load.
+MAX_NEGLECTED_ADHESION = 0.05  # A caveat is issued if adhesion adds more than this fraction of the applied load.
 TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
 RIM_ATTRACTION_FACTOR = 4.3
 """Factor in the estimated attraction around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
@@ -73,8 +75,8 @@ docs/explanation/adhesion.md describes the fit.
 """
 
 MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
-ROUND_UP_FACTOR = 1 + 1e-12  # rounds up ties such as 2.25, as the report does
-MAX_RELATIVE_HALF_WIDTH = 0.5  # A caveat is issued if the relative half width of an interval is larger.
+ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, as they do in the report
+MAX_RELATIVE_HALF_WIDTH = 0.5  # A caveat is issued if the relative half width of an interval exceeds this value.
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ class Caveat:
 
 
 class Check(NamedTuple):
-    """Upper limit of a number, and the caveat for points that exceed the limit.
+    """Upper limit of a number, with the caveat for points at which the number is larger.
 
     The placeholder {} in the text stands for the number `about`.
     """
@@ -108,15 +110,15 @@ class Check(NamedTuple):
     remedy: str
     severity: Severity = "fault"
     shown: str = "digits"  # format of the number: "digit" for one digit, "digits" for two, "percent", or a unit
-    about: str = ""  # name of the number in the text; by default the number that is compared with the limit
+    about: str = ""  # name of the number shown in the text; by default the number that is compared with the limit
 
     @property
     def shown_name(self) -> str:
-        """Name of the number in the text."""
+        """Name of the number that the text of the caveat shows."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
-        """Return the caveat for a point whose checked number exceeds the limit."""
+        """Return the caveat, given the numbers of a point that fails the check."""
         value, checked = (float(numbers[name]) for name in (self.shown_name, self.name))
         if self.shown in ("digits", "digit"):
             number_text = format_significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
@@ -264,7 +266,7 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
         yield Caveat(text, remedy, "fault")
         return
     members = value_of(point, "members")
-    num_solved = float(point["ok"].min()) if "ok" in point else math.nan  # minimum over the sliding directions
+    num_solved = float(point["ok"].min()) if "ok" in point else math.nan  # smallest count over the sliding directions
     if num_solved < MAX_AFFECTED_FRACTION * members:
         text = f"only {num_solved:.0f} of {members:.0f} members have a coefficient"
         yield Caveat(text, "check the statuses, and try another load", "fault")
@@ -281,7 +283,7 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
 
 
 def find_smallest_limit(name: str) -> float | None:
-    """Return the smallest limit of the named number in the checks for all bodies, or None if there is no limit."""
+    """Return the smallest limit that the contact checks set for the named number, or None if they set no limit."""
     return min(
         (check.limit for group in (CONTACT_COUNT_CHECKS, *CONTACT_CHECKS) for check in group if check.name == name),
         default=None,
@@ -302,7 +304,7 @@ def compute_value_numbers(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute the numbers that checks compare with limits, from coefficients and contact counts of points.
+    """Compute the numbers that the checks compare with limits, given the coefficient and contact count of each point.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -330,7 +332,7 @@ def compute_value_numbers(
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, Any]:
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    # area of a grid cell of maps with the half-space; otherwise NaN
+    # area of a grid cell if the half-space model solves maps; otherwise NaN
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     checked = {
         check.name: value_of(point, check.name)
@@ -354,10 +356,11 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
 
 
 def list_pressure_checks(study: Study, modulus: float) -> Checks:
-    """Return checks for yielding of elastic bodies, based on their hardness or on typical values.
+    """Return checks of whether the mean pressure would make bodies yield that the contact model treats as elastic.
 
-    Returns no checks if the contact model limits the pressure, or if the effective modulus (GPa) is so small that the
-    bodies are probably rubber or gels.
+    The limits are the hardness of the softer body or, if it is unknown, typical fractions of E*. Returns no checks if
+    the contact model limits the pressure, or if the effective modulus (GPa) is so small that the bodies are probably
+    rubber or gels.
     """
     if is_capped(study):
         return ()
@@ -387,10 +390,10 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
 def assess_ensemble(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any]
 ) -> tuple[list[list[Caveat | Check]], NDArray[np.intp]]:
-    """Assess many points of generated bodies from their statuses and checked numbers (arrays of equal shape).
+    """Assess many points of a result of generated bodies, given the status and the checked numbers of each point.
 
-    Returns the distinct lists of reasons, with faults first, and for each point the index of its list. A reason is a
-    failed check, or a caveat about a status.
+    The arrays have equal shapes. Returns the distinct lists of reasons, with faults first, and for each point the index
+    of its list. A reason is a failed check, or a caveat about a status.
     """
     reasons: list[Caveat | Check] = []
     failed = []
@@ -415,13 +418,13 @@ def assess_ensemble(
 
 
 def find_verdict(reasons: Iterable[Caveat | Check]) -> str:
-    """Return the text of the assessment for the worst severity among the caveats or failed checks."""
+    """Return the assessment that follows from the most severe of the given caveats or failed checks."""
     severities = {reason.severity for reason in reasons}
     return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
 
 def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:
-    """Yield a caveat if the interface is as strong as the softer body, and another if the coefficient equals mu0."""
+    """Yield caveats about junction growth and seizure, and a caveat if the coefficient equals mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)
@@ -450,7 +453,7 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
                 f"of a ductile body {increase_text}"
             )
             remedy = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
-            if study.contact.adheres:  # the model has no junction growth of adhesive contacts
+            if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
                 remedy = "compare with the pair without --adhesion, whose contacts grow"
             yield Caveat(text, remedy, "caution")
     yield from apply_checks(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
@@ -459,7 +462,7 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
 def _find_seizure_caveats(
     point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield caveats about seizure, and about an interface that is nearly as strong as the bulk."""
+    """Yield a caveat if samples of the inputs seize, or if the interface is nearly as strong as the bulk."""
     strength = hardness * growth.high**-0.5 if growth.high else math.inf
     seizing = value_of(point, "fraction_seizing")
     if seizing > 0:
@@ -478,7 +481,7 @@ def _find_seizure_caveats(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected adhesion, an unresolved range of adhesion, and an incomplete interval."""
+    """Yield caveats about neglected adhesion, an unresolved adhesion range, and effects that the interval omits."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load(point, study)
         min_added = MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0  # the asperity model has no adhesion

@@ -52,9 +52,9 @@ INTERFACE_INPUT = "interface"  # name of the joint input of mu0 and tau0
 # quantiles at which an input is fixed for the uncertainty budget
 EXACT_QUANTILES = (0.1, 0.5, 0.9)
 MAX_BUDGETS = 100  # largest number of coefficients for which uncertainty budgets are computed
-# largest relative difference at which mu0 or tau0 counts as the value in the study
+# relative difference up to which mu0 or tau0 counts as equal to its value in the study
 SAME_INPUT_TOLERANCE = 1e-3
-MAX_EXPONENT = 50.0  # largest exponent in the factor between a single test and the mean, which prevents an overflow
+MAX_EXPONENT = 50.0  # upper bound on the logarithm of the ratio of a single test to the mean, to avoid overflow
 DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
@@ -68,7 +68,7 @@ Strength = tuple[Floats, Floats, Floats | None, Floats | None]
 def add_uncertainty(
     at: xarray.Dataset, result: Result | xarray.Dataset, *, budget: bool = True, tests: bool = True
 ) -> xarray.Dataset:
-    """Add combined intervals, predictions and the uncertainty budget to a dataset of `at_load` for measured bodies.
+    """Add combined intervals, predictions and the uncertainty budget to a dataset returned by `at_load`.
 
     `friction_known` contains the combined 95 % interval. `friction_combined` contains the interval to report: the
     combined interval or, without one, the sampling interval. If scans are evaluated at two cutoffs, the interval at the
@@ -104,7 +104,7 @@ def add_uncertainty(
     shape = tuple(at.sizes[dim] for dim in dims)
     scatters: dict[tuple[int, ...], ScansMean | None] = {}
     surfaces: Any = study.surfaces
-    if math.prod(surfaces.scan_counts) > 1:  # decompose the variance of each coefficient by scan and position
+    if math.prod(surfaces.scan_counts) > 1:  # split the variance of each coefficient by scans and positions
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scans_of(table["repetition"].values)
@@ -172,7 +172,7 @@ def add_uncertainty(
 
 
 def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator) -> Columns:
-    """Return the hardness under shear H' (GPa) and the growth of the true area for all mu0 and tau0.
+    """Return, for each pair of mu0 and tau0, the hardness H' under shear (GPa) and the growth ratio of the true area.
 
     Both are computed at the hardness in the study. The result is empty if the study has no hardness. Without junction
     growth, H' equals the hardness.
@@ -200,7 +200,7 @@ def _columns(table: xarray.Dataset) -> Columns:
 
 
 def _numbers_at(columns: Columns, indices: Mapping[str, int]) -> dict[str, Any]:
-    """Return the values of all variables at the given indices of dimensions."""
+    """Return the values of all variables at the given indices along the named dimensions."""
     return {
         name: values[tuple(indices.get(dim, slice(None)) for dim in dims)] for name, (dims, values) in columns.items()
     }
@@ -233,20 +233,20 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
 
 
 def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats) -> Floats:
-    """Return the coefficients to report and the limits of their intervals (*dims, statistic)."""
+    """Return the coefficients to report and their interval limits, as an array with shape (*dims, statistic)."""
     combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = combined[..., 1]
     combined[..., 1] = np.where((low < 0) & (combined[..., 0] >= 0), 0.0, low)
-    is_known = ~np.isnan(known_intervals).any(axis=-1)  # the upper end may be infinite
+    is_known = ~np.isnan(known_intervals).any(axis=-1)  # an infinite upper limit counts as known
     combined[is_known] = known_intervals[is_known]
-    if study.surfaces.both_readings and "cut_off" in dims:  # the value at the first cutoff is quoted
+    if study.surfaces.both_readings and "cut_off" in dims:  # the coefficient at the first cutoff is quoted
         over = np.moveaxis(combined, dims.index("cut_off"), 0)
         over[0, ..., 1], over[0, ..., 2] = np.fmin.reduce(over[..., 1]), np.fmax.reduce(over[..., 2])
     return combined
 
 
 class _CoefficientSamples:
-    """Coefficient from `at_load` with samples of the inputs that determine its interval.
+    """Coefficient returned by `at_load`, with samples of the inputs that determine its interval.
 
     `names` lists the uncertain inputs and sources of sampling uncertainty; it is empty if there is no coefficient or no
     interval.
@@ -273,16 +273,16 @@ class _CoefficientSamples:
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # range of the coefficient for finer scans, extended by the sampling interval
+        # range of coefficients that finer scans could give, extended by the sampling interval
         self.bracket: tuple[float, float] | None = None
-        # The first entry has joint samples of mu0 and tau0; the other entries have mu0 or tau0 at its bound.
+        # The first entry contains joint samples of mu0 and tau0; in the other entries, mu0 or tau0 is at its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
         self.growth = find_junction_growth(study)  # estimate of the junction-growth coefficient α
         # ratio of true areas with and without junction growth
         self.own_growth = float(point.get("area_growth", 1.0))
         hardness = study.contact.hardness
-        self.finest: tuple[float, float] | None = None  # range of the coefficient for finer scans
+        self.finest: tuple[float, float] | None = None  # range of coefficients that finer scans could give
         free = study.uses_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
             self.contacts = float(point["contact_count"][0]) * float(point["members"])
@@ -292,10 +292,10 @@ class _CoefficientSamples:
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         error, members = width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
-        # relative standard deviation from the mean, for a single member in a single direction
+        # relative standard deviation of a single member in a single direction from the mean over members
         self.scatter = spread / (DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
-        places = {POSITIONS_INPUT: error}  # relative standard error of the mean from each source
+        places = {POSITIONS_INPUT: error}  # relative standard error of the mean due to each source
         if of_parts is not None:
             whole = math.sqrt(sum(of_parts.variances)) or 1.0
             places = {
@@ -388,7 +388,7 @@ class _CoefficientSamples:
         return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
-        """Return the coefficient after a dwell time (s) and its interval.
+        """Return the coefficient after a dwell time (s), with the limits of its 95 % interval.
 
         They are NaN if the nominal pressure reaches the hardness.
         """
@@ -461,7 +461,7 @@ class _CoefficientSamples:
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
-        """Return uniform samples, normal scores and input values by name, and the hardness and the modulus ratio.
+        """Return uniform samples, normal scores and values of the inputs by name, and the hardness and modulus ratio.
 
         The samples are cached, because they depend neither on the load nor on exact values of mu0 and tau0.
         """
@@ -481,7 +481,7 @@ class _CoefficientSamples:
         return self.areas.cached(("inputs", self.names, tuple(fixed.items()), wait), (), compute)  # type: ignore[no-any-return]
 
     def _area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
-        """Return samples of the true area before shear, divided by the true area at the study's values.
+        """Return samples of the true area before shear, divided by the true area for the input values in the study.
 
         The samples are cached for each load.
         """
@@ -502,17 +502,17 @@ class _CoefficientSamples:
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
-    """Return the interval extended to contain the values."""
+    """Return the interval, extended so that it contains the given values."""
     return min(ends[0], *values), max(ends[1], *values)
 
 
 def _angle(ends: tuple[float, float]) -> float:
-    """Return the width of an interval in terms of the friction angle (rad)."""
+    """Return the width of an interval of coefficients as a difference of friction angles (rad)."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
 def _ends(values: NDArray[Any]) -> tuple[float, float]:
-    """Return the limits of the 95 % interval of samples.
+    """Return the limits of the equal-tailed interval that contains 95 % of the samples.
 
     The upper limit is infinite if more than 2.5 % of the samples are infinite.
 
@@ -529,7 +529,7 @@ def _ends(values: NDArray[Any]) -> tuple[float, float]:
         )
     # Partitioning takes a tenth of the time of sorting all samples.
     probabilities = np.array([0.025, 0.975])
-    if np.isinf(values).any():  # the quantile is a step function
+    if np.isinf(values).any():  # quantiles are not interpolated if samples are infinite
         steps = np.maximum(np.ceil(probabilities * values.size).astype(int) - 1, 0)
         low, high = np.partition(values, steps)[steps]
     else:

@@ -41,7 +41,7 @@ def calibrate(
     tau0: float | str | None = None,
     outliers: bool = False,
 ) -> Interface:
-    """Infer the strength of an interface, mu0 and tau0 jointly, from friction tests on scanned surfaces.
+    """Infer the joint distribution of mu0 and tau0 of an interface from friction tests on scanned surfaces.
 
     Parameters
     ----------
@@ -88,11 +88,11 @@ def calibrate(
     """
     check_choice("sliding", sliding, Literal["both", "all", "opposing"])
     if not isinstance(tests, Sequence) or not all(isinstance(test, FrictionTest) for test in tests):
-        raise ValueError(f"tests must be a sequence of FrictionTest, got {short_repr(tests)}")
+        raise ValueError(f"tests must be a sequence of FrictionTest objects, got {short_repr(tests)}")
     tests = tuple(tests)
     if not any(test.slid for test in tests):
         raise ValueError(
-            "tests must contain a test with sliding, because a test without sliding gives only a lower bound"
+            "tests must contain at least one test with sliding, because a test without sliding gives only a lower bound"
         )
     common = number("common", common)
     if not 0 <= common < 1:
@@ -102,7 +102,7 @@ def calibrate(
         raise ValueError("uncertainty must be given for all tests or for none")
     if True in has_no_error and sum(test.slid for test in tests) < MIN_TESTS:
         raise ValueError(
-            f"uncertainty must be given if there are fewer than {MIN_TESTS} tests, "
+            f"uncertainty must be given if there are fewer than {MIN_TESTS} tests with sliding, "
             "because it cannot be estimated from so few tests"
         )
     known = (
@@ -117,7 +117,7 @@ def calibrate(
     rules = available if sliding == "both" else [sliding]
     if not rules or not set(rules) <= set(available):
         raise ValueError(
-            f"sliding must be a rule that all results have ({', '.join(available) or 'there is none'}), got {sliding!r}"
+            f"sliding must be a rule that every result has ({', '.join(available) or 'none exists'}), got {sliding!r}"
         )
     problems = [CalibrationProblem(tests, rule, common, known, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]

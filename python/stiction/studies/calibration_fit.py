@@ -68,14 +68,14 @@ class _Best:
 
 @dataclass(frozen=True)
 class _Cells:
-    """Limits of the grid of mu0 and tau0 for each nuisance point."""
+    """Limits of the grid of mu0 and tau0 for each nuisance point, which is a set of nuisance parameters."""
 
     triangle: Floats  # triangular QR factors of the equations (points, 3, 3)
     depth: float
     # limits of the range of tau0 in GPa (points,)
     low: Floats
     high: Floats
-    # best mu0 with junction growth (points, tau0); without growth the triangular factors determine it
+    # best mu0 with junction growth (points, tau0); None if the contacts of no test grow
     best: Floats | None = None
     below: Any = None  # widths of the mu0 range below and above the best value (points, tau0)
     above: Any = None
@@ -83,10 +83,10 @@ class _Cells:
 
 @dataclass(frozen=True)
 class _Grid:
-    """Grid cells for each nuisance point, with the logarithm of the probability in each cell."""
+    """Grid of mu0 and tau0 for each nuisance point, with the logarithm of the probability in each cell."""
 
     cells: _Cells
-    # log probabilities without the prior of the nuisance parameters (points, tau0, mu0)
+    # logarithms of the probabilities (points, tau0, mu0), excluding the prior of the nuisance parameters
     log_probability: Floats
 
 
@@ -151,11 +151,11 @@ class CalibrationProblem:
     def _columns(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the coefficients rub, stick and right of the equations for the given scores (points, nuisances).
+        """Return the coefficients `rub`, `stick` and `right` of the equations for given nuisance scores.
 
-        The coefficients have the shape (points, tests). If mu0 and tau0 (GPa) of shape (points, ...) are given, stick
-        has the shape (points, tests, ...) and includes the junction growth at these values. Otherwise the junction
-        growth is computed from the measured coefficients.
+        The scores have the shape (points, nuisances), and the coefficients have the shape (points, tests). If mu0 and
+        tau0 (GPa) of shape (points, ...) are given, `stick` has the shape (points, tests, ...) and includes the
+        junction growth at these values. Otherwise the junction growth is computed from the measured coefficients.
         """
         from scipy.special import ndtr
 
@@ -195,10 +195,11 @@ class CalibrationProblem:
         return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
 
     def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return unit vectors (runs, tests) and norms (runs,) of the relative offsets of runs, in units of the errors.
+        """Return, for each run, the direction and norm of the vector by which an offset of the run shifts the tests.
 
-        Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
-        the fit low.
+        The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
+        errors. Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would
+        bias the fit low.
         """
         self._run_errors = np.zeros(len(self.slid))
         if not len(self._members):
@@ -206,7 +207,7 @@ class CalibrationProblem:
         rub, stick, right = (column[0] for column in middle)
         mu0, tau0 = _nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
         shifts = self._members * (rub * mu0 + stick * tau0) / self.error
-        # The offsets per unit of spread include the tests without sliding.
+        # Errors of all tests, including tests without sliding, if the standard deviation between runs is 1.
         self._run_errors = (shifts * self.error).sum(axis=0)
         shifts = np.where(self.slid, shifts, 0.0)
         sizes = np.linalg.norm(shifts, axis=1)
@@ -219,16 +220,16 @@ class CalibrationProblem:
 
     @property
     def pivot(self) -> float:
-        """Weighted mean of A/F over the tests (1/GPa)."""
+        """Weighted mean (1/GPa) of the area per load A/F over the tests."""
         return float(np.average(self.ratio, weights=self._weight))
 
     @property
     def variation(self) -> float:
-        """Weighted standard deviation of A/F relative to its mean."""
+        """Weighted standard deviation of A/F over the tests, divided by the weighted mean."""
         return float(np.sqrt(np.average((self.ratio - self.pivot) ** 2, weights=self._weight)) / self.pivot)
 
     def _spread(self, scores: Floats) -> Floats:
-        """Return the relative standard deviation between runs for the given scores (points,)."""
+        """Return the relative standard deviation between runs, with shape (points,), for given nuisance scores."""
         from scipy.special import ndtr
 
         if SPREAD_NUISANCE not in self.nuisances:
@@ -237,15 +238,16 @@ class CalibrationProblem:
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return decorrelated equations (points, tests with sliding, 3) in units of the errors.
+        """Return the equations of the tests with sliding, in units of the errors and decorrelated within runs.
 
-        Also returns the logarithms of the normalization factors (points,).
+        The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
+        factors (points,).
         """
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
         return self._independent(rows, scale, spread)
 
     def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Decorrelate rows (points, tests with sliding, k) within runs.
+        """Remove the correlation between tests of the same run from rows with shape (points, tests with sliding, k).
 
         Also returns the logarithms of the normalization factors (points,).
         """
@@ -261,11 +263,10 @@ class CalibrationProblem:
     def _residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return residuals in units of the errors (points, tests with sliding, ...), and coefficients of the equations.
+        """Return the residuals of tests with sliding, in units of the errors, and the coefficients of the equations.
 
-        The coefficients include junction growth.
-
-        mu0 and tau0 (GPa) have the shape (points, ...). Residuals are infinite at seizure.
+        The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
+        include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
         """
         columns = self._columns(scores, mu0, tau0)
         cells = tuple(1 for _ in mu0.shape[1:])
@@ -312,7 +313,7 @@ class CalibrationProblem:
             return strength
 
         def grown(points: Floats) -> Floats:
-            """Return the residuals (points, tests with sliding) with junction growth."""
+            """Return the residuals, with shape (points, tests with sliding), including junction growth."""
             mu0, tau0 = np.transpose([values(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._residuals(to_scores(points[:, len(free) :]), scales, 1e6 * scales, mu0, tau0)
@@ -385,7 +386,7 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _mean_ratio(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return samples of the weighted mean A/F (1/GPa) over the tests with sliding."""
+        """Return samples of the weighted mean of A/F (1/GPa) over the tests with sliding."""
         rub, stick, _ = self._columns(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
@@ -414,14 +415,14 @@ class CalibrationProblem:
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """Hardness range that all tests share, or None without a common hardness."""
+        """Hardness range that all tests share, or None if there is no such range."""
         first = self._friction[0].yields
         yields = [equation.yields for equation in self._friction]
         names = {law.key("hardness") if law and "hardness" in law.known else "" for law in yields}
         return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
 
     def _hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the hardness (GPa) that all tests share, or NaN without a common hardness."""
+        """Return samples of the hardness (GPa) that all tests share, or NaN if the tests do not share one."""
         from scipy.special import ndtr
 
         first = self._friction[0]
@@ -507,7 +508,7 @@ class CalibrationProblem:
     def _around_growth(
         self, cells: _Cells, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _Cells:
-        """Return grid limits around the best mu0 with junction growth.
+        """Return the limits of the grids around the best mu0, which is computed with junction growth.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
@@ -537,12 +538,12 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, the slope is smaller than above it, but not smaller than without growth.
+        # Residuals change less with mu0 below the best mu0 than above it, but not less than without junction growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 
     def _coefficients(self, cells: _Cells, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
-        """Return the first value and the step of the mu0 grid at each tau0."""
+        """Return the lower limit and the cell width of the mu0 grid at each tau0."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
         if cells.best is None:
@@ -591,7 +592,7 @@ class CalibrationProblem:
         return self._resample(points, grid, log_weight)
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return the mean and covariance of the first proposal for the nuisance parameters and the log scale."""
+        """Return the mean and covariance of the first proposal for the nuisance scores and the log of the scale."""
         moved = [index for index, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
@@ -608,7 +609,7 @@ class CalibrationProblem:
     def _weigh(
         self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _Grid, Floats]:
-        """Draw points from the proposal, and return the points, their grids and their log weights."""
+        """Draw nuisance points from the proposal, and return the points with their grids and logarithmic weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -649,7 +650,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def advice(self) -> tuple[tuple[str, float, float], ...]:
-        """Return plans for further tests that separate mu0 and tau0, with expected standard errors.
+        """Return plans of further tests that would separate mu0 and tau0, each with the expected standard errors.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
@@ -685,7 +686,7 @@ def _concatenate(grids: Sequence[_Grid]) -> _Grid:
 
 
 def _run_members(tests: Sequence[FrictionTest]) -> Floats:
-    """Return the indicator matrix of the tests in each run (runs, tests).
+    """Return a matrix with shape (runs, tests) that is 1 where a test belongs to a run, and 0 elsewhere.
 
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.
     """
@@ -697,7 +698,7 @@ def _run_members(tests: Sequence[FrictionTest]) -> Floats:
 
 
 def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
-    """Solve weighted equations (tests, 3) for nonnegative mu0 and tau0 (GPa) by least squares."""
+    """Solve weighted equations, with shape (tests, 3), for nonnegative mu0 and tau0 (GPa) by least squares."""
     from scipy.optimize import lsq_linear
 
     free = [value is None for value in known]
@@ -712,7 +713,10 @@ def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) ->
 
 
 def _triangle(rows: Floats) -> Floats:
-    """Return the triangular QR factors of equations (points, tests, 3) with positive diagonals (points, 3, 3)."""
+    """Return the triangular factors of the QR decompositions of the equations, with nonnegative diagonals.
+
+    The equations have the shape (points, tests, 3), and the factors have the shape (points, 3, 3).
+    """
     if rows.shape[1] < 3:
         rows = np.concatenate([rows, np.zeros((len(rows), 3 - rows.shape[1], 3))], axis=1)
     factor: Floats = np.asarray(np.linalg.qr(rows, mode="r"))
@@ -760,6 +764,6 @@ def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Float
 
 
 def _effective(log_weight: Floats) -> float:
-    """Return the effective sample size of samples with the given log weights."""
+    """Return the effective sample size of samples, given the logarithms of their weights."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 PICTURE_FILE = "picture.nc"  # file name in a result folder
 MAX_PICTURE_SIZE = 512  # largest number of rows or columns of a stored map
-LOADS_PER_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads of the adhesion figure relative to the pull-off force
+LOADS_PER_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, as multiples of the pull-off force
 # ratio of the map size to the size of the magnified window around the largest contact
 ZOOM_DIVISOR = 8
 MIN_ZOOM_SIZE = 16
@@ -56,12 +56,12 @@ _CONTACT_VARIABLES = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# unit suffixes of column names, by dimension
+# unit suffix that turns the name of each dimension into a column name
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
 def contact_picture(result: Result | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Return heights, contacts and pressures of the member whose true area is nearest to the mean.
+    """Return heights, contacts and pressures of the member whose true area is nearest to the mean true area.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
 
 
 def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
-    """Read the contact picture stored alongside a result, or return None if there is none.
+    """Read the contact picture stored alongside a result, or return None if no picture is stored.
 
     Raises a `StoreError` if the file is damaged.
     """
@@ -223,7 +223,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
 
 
 def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map of contact numbers that shows each asperity contact as a disc of the same area."""
+    """Return a map of contact numbers on which each asperity contact is a disc of equal area."""
     numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         low, high = (
@@ -282,7 +282,7 @@ def _check_members(members: int | Sequence[int], available: list[int]) -> list[i
 
 
 def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] | None) -> Iterator[tuple[float, int]]:
-    """Yield pairs of a load and a member: the given members, or the member whose area is nearest to the mean."""
+    """Yield each load with each given member or, by default, with the member whose area is nearest to the mean."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

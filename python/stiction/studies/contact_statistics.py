@@ -22,7 +22,7 @@ STEEPEST_FRACTION = 0.1  # fraction of the grid points of a body that count as s
 STORED_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact area, and of pressure weighted by true contact area."""
 
-MAX_CELLS_OF_SMALL_CONTACT = 4  # largest number of grid cells of a barely resolved contact
+MAX_CELLS_OF_SMALL_CONTACT = 4  # Contacts with at most this number of grid cells count as barely resolved.
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class PairSlopes:
         return cls(slopes_by_side["upper"], slopes_by_side["lower"], steep, limits, measured)
 
     def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
-        """Compute the rms gradient of the gap and its rms slopes along the given directions (degrees)."""
+        """Compute the rms gradient of the gap, and the rms slopes of the gap along the given directions (degrees)."""
         gap = [(above - below)[self.measured] for above, below in zip(self.upper, self.lower, strict=True)]
         squares = [float(np.square(slope).mean()) for slope in gap]
         if len(gap) == 1:
@@ -72,7 +72,7 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class ContactList:
-    """Table of the contacts of a pair at one load, with the distribution of the pressure; lengths are in µm."""
+    """Table of the contacts of a pair at one load, with the distribution of the contact pressure. Lengths are in µm."""
 
     x: Floats  # centre of each contact along x, weighted by the pressure
     y: Floats  # centre of each contact along y, weighted by the pressure; 0 for profiles
@@ -139,7 +139,7 @@ def list_contact_patches(solution: ContactSolution) -> ContactList:
 
 
 def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> ContactList:
-    """Compute the table of contacts from the asperity model, for two bodies that share a grid."""
+    """Compute the table of contacts from a solution of the asperity model for two bodies that share a grid."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
     normal = contacts.normal
     tilt = -normal[:, :2] / normal[:, 2:]
@@ -161,7 +161,7 @@ def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> Conta
 
 
 def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
-    """Compute, from the mean slopes of the contacts, the fraction of the load on the steepest tenth of each body."""
+    """Compute, for each body, the fraction of the load on contacts that are steeper than 90 % of its grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total = table.force.sum()
     return {
@@ -171,7 +171,7 @@ def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[
 
 
 def find_load_on_steep_points(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
-    """Compute, from a half-space solution, the fraction of the load on the steepest tenth of each body."""
+    """Compute, for each body, the fraction of the load on the steepest tenth of its points in a half-space solution."""
     total = solution.values.sum()
     return {
         f"share_on_steepest_{side}": float(solution.values[mask.ravel()[solution.points]].sum() / total)

@@ -1,4 +1,4 @@
-"""Table `[contact]` of a study, with a class for each contact model and kind of surfaces."""
+"""Table `[contact]` of a study, with a class for each combination of contact model and kind of surfaces."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ from stiction.studies.values import (
     written,
 )
 
-DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # directions of motion of measured areas, in degrees
+DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion of measured areas, degrees
 MAX_DIRECTIONS = 360  # largest number of directions of motion of measured areas
-# factor by which the load curve of lines extends below and above the given loads (asperity model)
+# In the asperity model, the load curve of lines extends below and above the given loads by this factor.
 LINE_LOAD_MARGIN = 30.0
 NUM_LINE_LOADS = 25
-# factor by which the load curve of lines extends below and above the given loads (half-plane model)
+# In the half-plane model, the load curve of lines extends below and above the given loads by this factor.
 HALF_PLANE_LOAD_MARGIN = 10.0
 NUM_HALF_PLANE_LOADS = 7
-MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio of successive loads of areal contacts
+MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio of successive loads at which areal contacts are computed
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
@@ -124,7 +124,7 @@ PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]
 
 
 class OnsetTable(Table):
-    """Friction parameters for the onset of sliding, with friction at all contacts.
+    """Friction parameters for which the onset of sliding is computed, with friction at all contacts.
 
     The result stores the onset for these parameters only.
     """
@@ -148,7 +148,7 @@ LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `fric
 
 
 class ContactTable(Case):
-    """Keys of the table `[contact]` for all contact models and all kinds of surfaces."""
+    """Keys of the table `[contact]` that all contact models and all kinds of surfaces share."""
 
     effective_modulus: Modulus = Field(
         default=quantity("10 GPa", "pressure"), description="Effective modulus E* of both bodies."
@@ -168,7 +168,7 @@ class ContactTable(Case):
         raise NotImplementedError
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return all directions of motion, from `shear` or `direction`."""
+        """Return all directions of motion, as given by the key `shear` or `direction`."""
         raise NotImplementedError
 
     def degrees(self) -> Floats:
@@ -176,7 +176,7 @@ class ContactTable(Case):
         return np.array([degrees_of(direction) for direction in self.directions_of_motion()])
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
+        """Return the sliding rules and the directions of motion (degrees) that form dimensions of a result."""
         return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
 
 
@@ -209,12 +209,12 @@ class GeneratedContact(ContactTable):
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return all directions of motion, from `shear` or `direction`."""
+        """Return all directions of motion, as given by the key `shear` or `direction`."""
         chosen = self.shear if self.direction is None else self.direction
         return chosen if isinstance(chosen, tuple) else (chosen,)
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are lists, because only lists are dimensions."""
+        """Return the sliding rules and directions (degrees) given as lists. A single value adds no dimension."""
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
         return {name: values for name, values in super().motions().items() if is_list[name]}
 
@@ -235,7 +235,7 @@ class GeneratedLoads(GeneratedContact):
 
 
 class MeasuredContact(ContactTable):
-    """Keys of the contact table for measured surfaces at given loads, with results for both sliding rules."""
+    """Keys of the contact table for measured surfaces at given loads. Results contain both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -258,7 +258,7 @@ class MeasuredContact(ContactTable):
 
 
 class MeasuredLinesContact(MeasuredContact):
-    """Keys of the contact table for lines of measured bodies, with results for both directions of motion."""
+    """Keys of the contact table for lines of measured bodies. Results contain both directions of motion."""
 
     place: ClassVar[str] = "measured lines"
 
@@ -268,7 +268,7 @@ class MeasuredLinesContact(MeasuredContact):
 
 
 class MeasuredAreasContact(MeasuredContact):
-    """Keys of the contact table for measured areas, with results for several directions of motion."""
+    """Keys of the contact table for measured areas, which can slide in several directions."""
 
     place: ClassVar[str] = "measured areas"
 
@@ -323,14 +323,14 @@ class HalfSpaceContactTable(ContactTable):
         if self.junction_growth and self.adheres:
             raise fault_at(
                 "junction_growth",
-                "must be 0 with a work of adhesion, because the model has no junction growth of adhesive contacts",
+                "must be 0 if work_of_adhesion is above 0, because adhesive contacts do not grow in the model",
             )
         return self
 
     @model_validator(mode="after")
     def _has_consistent_adhesion(self) -> HalfSpaceContactTable:
         if self.adhesion_range is not None and not self.adheres:
-            raise fault_at("adhesion_range", "must not be given without a work_of_adhesion above 0")
+            raise fault_at("adhesion_range", "must not be given unless work_of_adhesion is above 0")
         strength = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
         if self.hardness is not None and not strength < float(self.hardness):
             raise fault_at(
@@ -347,7 +347,7 @@ class HalfSpaceContactTable(ContactTable):
     @model_validator(mode="after")
     def _has_consistent_tilt(self) -> HalfSpaceContactTable:
         if self.tilt == "free" and (self.adheres or self.boundary == "periodic"):
-            raise fault_at("tilt", 'must be "fixed" with periodic boundaries or a work of adhesion, got "free"')
+            raise fault_at("tilt", 'must be "fixed" if the boundaries are periodic or the bodies adhere, got "free"')
         return self
 
     def solver_arguments(self) -> dict[str, Any]:
@@ -383,7 +383,7 @@ class AsperityContactTable(ContactTable):
     curvature: CurvatureKey = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of a contact model for the direction of motion, if the model has any."""
+        """Return the arguments of a contact model that set the direction of motion; the dict may be empty."""
         return {}
 
     def model(self, sliding: Sliding | None = None) -> ContactModel:
@@ -399,7 +399,7 @@ class AsperityContactTable(ContactTable):
 
 
 class GeneratedAsperities(AsperityContactTable, GeneratedContact):
-    """Keys of the contact table for asperities of generated surfaces at given approaches."""
+    """Keys of the contact table for generated surfaces that the asperity model presses to given approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
@@ -416,7 +416,7 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
     def _has_valid_onset(self) -> Self:
         if self.onset is not None and isinstance(as_law(self.model().law), HertzCylinder):
             raise fault_at(
-                "onset", "must not be given with cylinders, because the displacement under a line load has no limit"
+                "onset", "must not be given with cylinders, because the displacement under a line load is unbounded"
             )
         return self
 
@@ -430,12 +430,12 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
         return array_of(self.approach)
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of a contact model for the direction of motion."""
+        """Return the arguments of a contact model that set the direction of motion."""
         return {"shear": self.shear, "direction": self.direction}
 
 
 class AsperitiesOfGeneratedLines(GeneratedAsperities):
-    """Contact table for generated profiles with the asperity model."""
+    """Contact table of the asperity model for generated profiles."""
 
     place: ClassVar[str] = "asperities of generated lines"
 
@@ -443,7 +443,7 @@ class AsperitiesOfGeneratedLines(GeneratedAsperities):
 
 
 class AsperitiesOfGeneratedAreas(GeneratedAsperities):
-    """Contact table for generated height maps with the asperity model."""
+    """Contact table of the asperity model for generated height maps."""
 
     place: ClassVar[str] = "asperities of generated areas"
 
@@ -451,14 +451,14 @@ class AsperitiesOfGeneratedAreas(GeneratedAsperities):
 
 
 class AsperitiesOfMeasuredLines(AsperityContactTable, MeasuredLinesContact):
-    """Contact table for lines of measured bodies with the asperity model."""
+    """Contact table of the asperity model for lines of measured bodies."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
 class AsperitiesOfMeasuredAreas(AsperityContactTable, MeasuredAreasContact):
-    """Contact table for measured height maps with the asperity model."""
+    """Contact table of the asperity model for measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
     onset: ClassVar[None] = None
@@ -467,25 +467,25 @@ class AsperitiesOfMeasuredAreas(AsperityContactTable, MeasuredAreasContact):
 
 
 class HalfSpaceOfGeneratedLines(HalfSpaceContactTable, GeneratedLoads):
-    """Contact table for generated profiles with the half-plane model."""
+    """Contact table of the half-plane model for generated profiles."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
 class HalfSpaceOfGeneratedAreas(HalfSpaceContactTable, GeneratedLoads):
-    """Contact table for generated height maps with the half-space model."""
+    """Contact table of the half-space model for generated height maps."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
 class HalfSpaceOfMeasuredLines(HalfSpaceContactTable, MeasuredLinesContact):
-    """Contact table for lines of measured bodies with the half-plane model."""
+    """Contact table of the half-plane model for lines of measured bodies."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
 class HalfSpaceOfMeasuredAreas(HalfSpaceContactTable, MeasuredAreasContact):
-    """Contact table for measured height maps with the half-space model."""
+    """Contact table of the half-space model for measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
 
@@ -520,7 +520,7 @@ SHARED_CONTACT_TABLES: tuple[type[ContactTable], ...] = (
 def select_contact_case(
     surfaces: type[GeneratedSurfaces | MeasuredSurfaces], table: Mapping[str, Any]
 ) -> type[Contact]:
-    """Return the class of a contact table, which depends on the surfaces and on the key `mechanics`."""
+    """Return the class of contact table for the given surfaces and the value of the key `mechanics`."""
     cases = CONTACT_CASES[surfaces.bodies]
     return cases[chosen("mechanics", table, cases)]
 
@@ -533,11 +533,11 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
     if isinstance(contact, MeasuredAreasContact):
         direction = contact.direction
         if direction is None or len(contact.directions_of_motion()) > MAX_DIRECTIONS:
-            raise fault_at("direction", f"must be from 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
+            raise fault_at("direction", f"must be 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
         contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
     is_profile = isinstance(surfaces, GeneratedProfiles)
     if is_profile and isinstance(contact, GeneratedContact) and contact.direction not in (None, "+x", "-x"):
-        raise fault_at("direction", f'must be "+x" or "-x" on profiles, got {short_repr(contact.direction)}')
+        raise fault_at("direction", f'must be "+x" or "-x" for profiles, got {short_repr(contact.direction)}')
     if isinstance(contact, AsperityContactTable) and surfaces.is_areal:
         try:
             contact.model().for_surfaces()
@@ -556,7 +556,7 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
         )
         if not contact.steps()[-1] < (max_load := float(contact.hardness) * area):
             raise fault_at(
-                "load", f"must be below hardness times area, {max_load:g} mN, got {contact.steps()[-1]:g} mN"
+                "load", f"must be below hardness times area ({max_load:g} mN), got {contact.steps()[-1]:g} mN"
             )
     return contact
 
@@ -570,7 +570,7 @@ def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
 
 
 def _fill_loads(requested: Floats) -> Floats:
-    """Insert loads (mN) between the given loads, so that successive ratios are at most `MAX_AREAL_LOAD_RATIO`."""
+    """Insert loads (mN) between the given loads, so that successive ratios hardly exceed `MAX_AREAL_LOAD_RATIO`."""
     requested = np.unique(requested)
     steps = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
@@ -583,7 +583,7 @@ def _fill_loads(requested: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the given loads (mN) and additional loads at which a measured pair is computed.
+    """Return the given loads (mN) and the additional loads at which contacts of a measured pair are computed.
 
     All loads are below `max_load` (mN). For areas, `num_smaller` loads are below the given loads, and the ratio of
     successive loads is at most `MAX_AREAL_LOAD_RATIO`.

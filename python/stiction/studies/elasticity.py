@@ -19,7 +19,7 @@ class Elasticity:
     """Elasticity of a pair of bodies, with the properties of the softer body."""
 
     effective_modulus: float  # effective modulus E* (GPa)
-    compliance_share: float = 0.5  # contribution of the lower body to the compliance; 0.5 if only E* is given
+    compliance_share: float = 0.5  # fraction of the compliance due to the lower body; 0.5 if only E* is given
     poisson_ratio: float | None = None  # Poisson's ratio of the softer body
     hardness: float | None = None  # hardness of the softer body, GPa
     source: str = ""  # description of the modulus, if materials are given
@@ -56,7 +56,7 @@ def find_elasticity(
     if upper or lower:
         if poisson is not None:
             raise ArgumentError(
-                f"{{poisson}} must not be given together with {materials_text}, which have Poisson's ratios"
+                f"{{poisson}} must not be given together with {materials_text}, which define Poisson's ratios"
             )
         return _combine_materials(str(upper or lower), str(lower or upper))
     ratios = None if poisson is None else parse_numbers("poisson", poisson)
@@ -65,7 +65,7 @@ def find_elasticity(
     if modulus is not None:
         if ratios is not None and len(ratios) > 1:
             raise ArgumentError(
-                "{poisson} must be one number, for the softer body, if {effective_modulus} is given, got {got}",
+                "{poisson} must be a single number (for the softer body) if {effective_modulus} is given, got {got}",
                 got=repr(poisson),
             )
         value = float(parse_quantity("effective_modulus", modulus, "pressure"))
@@ -142,7 +142,7 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
 
 
 def _format_alias_note(names: Iterable[tuple[str, str]]) -> str:
-    """Return a note about alternative names of materials, with their standard names."""
+    """Return a note that lists the standard names of materials entered by alternative names."""
     aliases = [f'"{alternative}"{{}} as {name}' for alternative, name in names if not is_name_of(alternative, name)]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
     return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text

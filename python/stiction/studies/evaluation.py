@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
 LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of single members (spread_low and spread_high)
+SPREAD_QUANTILES = (0.1, 0.9)  # quantiles over single members in `spread_low` and `spread_high`
 NEGLIGIBLE_COEFFICIENT = 1e-9
 """Largest coefficient that is attributed to round-off, for an interface without strength."""
 NEGLIGIBLE_LOAD_RATIO = 0.01
@@ -174,7 +174,10 @@ def _pull_offs(result: Result) -> list[float]:
 
 
 def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes (degrees, 0 to 180) that have two opposite directions, and the direction indices (a, 2)."""
+    """Return the axes (degrees, 0 to 180) with motion in both directions, and the indices of the two directions.
+
+    The indices have the shape (axes, 2).
+    """
     angles = np.mod(directions, 360.0)
     axes, places = [], []
     for index, angle in enumerate(angles):
@@ -295,9 +298,10 @@ def default_loads(result: Result) -> Floats:
 
 
 def _without_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Return means over opposite directions (*dims, statistic) with zeros for an interface without strength.
+    """Return means over opposite directions, with round-off replaced by 0 if the interface has no strength.
 
-    The contributions of opposite directions then cancel except for round-off, which would have a random sign.
+    The means have the dimensions (*dims, statistic). Without strength, the contributions of opposite directions cancel
+    except for round-off, which would have a random sign.
     """
     import xarray
 
@@ -317,7 +321,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     variables: dict[str, Any] = {}
     for name in members.data_vars:
         if name in ("normal_load", "tangential_load") and not _is_requested(name, names):
-            continue  # These loads are reported only for single members.
+            continue  # Both loads are reported only for single members.
         values = tables[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
@@ -373,9 +377,9 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
 
 
 def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the status of each true area fraction (..., 3), and the fractions limited to 1.
+    """Return the contact status for each true area fraction, and the fractions limited to 1.
 
-    In the asperity model, fractions above 1 become NaN instead.
+    The fractions have the shape (..., 3). In the asperity model, fractions above 1 become NaN instead.
     """
     above = fraction[..., 0] > 1
     status = np.where(above, COMPLETE_STATUS if uses_half_space else ABOVE_NOMINAL_STATUS, friction.STATUS_OK)
@@ -495,7 +499,7 @@ def _members_before_growth(
 
 
 def areas_of(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
-    """Return the true area at the loads of a dataset from `at_load`, as a function of hardness and E*."""
+    """Return an interpolator of the true area over hardness and E* at the loads of a dataset returned by `at_load`."""
     result = Result.of(result)
     study, loads = result.study, dataset["load"].values
     area = dataset["contact_area"].sel(statistic="mean")
@@ -505,7 +509,7 @@ def areas_of(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaIn
 
 
 def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolator:
-    """Return the true area at the loads of a dataset from `member_values`, as a function of hardness."""
+    """Return an interpolator of the true area over hardness at the loads of a dataset returned by `member_values`."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
     study = result.study
@@ -513,7 +517,7 @@ def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolat
 
 
 def mean_areas(result: Result) -> Floats:
-    """Return the mean true area (µm²) of the members at the computed loads.
+    """Return the mean true area (µm²) of the members at each computed load.
 
     `Result.mean_areas` caches these areas.
     """
@@ -535,9 +539,9 @@ def growth_of_area(result: Result, loads: Floats) -> Floats:
 
 
 def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
-    """Return the ratio of the true area at the onset of sliding to the area before shear (loads, mu0, tau0).
+    """Return the ratio of the true area at the onset of sliding to the true area before shear.
 
-    The ratio is infinite at seizure.
+    The ratio has the shape (loads, mu0, tau0), and is infinite at seizure.
     """
     assert areas.hardness is not None, "contacts that do not yield do not grow"
     pressure = hardness_under_shear(areas.hardness, mu0[:, np.newaxis], tau0, float(study.contact.junction_growth or 0))
@@ -547,12 +551,12 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
 
 
 def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
-    """Return member values whose adhesive forces are based on the true area at the onset of sliding."""
+    """Recompute member values so that adhesive forces are based on the true area at the onset of sliding."""
     study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
     rules = members["sliding"].values.tolist()
     grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
     with np.errstate(invalid="ignore"):
-        factor = np.stack([grown[rule] for rule in rules])[:, np.newaxis]  # (sliding, direction, load, mu0, tau0)
+        factor = np.stack([grown[rule] for rule in rules])[:, np.newaxis]  # shape (sliding, 1, load, mu0, tau0)
         added_strength = np.where(tau0 > 0, tau0 * (factor - 1), 0.0)
     sums = member_sums(result, members["load"].values, ("normal_adhesive", "tangential_adhesive"), of=of)
     dims = (*cells_of(members), "repetition", *MOTIONS, "load", "mu0", "tau0")
@@ -630,7 +634,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
 
 @dataclass(frozen=True, kw_only=True)
 class PerLoad:
-    """Coefficients of both forces, which are linear in mu0 and tau0, divided by the elastic load."""
+    """Coefficients of the normal and tangential forces as linear functions of mu0 and tau0, per unit elastic load."""
 
     elastic: float = 0.0
     rub: float = 1.0
@@ -648,7 +652,7 @@ class PerLoad:
         )  # fmt: skip
 
     def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """Compute mu_s if the true area is `area` times the computed true area."""
+        """Compute the friction coefficient for a true area that is `area` times the computed true area."""
         tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
         return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
@@ -700,7 +704,7 @@ def _evaluate_piece(
             crossing.below[..., None, None, :, None, None],
         )
     else:
-        # Values are taken at the step where the normal load equals the given load; shape (..., load, mu0, tau0).
+        # Values are interpolated where the normal load equals the given load, with shape (..., load, mu0, tau0).
         normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
@@ -741,7 +745,7 @@ def _evaluate_piece(
         if name in tables:
             variables[name] = tables[name]
     if "pull_off" in tables:
-        # An element is 1 if the pull-off force of the member is only a lower bound, and 0 if it is a value.
+        # An element is 1 if the pull-off force of the member is only a lower bound, and 0 otherwise.
         bounds = (_over(tables["pull_off_is_bound"], lead) != 0).astype(np.float64)
         variables["share_of_pull_off_bounds"] = (lead, bounds, attributes_of("share_of_pull_off_bounds"))
         parts = {name: _over(tables[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
@@ -764,7 +768,7 @@ def _evaluate_piece(
 def _curves(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS
 ) -> tuple[dict[str, Floats], Crossing]:
-    """Return the contact sums of the members, and the crossings of their elastic loads with the given loads."""
+    """Return the contact sums of the members, and the points at which their elastic loads cross the given loads."""
     step = find_step_dimension(piece)
     lead = (*cells_of(piece), "repetition")
     # Access to variables without coordinates is much faster than to arrays with coordinates.
@@ -782,7 +786,7 @@ def _motions_of(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
 
 
 def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add the ratios of contact sums, and remove sums that are not shown."""
+    """Add ratios of contact sums to the variables, and remove the sums that are not shown."""
     dims, elastic = variables["normal_elastic"][:2]
     ratios: dict[str, Any] = {}
     if nominal_area is not None and "pull_off" in variables:
@@ -808,7 +812,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
 
 
 def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Return the values as floats with the dimensions in the given order.
+    """Return the values of a variable as floats, with the dimensions in the given order.
 
     If `missing` is true, missing dimensions are added with the length 1.
     """
@@ -820,14 +824,14 @@ def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = Fals
 
 
 def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
-    """Return the status of each member (..., sliding, direction, load, mu0, tau0)."""
+    """Return the status of each member, with shape (..., sliding, direction, load, mu0, tau0)."""
     is_known = np.isfinite(normal)
     locked = is_known & (normal <= 0)
     status = friction.combine_status(touched=True, reached=is_known & reached & ~locked, locked=locked, below=below)
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = find_step_dimension(piece)
     if "status" in piece:
-        # A member without a coefficient has the status of the first step at or above the load, unless that is "ok".
+        # A member without a coefficient gets the status of the first step at or above the load, unless this is "ok".
         codes = _over(piece.variables["status"], (*cells_of(piece), "repetition", step)).astype(int)
         ladder = piece[step].values
         step_index = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)
@@ -841,7 +845,10 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
 def estimate_by_slopes(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Compute the small-slope estimate of friction from rms gradients (...) and rms slopes (..., direction)."""
+    """Compute the small-slope estimate of friction from the rms gradients and rms slopes of gaps.
+
+    The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
+    """
     has_slopes = (gradient[..., np.newaxis] > 0) & (slope > 0)
     steep, along = (np.where(has_slopes, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope))
     estimates = [

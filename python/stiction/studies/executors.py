@@ -59,7 +59,7 @@ def thread_executor(workers: int | None = None) -> Iterator[Executor]:
 def use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Wrap the function of a task so that idle threads help with its Fourier transforms.
+    """Wrap the function of a task so that idle threads help to compute its Fourier transforms.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.
@@ -108,7 +108,7 @@ class ClusterError(ValueError):
 
 @contextlib.contextmanager
 def _without_disconnect_log() -> Iterator[None]:
-    """Suppress log messages of Dask about a lost scheduler, which a `ClusterError` reports."""
+    """Suppress Dask's log messages about a lost scheduler, because a `ClusterError` reports the loss."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
     levels = [logger.level for logger in loggers]
     try:

@@ -27,7 +27,7 @@ MIN_STIFFNESS_PRESSURES = 3  # smallest number of pressures needed to compute a 
 # directions of motion (degrees) over which coefficients are averaged, because the surfaces are isotropic
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 MAX_FITTED_AREA = 0.1  # largest true area fraction at which the laws are fitted
-MAX_LAW_DEVIATION = 0.1  # A caveat is issued if the relative deviation of means from a fitted law is larger.
+MAX_LAW_DEVIATION = 0.1  # A caveat is issued if means deviate from a fitted law by more than this fraction.
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -145,7 +145,7 @@ def _checked_values(name: str, values: ArrayLike) -> list[float]:
 def friction_table(
     result: Result | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    r"""Compute friction, true area and stiffness as functions of the pressure, and fit laws to them.
+    r"""Compute friction, true area and stiffness as functions of the pressure, and fit laws to area and stiffness.
 
     Parameters
     ----------
@@ -244,9 +244,10 @@ def friction_table(
 
 
 def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
-    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return their parameters (fractal dimension, amplitude, 3).
+    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with their 95 % intervals.
 
-    The parameters are NaN if a pair of surfaces has no area or no stiffness.
+    Each parameter has the shape (fractal dimension, amplitude, 3). The parameters are NaN if a pair of surfaces has no
+    area or no stiffness.
     """
     names = ("area_factor", "stiffness_factor", "stiffness_exponent")
     parameters = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}

@@ -95,12 +95,12 @@ class GeneratedSurfaceKeys(Case):
         return array_of(self.amplitude)
 
     def cells(self) -> dict[str, Floats]:
-        """Return the fractal dimensions and the amplitudes (µm), which are dimensions of a result."""
+        """Return the fractal dimensions D and the amplitudes (µm) for which a result contains values."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
 class GeneratedProfiles(GeneratedSurfaceKeys):
-    """Keys of `[surfaces]` for pairs of fractal profiles that Eq. 1 of the paper generates."""
+    """Keys of `[surfaces]` for pairs of fractal profiles generated with Eq. 1 of the paper."""
 
     place: ClassVar[str] = "fractal profiles"
     bodies: ClassVar[str] = "generated lines"
@@ -142,18 +142,18 @@ class GeneratedAreas(GeneratedSurfaceKeys):
         return self
 
     def extents(self) -> tuple[float, float]:
-        """Return the lengths along y and x (µm)."""
+        """Return the lengths (µm) of a surface along y and x."""
         along_y, along_x = self.extent
         return float(along_y), float(along_x)
 
     def spacings(self) -> tuple[float, float]:
-        """Return the distances between rows and between columns (µm)."""
+        """Return the distances (µm) between the rows and between the columns of a surface."""
         (along_y, along_x), (rows, columns) = self.extents(), self.shape
         return along_y / rows, along_x / columns
 
 
 class WeierstrassMandelbrotSurfaces(GeneratedAreas):
-    """Keys of `[surfaces]` for pairs of fractal height maps that Eq. 1 of the paper generates."""
+    """Keys of `[surfaces]` for pairs of fractal height maps generated with Eq. 1 of the paper."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
 
@@ -217,7 +217,7 @@ class SelfAffineSurfaces(GeneratedAreas):
     @model_validator(mode="before")
     @classmethod
     def _translate_argument_names(cls, keys: Any) -> Any:
-        """Replace alternative keys with the standard keys."""
+        """Replace alternative keys, such as `rms`, with the standard keys."""
         if not isinstance(keys, Mapping) or not cls.other_keys.keys() & keys.keys():
             return keys
         table = {key: value for key, value in keys.items() if key not in cls.other_keys}
@@ -230,7 +230,7 @@ class SelfAffineSurfaces(GeneratedAreas):
             spacing, shape = keys["spacing"], table.get("shape", cls.model_fields["shape"].default)
             spacings = spacing if isinstance(spacing, (list, tuple)) else [spacing, spacing]
             if len(spacings) != 2 or len(shape) != 2:
-                raise fault_at("spacing", f"must be a length or a list of two, got {short_repr(spacing)}")
+                raise fault_at("spacing", f"must be a length or a list of two lengths, got {short_repr(spacing)}")
             try:
                 steps = [float(read_length(text)) for text in spacings]
             except ValueError as error:
@@ -245,14 +245,14 @@ class SelfAffineSurfaces(GeneratedAreas):
         side, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.longest()
         shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
         if longest > side * ROUND_OFF_FACTOR:
-            raise fault_at("longest_wavelength", f"must be at most the longer side, {side:g} um, got {longest:g} um")
+            raise fault_at("longest_wavelength", f"must be at most the longer side ({side:g} um), got {longest:g} um")
         if shortest * ROUND_OFF_FACTOR < finest:
             raise fault_at(
-                "shortest_wavelength", f"must be at least twice the larger spacing, {finest:g} um, got {shortest:g} um"
+                "shortest_wavelength", f"must be at least twice the larger spacing ({finest:g} um), got {shortest:g} um"
             )
         if not shortest < longest:
             raise fault_at(
-                "shortest_wavelength", f"must be below the longest wavelength, {longest:g} um, got {shortest:g} um"
+                "shortest_wavelength", f"must be below the longest wavelength ({longest:g} um), got {shortest:g} um"
             )
         return self
 

@@ -61,7 +61,7 @@ MAX_NARROW_HALF_RANGE = 0.2
 The area at another modulus is then derived from the dependence of the area on the load.
 """
 
-NODE_ROUND_OFF = 1e-9  # largest relative difference between nodes due to round-off
+NODE_ROUND_OFF = 1e-9  # relative difference up to which nodes count as equal, because of round-off
 
 SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
 """Spacing in ln H and number of additional nodes below the hardness range for junction growth.
@@ -160,7 +160,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Floats | float:
-    """Return the ratio of E* to the E* in the study, for samples of the uncertain inputs."""
+    """Return E* for samples of the uncertain inputs, divided by the E* in the study."""
     return find_moduli(study).relative_modulus(samples)
 
 
@@ -168,14 +168,14 @@ def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Flo
 
 
 def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
-    """Return the nodes: hardnesses divided by the relative modulus (GPa), and relative moduli.
+    """Return the nodes at which areas are computed: hardnesses over relative moduli (GPa), and relative moduli.
 
     A relative modulus is E* divided by the E* in the study. The last hardness is infinite (elastic bodies). There are
     no hardnesses if the hardness and E* are exact or have narrow ranges, and the study has neither dwell times nor
     junction growth.
     """
     inputs, creep, hardness = find_inputs(study), find_creep(study), study.contact.hardness
-    # The half width of the range of ln E* is the root sum of squares over the inputs.
+    # The half width of the range of ln E* is the root sum of squares of the half widths due to each input.
     steps = [
         np.ptp(np.log(compute_relative_modulus(study, {name: entry.estimate.quantile(NODE_QUANTILES)}))) / 2
         for name, entry in inputs.items()
@@ -196,7 +196,7 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     half_width = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
     positions = np.exp(half_width * (2 * np.array(NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
     nodes = np.sqrt(ends.prod()) * positions
-    # A limit of the range that equals the hardness of the study except for round-off is removed.
+    # A node that differs from the hardness of the study only by round-off is removed.
     nodes = nodes[~np.isclose(nodes, float(hardness), rtol=NODE_ROUND_OFF, atol=0.0)]
     nodes = np.unique([*nodes, float(hardness), np.inf])
     return np.unique([*_choose_shear_nodes(study, float(nodes[0])), *nodes]), moduli
@@ -250,7 +250,7 @@ def _list_area_names(study: Study) -> tuple[str, ...]:
 
 
 def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
-    """Compute the true areas (µm²) of a member at a single node, as an array (areas, loads).
+    """Compute the true areas (µm²) of a member at a single node, as an array with shape (areas, loads).
 
     `task` contains the index of the member, the relative modulus, and the hardness divided by the relative modulus.
     With junction growth, the second area is the area of contacts that oppose the motion, weighted by slope factors and
@@ -281,7 +281,7 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
 
 
 def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
-    """Return the sum of area times slope factor over the contacts that oppose the motion (µm²) at each load."""
+    """Return, at each load, the sum (µm²) of area times slope factor over the contacts that oppose the motion."""
     opposing = curve.with_sliding("opposing")
     directions = [opposing] if is_areal else [opposing, opposing.with_direction("-x")]
     sums = np.mean([direction.tangential_adhesive for direction in directions], axis=0)
@@ -313,16 +313,16 @@ class NodeAreas:
     """Mean true areas of the members at the loads of the study, for several hardnesses and relative moduli e."""
 
     loads: Floats  # loads of the study (l,), mN
-    hardnesses: Floats  # hardnesses H/e at the nodes (n,), GPa
+    hardnesses: Floats  # hardnesses over relative moduli, H/e, at the nodes (n,), GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
     areas: Floats  # areas per load e A/F at the nodes (l, m, n), 1/GPa
     opposing_areas: Floats | None  # areas per load A/F of contacts that oppose the motion (l, n), 1/GPa
     errors: Floats  # relative standard errors of the ratios of A at the nodes to A in the study (l, n)
-    tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F for all interpolators
+    tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, shared by interpolators
 
     @classmethod
     def load(cls, result: StoredResult) -> NodeAreas | None:
-        """Load the areas stored with a result, or return None if `load_areas_over_hardness` does."""
+        """Load the areas stored with a result, or return None if `load_areas_over_hardness` returns None."""
         if (solved := load_areas_over_hardness(result)) is None:
             return None
         means = solved.mean("repetition")
@@ -335,7 +335,7 @@ class NodeAreas:
         )  # fmt: skip
 
     def interpolate_loads(self, areas: Floats, loads: Floats) -> Floats:
-        """Interpolate areas (l, ...) over the load by power laws.
+        """Interpolate areas with shape (l, ...) between the loads of the study by power laws.
 
         Areas are constant outside the loads of the study.
         """
@@ -346,12 +346,12 @@ class NodeAreas:
         return np.asarray(areas[below] ** (1 - weight) * areas[np.ceil(position).astype(int)] ** weight)
 
     def nearest_errors(self, loads: Floats) -> Floats:
-        """Return the errors at the nearest load of the study for each load."""
+        """Return, for each given load, the errors at the nearest load of the study."""
         return np.asarray(self.errors[np.abs(self.loads - loads[:, np.newaxis]).argmin(axis=1)])
 
 
 class SampledAreas:
-    """Area per load A/F as a function of ln H; for many hardnesses, it is five times faster than `area_per_load`.
+    """Function that computes A/F from ln H. For many hardnesses, it is five times faster than `area_per_load`.
 
     Areas at many hardnesses are interpolated linearly in a table of ln(A/F) with `NUM_TABLE_STEPS` equal steps of ln H,
     with a relative error below 1e-5. Areas at few hardnesses, or outside the table, are computed exactly.
@@ -363,13 +363,13 @@ class SampledAreas:
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats]:
-        """Values of ln(A/F) at the steps, and differences between successive values."""
+        """Values of ln(A/F) at equal steps of ln H, and differences between successive values."""
         grid = np.exp(np.linspace(self._first, self._last, NUM_TABLE_STEPS + 1))
         log_areas = np.log(area_per_load(grid, *self._arguments))
         return log_areas, np.diff(log_areas, axis=-1)
 
     def __call__(self, log_hardness: Floats) -> Floats:
-        """Return A/F (1/GPa) for logarithms of hardnesses in GPa (h,). The shape of the result is (..., h)."""
+        """Return A/F (1/GPa), with shape (..., h), for logarithms of hardnesses in GPa with shape (h,)."""
         is_large = log_hardness.size > NUM_TABLE_STEPS // 4
         if not (is_large and self._first < log_hardness.min() and log_hardness.max() < self._last):
             return area_per_load(np.exp(log_hardness), *self._arguments)
@@ -390,7 +390,7 @@ class AreaInterpolator:
     """
 
     hardness: float | None  # hardness of the study (GPa), or None for elastic bodies
-    node_hardnesses: Floats  # hardnesses H/e at the nodes (n,), GPa
+    node_hardnesses: Floats  # hardnesses over relative moduli, H/e, at the nodes (n,), GPa
     node_areas: Floats  # areas per load e A/F at the nodes (loads, m, n), 1/GPa
     elastic_areas: Floats  # areas per load e A/F of elastic bodies (loads, m), 1/GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
@@ -399,7 +399,7 @@ class AreaInterpolator:
     pressures: Floats  # nominal pressures (loads,), GPa
     opposing_areas: Floats | None = None  # areas per load A/F of contacts that oppose the motion (loads, n)
     tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, see `_sheared_area`
-    cache: dict[Any, tuple[tuple[Any, ...], Any]] = field(default_factory=dict)  # inputs and values of `cached`
+    cache: dict[Any, tuple[tuple[Any, ...], Any]] = field(default_factory=dict)  # inputs and values stored by `cached`
 
     @classmethod
     def from_result(
@@ -456,7 +456,7 @@ class AreaInterpolator:
         )
 
     def area_ratio(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
-        """Return the true area at hardnesses (GPa) and relative moduli, divided by the true area of the study."""
+        """Return the true area at hardnesses (GPa) and relative moduli, divided by the true area in the study."""
         if hardness is None or self.hardness is None:
             areas, study_areas = self.elastic_areas[load][:, np.newaxis], self.elastic_areas[load][:, np.newaxis]
         else:
@@ -469,7 +469,7 @@ class AreaInterpolator:
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
-        """Return the relative standard error of the area ratio for hardnesses divided by the relative modulus (GPa)."""
+        """Return the relative standard error of `area_ratio` at given ratios of hardness to relative modulus (GPa)."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.node_hardnesses), self.errors[load]))
 
     def growth_ratio(
@@ -509,7 +509,7 @@ class AreaInterpolator:
                 elastic_areas = elastic_areas[[middle]] * self.opposing_areas[load, -1] / areas[middle, -1]
                 areas = self.opposing_areas[[load]]
             self.tables[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
-        # Consecutive loads and sliding rules share the arrays.
+        # Calls for consecutive loads and sliding rules pass the same arrays.
         log_hardness = self.cached("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))
         sampled = self.tables[key](log_hardness.ravel()).reshape(-1, *log_hardness.shape)
         return _interpolate_moduli(sampled, self.moduli, modulus)
@@ -520,7 +520,7 @@ class AreaInterpolator:
         def compute() -> Floats:
             return self._sheared_area(load, rule, hardness, modulus)
 
-        # Many values of mu0 and tau0 have the same arrays of samples.
+        # The same arrays of samples are used for many values of mu0 and tau0.
         return self.cached(("before", load, rule), (hardness, modulus), compute) if hardness.size > 1 else compute()
 
     def cached(self, name: Any, inputs: tuple[Any, ...], compute: Callable[[], _Value]) -> _Value:
@@ -541,7 +541,10 @@ class AreaInterpolator:
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:
-    """Estimate the relative standard error (loads, n) of the ratio of areas at the nodes to the area in the study."""
+    """Estimate the relative standard errors of the ratios of areas at the nodes to the area in the study.
+
+    The errors have the shape (loads, n).
+    """
     area = solved["contact_area"].sel(relative_modulus=1.0, method="nearest")
     area = area.transpose("load", "hardness", "repetition")
     count = area.sizes["repetition"]

@@ -181,7 +181,7 @@ def find_factor_folder(path: Path, factor: float, scaled: ScaledSides) -> Path:
 
 
 def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float, StoredResult]:
-    """Open the finished results for all factors of the heights, in ascending order of the factor.
+    """Open the finished results for all stored height factors, in ascending order of the factor.
 
     The given result is included as factor 1. All results are opened with its friction parameters.
     """
@@ -225,7 +225,7 @@ def _lacks_hardness(stored: StoredResult) -> bool:
 
 
 def estimate_factor_time(study: Study, count: int) -> float:
-    """Estimate the time (s) that a single core takes to compute a number of factors."""
+    """Estimate the time (s) that a single core takes to compute the results for a number of factors."""
     time_of_nodes = count_solutions(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
     return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
 
@@ -248,7 +248,7 @@ def compute_factors(
             folder = find_factor_folder(result.path, factor, scaled)
             existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing and find_member_differences(existing.study, study):
-                remove_result(existing)  # the stored study has another pair
+                remove_result(existing)  # the stored study describes a different pair
             compute_missing(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
             if _lacks_hardness(stored) and (areas := compute_areas_over_hardness(stored.study, workers)) is not None:
@@ -261,7 +261,7 @@ def compute_factors(
 def evaluate_height_scale(
     result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: ScaledSides = "both"
 ) -> xarray.Dataset:
-    """Evaluate friction, true area and stiffness of a measured pair for factors of the heights.
+    """Evaluate friction, true area and stiffness of a measured pair whose heights are multiplied by given factors.
 
     Parameters
     ----------

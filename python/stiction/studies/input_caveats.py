@@ -59,14 +59,16 @@ It is a multiple of the robust standard deviation of the heights. The distance i
 for white noise.
 """
 
-MAX_NOISE_SLOPE_FRACTION = 0.01  # A caveat is issued if the instrument adds a larger fraction of the mean square slope.
-MAX_PEAK_FRACTION = 0.1  # A caveat is issued if a peak contributes a larger fraction of the fourth spectral moment.
+# A caveat is issued if the instrument contributes more than this fraction of the mean square slope.
+MAX_NOISE_SLOPE_FRACTION = 0.01
+# A caveat is issued if a peak contributes at least this fraction of the fourth spectral moment.
+MAX_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # A caveat is issued if the ratio of two spectra of a surface is larger.
+MAX_SPECTRA_RATIO = 2.0  # A caveat is issued if spectra of the same surface differ by more than this factor.
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Ratio of nominal pressure to E* above which the load is probably the load on the whole component."""
 
@@ -77,7 +79,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     vouched = bool(study.surfaces.vouched)
 
     def of_part(file: MeasuredFile, body: Body) -> list[Caveat]:
-        """Return caveats about the scans of a body: for each kind, the caveat with the longest cutoff."""
+        """Return, for each kind of caveat about the scans of a body, the caveat with the longest cutoff."""
         kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
@@ -197,13 +199,13 @@ def _extent(body: Body) -> tuple[float, float]:
 
 
 def spectra_differ(joined: JoinedSpectrum) -> bool:
-    """Return whether a scan differs from the others significantly and by more than a factor of two in power."""
+    """Return whether the spectrum of a scan differs from the others significantly, and by more than a factor of two."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
 
 def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield caveats about several scans of a surface: contradictory spectra, or missing wavelengths."""
+    """Yield caveats if scans of a surface have contradictory spectra, or if no scan contains some wavelengths."""
     if spectra_differ(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
@@ -260,7 +262,7 @@ def _of_instrument(
 
 
 def _waves(limit: InstrumentLimit) -> str:
-    """Describe the fraction of the mean square slope from unreliable wavelengths."""
+    """Return a text about the fraction of the mean square slope that comes from unreliable wavelengths."""
     # The fraction is rounded, so that caveats of similar scans are equal.
     fraction = f"{100 * limit.slope_fraction:.0f} %"
     along = f" along {limit.axis}" if limit.axis else ""

@@ -1,4 +1,4 @@
-"""Parser and samples of uncertain inputs: numbers, ranges, or values with a standard uncertainty.
+"""Parsing and sampling of uncertain inputs: numbers, ranges, or values with a standard uncertainty.
 
 Distributions are propagated by sampling (JCGM 101, 2008). The range of a hardness, a modulus or a strength represents a
 log-normal distribution with 95 % of its probability within the range. The range of a coefficient, or a value with a
@@ -26,9 +26,9 @@ from stiction.studies.values import Table, as_tuple
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-# number of samples at which the budget fractions of two equal inputs differ by less than 0.01
+# With this number of samples, the budget fractions of two equal inputs differ by less than 0.01.
 NUM_SAMPLES = 2**14
-MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty
+MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty that is accepted
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
 """Pattern that matches a string with a range, an uncertainty or a hardness scale, but not a plain quantity."""
 
@@ -65,12 +65,12 @@ _TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\
 InputKind = Literal["", "pressure", "modulus", "hardness"]
 MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
 MAX_JUNCTION_GROWTH = 100.0  # largest α of junction growth; α is 27 for a von Mises body whose H is 3 yield strengths
-MAX_CREEP_EXPONENT = 0.5  # largest exponent of creep, at which the hardness falls to a third per decade of time
+MAX_CREEP_EXPONENT = 0.5  # largest creep exponent, at which the hardness falls to a third in each decade of time
 
 
 @dataclass(frozen=True)
 class UncertainInput:
-    """Input as a probability distribution, in core units."""
+    """Probability distribution of an uncertain input, in core units."""
 
     value: float  # central value: the number, or the middle of the range (geometric mean if log-normal)
     low: float  # lower limit of the 95 % interval, or of a uniform distribution
@@ -114,7 +114,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        truncated = ndtr(-self.value / deviation)  # probability below 0, which is truncated
+        truncated = ndtr(-self.value / deviation)  # probability of values below 0, which are excluded
         return np.asarray(np.maximum(self.value + deviation * ndtri(truncated + probability * (1 - truncated)), 0.0))
 
 
@@ -190,7 +190,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
 
 
 def _convert_rockwell(low: float, high: float, text: str) -> UncertainInput:
-    """Return the distribution of a hardness range in HRC, widened by the conversion error."""
+    """Return the distribution of a hardness that was given in HRC, widened by the conversion error."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
@@ -248,7 +248,7 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
 
 @functools.lru_cache(maxsize=32)
 def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) -> Floats:
-    """Return points of a scrambled Sobol sequence in the unit cube (count, dimensions).
+    """Return points of a scrambled Sobol sequence in the unit cube, with shape (count, dimensions).
 
     `count` must be a power of two.
     """
@@ -259,7 +259,7 @@ def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) ->
 
 
 def stratified_points(dimensions: int) -> Floats:
-    """Return `NUM_SAMPLES` points of a Sobol sequence in the unit cube (NUM_SAMPLES, dimensions)."""
+    """Return `NUM_SAMPLES` points of a Sobol sequence in the unit cube, with shape (NUM_SAMPLES, dimensions)."""
     return sobol_points(dimensions, NUM_SAMPLES, seed=2016)
 
 

@@ -52,7 +52,7 @@ _NUMBER_ENTRIES = ("area_per_load", "variation")
 EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
 """Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
 
-# A lower limit is set to the bound if its distance from the bound, in interval widths, is smaller than this number.
+# A lower limit that is closer to the bound than this fraction of the interval width is set to the bound.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the value
 SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
@@ -164,7 +164,7 @@ class _AreaFactor:
     known: Mapping[str, UncertainInput]
 
     def key(self, name: str) -> str:
-        """Return the name of the nuisance parameter of an input, which is the same for equal inputs."""
+        """Return the name of the nuisance parameter for an input. Equal inputs share the name."""
         return f"{name} {self.known[name].text}"
 
     @property
@@ -173,7 +173,7 @@ class _AreaFactor:
         return [self.key(name) for name in self.known]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return the values of the inputs at given probabilities of the nuisance parameters."""
+        """Return the values of the inputs at given cumulative probabilities of the nuisance parameters."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
@@ -182,7 +182,7 @@ class _AreaFactor:
         return None
 
     def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area at given probabilities of the nuisance parameters."""
+        """Return the ratio of true to computed area at given cumulative probabilities of the nuisance parameters."""
         return self.area_of(self.values(columns), strength)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
@@ -201,13 +201,13 @@ class _BallAreaFactor(_AreaFactor):
     moduli: Moduli
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the area to the area at the central moduli, ignoring the strength."""
+        """Return the ratio of the true area to the true area at the central moduli. The strength has no effect."""
         return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
 
 @dataclass(frozen=True)
 class _ResultAreaFactor(_AreaFactor):
-    """Area factor at a load, for a result of measured bodies."""
+    """Area factor for a result of measured bodies at a given load."""
 
     areas: AreaInterpolator
     study: Study
@@ -216,7 +216,7 @@ class _ResultAreaFactor(_AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
-        """Return the area factor of a result of measured half-spaces, or None if all inputs are exact."""
+        """Return the area factor of a result, or None if uncertain inputs, creep and growth do not affect the area."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
         known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
@@ -240,7 +240,7 @@ class _ResultAreaFactor(_AreaFactor):
         return [*super().names, *([] if self.error is None else [self.error])]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return values of the inputs, and the normal score of the area error."""
+        """Return the values of the inputs, and the normal score of the error of the interpolated area."""
         from scipy.special import ndtri
 
         scores = {} if self.error is None else {_AREA_ERROR_NAME: ndtri(columns[self.error])}
@@ -248,7 +248,7 @@ class _ResultAreaFactor(_AreaFactor):
 
     @property
     def growth(self) -> UncertainInput | None:
-        """Junction growth α."""
+        """Junction growth α, or None if contacts do not grow."""
         return find_junction_growth(self.study)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
@@ -326,7 +326,7 @@ class FrictionTest:
         load = number("load", entry, unit="mN", above=0)
         object.__setattr__(self, "wait", number("wait", to_core_units("wait", self.wait, "time"), unit="s", above=0))
         if (self.coefficient is None) == (self.force is None):
-            raise ValueError("either coefficient or force must be given")
+            raise ValueError("either coefficient or force must be given, but not both")
         if self.force is not None:
             force = number("force", to_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
@@ -358,7 +358,7 @@ class FrictionTest:
 
     @cached_property
     def yields(self) -> _AreaFactor | None:
-        """True area as a function of uncertain inputs, or None if all inputs are exact."""
+        """Area factor of the test, or None if uncertain inputs, creep and growth do not affect the area."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
         return _ResultAreaFactor.from_result(self.result, float(self.load), float(self.wait))
@@ -371,7 +371,7 @@ class Fit:
     sliding: Sliding
     chi_squared: float  # chi-squared at the best fit, with the errors as given
     freedom: int  # number of tests with sliding minus number of fitted parameters
-    probability: float  # probability of a larger chi_squared; NaN without errors or degrees of freedom
+    probability: float  # probability of a larger chi_squared; NaN if there are no errors or no degrees of freedom
     scale: float  # factor by which the errors were multiplied
     trend: float  # p-value of the trend of the residuals with the load
     mu0: Floats  # samples of mu0
@@ -486,12 +486,12 @@ class Interface:
         return value, low, high
 
     def at(self, area_per_load: float) -> Interval:
-        """Return the sum mu0 + tau0 A/F at a given A/F (1/GPa) and its 95 % interval."""
+        """Return the sum mu0 + tau0 A/F at a given A/F (1/GPa), with its 95 % interval."""
         return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
     def excluded(self) -> tuple[Sliding, ...]:
-        """Sliding rules that the tests exclude, or an empty tuple if no rule fits better."""
+        """Sliding rules that the tests exclude, or an empty tuple if no rule fits the tests."""
         likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY_PROBABILITY]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED_PROBABILITY and likely)
 
@@ -584,7 +584,7 @@ class Interface:
 
 
 def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
-    """Return the median and the limits of the 95 % interval of samples.
+    """Return the median of samples, and the limits of the interval that contains 95 % of the samples.
 
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
     shortest interval is returned.
@@ -619,7 +619,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
-    """Evaluate the forces and the true area in a friction test for a sliding rule."""
+    """Evaluate the forces and the true area per load in a friction test, for a given sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of `pair` with a creep exponent")
@@ -631,11 +631,11 @@ def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
 
 
 def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
-    """Evaluate the forces and the true area at a load of a load curve."""
+    """Evaluate the forces and the true area per load at a given load on a load curve."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         limits = f"{loads.min():g} to {loads.max():g} mN"
-        raise ValueError(f"load must be within the range of the curve, {limits}, got {load:g}")
+        raise ValueError(f"load must be within the range of the curve ({limits}), got {load:g}")
     order = np.argsort(loads)
 
     def at(name: str) -> float:
@@ -649,7 +649,7 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
 
 
 def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFriction:
-    """Evaluate the forces and the true area of a result, averaged over members and directions."""
+    """Evaluate the forces and the true area per load of a result, averaged over members and directions."""
     dataset = getattr(result, "dataset", result)
     sums = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
     six_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
@@ -811,7 +811,7 @@ def interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read an interface file, or all interface files in a folder, and return the entries of each file by its name.
+    """Read an interface file, or all interface files in a folder, and return their entries in a dict by file name.
 
     Other files in the folder are ignored.
     """

@@ -24,7 +24,7 @@ MIN_SAMPLE_SIZE = 3  # smallest number of values for which an interval is comput
 MIN_NEIGHBORS = 8  # smallest number of values at neighboring positions for which an interval is computed
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # skewness below which the scale is linear except for round-off
+_MIN_SKEWNESS = 1e-9  # skewness below which the scale counts as linear
 MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is practically normal
 
 
@@ -37,7 +37,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class Crossing:
-    """Points at which curves (..., k) first cross given loads (l,).
+    """Points at which curves with shape (..., k) first cross given loads with shape (l,).
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
@@ -50,10 +50,11 @@ class Crossing:
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
-        """Find where curves (..., k) first cross loads (l,) upwards, with linear interpolation between steps.
+        """Find where curves first cross loads upwards, with linear interpolation between steps.
 
-        With `ratio`, the ratio of value to load is interpolated over the logarithm of the load. A load between two
-        steps is then reached only if the ratio of the loads at these steps is at most `MAX_LOAD_RATIO`.
+        The curves have the shape (..., k), and the loads have the shape (l,). With `ratio`, the ratio of value to load
+        is interpolated over the logarithm of the load. A load between two steps is then reached only if the ratio of
+        the loads at these steps is at most `MAX_LOAD_RATIO`.
         """
         if ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -72,12 +73,12 @@ class Crossing:
         return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
 
     def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
-        """Remove crossings between steps if the curve (..., k) is NaN at the first of the two steps."""
+        """Remove each crossing between two steps if the curve is NaN at the first of these steps."""
         before, at_crossing = self._around(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
     def _around(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the values of curves (..., k) before and after each crossing (..., l)."""
+        """Return the values of curves at the steps before and after each crossing, with shape (..., l)."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
@@ -108,7 +109,7 @@ class Crossing:
         return np.where(reached, interpolated, np.nan)
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return the slopes (..., l) of one quantity over another quantity (..., k) at the crossings."""
+        """Return the slopes of one quantity over another quantity at the crossings, with shape (..., l)."""
         index = np.maximum(self.index, 1)
         rise, run = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -146,7 +147,7 @@ class MeansAtLoads:
         self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
-        """Add repetitions, given as arrays of normal loads and of values (c, k, r)."""
+        """Add repetitions, given as arrays of normal loads and of values, both with shape (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
         at_a_time, others = max(1, CHUNK_SIZE // max(1, self._load.size)), self._repetitions - 1
@@ -166,7 +167,7 @@ class MeansAtLoads:
                 self._plain.add(by_value - slope * by_load)
 
     def interval(self) -> tuple[Floats, Floats]:
-        """Return the lower and upper limits of the intervals (c, l), after all repetitions have been added."""
+        """Return the lower and upper limits of the intervals, with shape (c, l), after all calls of `add`."""
         mean = self._mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -180,19 +181,19 @@ class MeansAtLoads:
         return self._over_loads(lower), self._over_loads(upper)
 
     def _at(self, values: Floats) -> Floats:
-        """Interpolate values (c, k, r) at the points (p, r)."""
+        """Interpolate values with shape (c, k, r) at the points, and return an array with shape (p, r)."""
         after, before = values[self._curve, self._index], values[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
 
     def _over_loads(self, of_points: Floats) -> Floats:
-        """Return values at the points (p,) as an array (c, l), with NaN at loads that are not reached."""
+        """Arrange values at the points in an array with shape (c, l), with NaN at loads that are not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
 
 
 class _Extent:
-    """Running sum, minimum and maximum of values (p, r) along the second axis."""
+    """Running sum, minimum and maximum of values with shape (p, r) along the second axis."""
 
     def __init__(self, size: int) -> None:
         self._sum = np.zeros(size)
@@ -209,7 +210,7 @@ class _Extent:
 
 
 class PowerSums:
-    """Running sums of powers of jackknife values (..., r), for the half width of an interval."""
+    """Running sums of powers of jackknife values, with shape (..., r), that give the half width of an interval."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -241,7 +242,10 @@ class PowerSums:
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
-    """Return least-squares slopes of mean values (p, k) over mean normal loads near given steps (p,)."""
+    """Return the least-squares slopes of mean values over mean normal loads, fitted near given steps.
+
+    The values and the loads have the shape (p, k), and the steps have the shape (p,).
+    """
     first = np.maximum(index - 1 - SLOPE_STEPS, 0)[:, np.newaxis]
     last = np.minimum(index + SLOPE_STEPS, normal.shape[1] - 1)[:, np.newaxis]
     steps = first + np.arange(2 * SLOPE_STEPS + 2)
@@ -258,7 +262,7 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
 
 
 def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of values along the first axis (r, ...) and its Student's t interval, ignoring NaN.
+    """Return the mean of values along the first axis, and the Student's t interval of the mean, ignoring NaN.
 
     If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
     """
@@ -291,7 +295,7 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
 
 @lru_cache(maxsize=32)
 def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants of the mixture of processes: 1' R^-1 1, variance inflation, and t quantile and density."""
+    """Return constants of the autoregressive processes: 1' R^-1 1, variance inflation, t quantile and t density."""
     rho, lags = _CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -320,7 +324,10 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the interval limits of the mean of each row of values (c, r), or NaN if all values of a row are equal."""
+    """Return the interval limits of the mean of each row of values, or NaN for rows in which all values are equal.
+
+    The values have the shape (c, r).
+    """
     from scipy.special import stdtr
 
     # Values are divided by their standard deviation to avoid overflow.
@@ -364,7 +371,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
 
 
 def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Average values (r, ...) along each line, and return the mean over neighboring positions with its interval."""
+    """Average values along each line, and return the mean over neighboring positions with its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first, index = np.unique(lines, return_index=True, return_inverse=True)
@@ -388,7 +395,7 @@ class ScansMean:
     """Mean over the members of all pairs of scans, with its variance components."""
 
     mean: float
-    # variance of the mean due to upper scans, lower scans and positions
+    # variances of the mean due to upper scans, lower scans and positions
     variances: tuple[float, ...]
     freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
     test: float  # standard deviation of a single new test around the mean
@@ -401,10 +408,10 @@ class ScansMean:
 
 
 def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
-    """Return the mean of member values (r, ...) over all pairs of scans, or None for fewer than two pairs.
+    """Return the mean of the values of members over all pairs of scans, or None if there are fewer than two pairs.
 
-    The model has two-way random effects (Searle, Casella & McCulloch, Variance Components, 1992, chapter 4). Mean
-    squares that do not exceed the residual mean square are pooled with the residual.
+    The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
+    Components, 1992, chapter 4). Mean squares that do not exceed the residual mean square are pooled with the residual.
     """
     flat = values.reshape(values.shape[0], -1)
     pair_means = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)

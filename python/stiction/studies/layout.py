@@ -103,7 +103,7 @@ def member_bytes(study: Study) -> int:
 
 
 def piece_length(size: int) -> int:
-    """Return the number of members in a piece, a power of two, if each member has `size` bytes."""
+    """Return the number of members in a piece, a power of two, if each member takes `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -136,7 +136,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Check the shapes of arrays from `stack_members`, and build the dataset of some repetitions from the arrays."""
+    """Build the dataset of some repetitions from arrays returned by `stack_members`, after a check of their shapes."""
     import xarray
 
     variables = list_variables(study, repetitions)
@@ -232,7 +232,7 @@ def nondimensional(
     if length is None:
         raise ValueError("length must be given, because the result has no length scale")
     if effective_modulus is None:
-        raise ValueError("effective_modulus must be given, because the result has none")
+        raise ValueError("effective_modulus must be given, because the result does not contain it")
     length = number("length", length, unit="µm", above=0)
     modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
 

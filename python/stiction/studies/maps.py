@@ -190,7 +190,7 @@ def cells_of(dataset: xarray.Dataset) -> list[str]:
 
 
 def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return values with the repetitions as the last dimension and contiguous in memory, for fast sums."""
+    """Return values with the repetitions last and contiguous in memory, which makes sums over repetitions fast."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
@@ -210,7 +210,7 @@ def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate a quantity of the ensemble at given mean normal loads, after applying `change` to each piece."""
+    """Evaluate a quantity of the ensemble at given mean normal loads. `change` is first applied to each piece."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
@@ -274,7 +274,7 @@ class _EnsembleQuantity:
     def curves(
         self, cell: tuple[int, ...], sums: Sums, others: Sums, selected_members: slice = slice(None)
     ) -> tuple[Floats, Floats]:
-        """Return normal loads and values of some members (c, k, r), with all mu0 and tau0 along the first axis."""
+        """Return normal loads and values of some members. The first axis combines all mu0 and tau0."""
         pair, other_sums = (
             item.apply(operator.itemgetter((*cell, slice(None), selected_members))) for item in (sums, others)
         )
@@ -330,12 +330,12 @@ class _EnsembleQuantity:
 
 
 def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape values at all loads (c, l) of the curves for all mu0 and tau0 to (load, mu0, tau0)."""
+    """Reshape values with one row per curve and one column per load to the dimensions load, mu0 and tau0."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums, Sums]:
-    """Return contact sums, and sums on which a quantity depends linearly (motion, cell, step, repetition)."""
+    """Return the contact sums, and the sums on which a quantity depends linearly. Motions are the first axis."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 

@@ -445,7 +445,7 @@ class SharedProperties:
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Metadata of measured bodies in a result, empty for generated bodies."""
+    """Metadata of the measured bodies of a result. All fields are empty if the bodies were generated."""
 
     nominal_area: float | None = None  # nominal area of each member (µm²)
     attributes: dict[str, Any] = field(default_factory=dict)
@@ -495,7 +495,7 @@ class MeasuredSurfaceKeys(Case):
     )
 
     def cells(self) -> dict[str, Floats]:
-        """Return the cutoffs (µm), which are a dimension of a result."""
+        """Return the cutoffs (µm) at which a result contains values."""
         return {"cut_off": array_of(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
@@ -503,7 +503,7 @@ class MeasuredSurfaceKeys(Case):
         return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
-        """Return the table after replacing each file with `change(file, side)`."""
+        """Return the table in which `change(file, side)` replaces each file."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
@@ -526,7 +526,7 @@ class MeasuredSurfaceKeys(Case):
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
-        """Low-pass filter each scan at its own cutoff (µm, 0 for no filter), and return the members of both scans.
+        """Filter each scan with its own cutoff (µm, 0 for no filter), and return the members formed from both scans.
 
         Raises a `ValueError` if there are no members.
         """
@@ -705,7 +705,7 @@ class MeasuredAreas(MeasuredSurfaceKeys):
         return self.surrogates
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMember:
-        """Return the members: surrogates followed by pieces of both maps at relative positions, or the gap."""
+        """Return the members: surrogates followed by pairs of pieces of both maps, or the gap."""
         upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
@@ -759,7 +759,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Return pairs of pieces of two levelled maps.
+    """Return the pairs of pieces into which two levelled maps are cut.
 
     The upper map is flipped, and rotated by an angle in degrees.
     """

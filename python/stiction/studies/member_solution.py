@@ -99,7 +99,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
-    """Return the values that a variable has if the solver fails: NaN, 0 contacts, or the status "not-solved"."""
+    """Return the values of a variable after a failure of the solver: NaN, 0 contacts, or the status "not-solved"."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
     shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
     if name == "status":
@@ -108,7 +108,7 @@ def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> N
 
 
 def _list_profile_directions(contact: ContactTable) -> list[Shear]:
-    """Return the directions of motion along profiles, as "+x" or "-x"."""
+    """Return the directions of motion along profiles: "+x", "-x", or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
 
 
@@ -465,7 +465,7 @@ def _steps(contact: Any) -> Floats:
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
-    """Compute the contact sums of profiles with the asperity model, for several fractal dimensions at a time.
+    """Compute the contact sums of profiles of several fractal dimensions together, with the asperity model.
 
     The arrays have the shape (dimensions, amplitudes, rules, steps), with a single rule for quantities that do not
     depend on the motion.

@@ -52,7 +52,7 @@ def _equation_arguments(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Fill `heights` with the unscaled profiles of a body at k fractal dimensions (k, points).
+    """Write the unscaled profiles of a body to the rows of `heights`, one row per fractal dimension.
 
     Returns the mean, the minimum and the maximum of each profile (k, 3).
     """
@@ -250,7 +250,7 @@ class LoadedBodies:
 
 
 def count_points(study: Study) -> int:
-    """Return the number of grid points of a member, or a typical number if files are missing."""
+    """Return the number of grid points of a member, or an assumed number if the scan files are missing."""
     surfaces: Any = study.surfaces
     if not study.is_measured:
         return math.prod(surfaces.shape) if study.is_areal else int(surfaces.points)
@@ -285,5 +285,5 @@ def _load_cached(surfaces: MeasuredSurfaces, seed: int, _: object) -> LoadedBodi
 
 
 def body_attributes(study: Study) -> BodyAttributes:
-    """Return attributes of the measured bodies of a study, which are empty for generated bodies."""
+    """Return the attributes of the bodies of a study. They are empty if the bodies are generated."""
     return load_bodies(study).attributes() if study.is_measured else BodyAttributes()

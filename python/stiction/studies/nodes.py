@@ -82,7 +82,7 @@ class Axis:
 
     @property
     def bounds(self) -> list[tuple[float, float]]:
-        """Interval around each ranged node in which all values count as the node."""
+        """Interval around each ranged node. All values in the interval are treated as equal to the node."""
         return [
             (float(node / (1 + SAME_INPUT_TOLERANCE)), float(node / (1 - SAME_INPUT_TOLERANCE))) for node in self.ranged
         ]
@@ -98,12 +98,12 @@ class Axis:
 
     @property
     def panel_middles(self) -> Floats:
-        """Midpoint (n,) of the panel that starts at each node, or the node itself if no panel starts there."""
+        """For each node, the midpoint of the panel that starts there, or the node itself if no panel starts there."""
         return np.concatenate([self.middles(), self.rising[-1:], self.ranged])
 
     @property
     def panel_ends(self) -> NDArray[np.intp]:
-        """Index (n,) of the node that ends the panel starting at each node; the node's own index without a panel."""
+        """For each node, the index of the node at the end of its panel, or its own index if no panel starts there."""
         indices = np.arange(self.values.size)
         return np.where(indices < self.rising.size - 1, indices + 1, indices)
 
@@ -113,7 +113,7 @@ class Axis:
         )
 
     def weights(self, value: float, *, cubic: bool = True) -> Floats:
-        """Return the weights (n,) of the nodes for interpolation at a value."""
+        """Return the weight of each node for the interpolation at a value."""
         weights = np.zeros(self.values.size)
         for index, (low, high) in enumerate(self.bounds):
             if low <= value <= high:
@@ -129,7 +129,7 @@ class Axis:
         return self._lagrange_weights(value, np.arange(first, first + number))
 
     def corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
-        """Return how the weights (n,) change if the preceding node is used too, and if the following node is used too.
+        """Return the changes of the weights if the preceding node, or the following node, is used too.
 
         A change is 0 at a node, and NaN if there is no such node.
         """
@@ -145,7 +145,7 @@ class Axis:
         ]
 
     def _lagrange_weights(self, value: float, indices: NDArray[np.intp]) -> Floats:
-        """Return the weights (n,) of the polynomial through the rising nodes with the given indices."""
+        """Return the weight of each node in the polynomial through the rising nodes with the given indices."""
         weights = np.zeros(self.values.size)
         nodes = self.rising[indices]
         for index, node in zip(indices, nodes, strict=True):
@@ -231,7 +231,7 @@ class Nodes:
         return largest_errors(self.axes, table, partial(self._friction, loads))
 
     def is_interpolated(self, points: Floats) -> NDArray[np.bool_]:
-        """Return a mask of the panels in which the values (..., m, t, 3) at the nodes may be interpolated."""
+        """Return a mask that is True for each panel in which values may be interpolated."""
         return is_interpolated(self.axes, points)
 
     @property
@@ -253,12 +253,12 @@ class Nodes:
         return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)
 
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return friction coefficients with intervals at mu0 (m,) and tau0 (t,). The shape is (..., m, t, 3)."""
+        """Return the friction coefficients with intervals at all combinations of mu0 and tau0."""
         names = ("contact_count",) if self.study.is_measured else ()
         return self._table(self._at(loads, (Axis(mu0), Axis(tau0)), self.kinds[0], names))
 
     def _table(self, at: xarray.Dataset) -> Floats:
-        """Return the reported coefficients with intervals (..., load, mu0, tau0, statistic)."""
+        """Return the reported coefficients and their interval limits as an array."""
         name = "friction_combined" if self.study.is_measured else "friction_coefficient"
         return np.asarray(at[name].transpose(..., "load", "mu0", "tau0", "statistic").values)
 
@@ -299,7 +299,7 @@ def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Axis:
 def refined(
     axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
 ) -> tuple[Axis, Axis]:
-    """Add nodes to each axis until the errors along two lines parallel to the axis are within the tolerances.
+    """Add nodes to each axis until interpolation errors along two lines parallel to the axis are within the tolerances.
 
     An axis has at most `max_nodes` rising nodes after refinement. Nodes are added first where the measured error, or
     the estimated error of `is_interpolated`, is largest relative to its tolerance.
@@ -340,7 +340,7 @@ def refined(
 
 
 def excess(estimated: Floats, exact: Floats) -> Floats:
-    """Return the ratio of error to tolerance (...) of a value or its interval limits, whichever is larger."""
+    """Return the larger ratio of error to tolerance, of those for a value and for its interval limits."""
     value, width = np.abs(exact[..., 0]), exact[..., 2] - exact[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(estimated - exact)
@@ -383,7 +383,7 @@ def largest_errors(
 
 
 def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float) -> Floats:
-    """Interpolate a table (..., m, t) at mu0 and tau0 (GPa).
+    """Interpolate a table at mu0 and tau0 (GPa). The last two axes of the table are the nodes of mu0 and tau0.
 
     The interpolation is cubic, or bilinear if one of the 16 nodes has no value.
     """
@@ -395,7 +395,7 @@ def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float
 
 
 def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_]:
-    """Return a mask (..., m, t) of the panels in which the values (..., m, t, 3) at the nodes may be interpolated.
+    """Return a mask that is True for each panel in which values may be interpolated between the nodes.
 
     A panel has the indices of its first corner. Along a ranged node, only the other axis is interpolated. The error in
     the middle of a panel is estimated as the change due to one more node along mu0, plus the change due to one more
@@ -421,7 +421,7 @@ def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_
 
 
 def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
-    """Return interpolated values (..., m, t) at midpoints of panels and their estimated errors; NaN if undefined."""
+    """Return interpolated values at the midpoints of panels, and their estimated errors. Undefined values are NaN."""
     over_mu0, over_tau0 = (
         np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles]) for axis in axes
     )
@@ -440,7 +440,7 @@ def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
 
 
 def _weighted_sums(table: NDArray[Any], over_mu0: Floats, over_tau0: Floats) -> Floats:
-    """Return weighted sums (..., k, l) of node values (..., m, t), using the weights (k, m) and (l, t).
+    """Return weighted sums of the values at the nodes. The weights of mu0 are (k, m) and those of tau0 are (l, t).
 
     Weights (m,) and (t,) of a single point give sums (...).
 

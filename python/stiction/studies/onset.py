@@ -260,7 +260,7 @@ def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
 
 
 def _find_block_minima(values: Floats, step: int) -> Floats:
-    """Return the minimum in each block of `step` rows and columns, or NaN for a block without values."""
+    """Return the minimum of each block of `step` rows and `step` columns. It is NaN if a block has no values."""
     rows, columns = (-(-size // step) * step for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

@@ -324,7 +324,7 @@ class Pair:
 
     @property
     def _uncertainty_table(self) -> dict[str, Any]:
-        """Table `known` of the study: the uncertain inputs, with all moduli if any modulus is uncertain."""
+        """Table `known` of the study: the uncertain inputs. It contains all moduli if one of them is uncertain."""
         names = set(self.uncertain_inputs) | {
             name for name in ("hardness", "creep") if self.options.given(name) is not None
         }
@@ -376,7 +376,7 @@ class Pair:
 
     @property
     def _width(self) -> float:
-        """Width (µm) of the profiles on which a force acts."""
+        """Width (µm) over which a force acts on a pair of profiles."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -410,7 +410,7 @@ class Pair:
 
     @property
     def preview_study(self) -> Study | None:
-        """Study for a preview with the asperity model.
+        """Return a study that previews the pair with the asperity model.
 
         None if lines are pressed, if points are masked, or if the result itself uses the asperity model.
         """
@@ -481,7 +481,7 @@ class Pair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Keys of the surfaces table for filtering, if some wavelengths may not belong to a surface.
+        """Filter keys of the table `[surfaces]`, set if some wavelengths of a scan may be noise.
 
         The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
         come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
@@ -748,7 +748,7 @@ def _split_commas(value: Any) -> Any:
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a body that are given as a list, a folder, comma-separated names, or a single scan."""
+    """Return the scans of a body, which may be given as a list, a folder, comma-separated names, or a single scan."""
     if isinstance(given, (list, tuple)):
         scans = list(given)
     elif isinstance(given, str) and not given.strip():  # `Path` would interpret an empty string as the current folder
@@ -767,7 +767,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
-    """Find wavelengths in a scan that may not belong to the surface, or noise that the spectrum may hide.
+    """Find the wavelengths of a scan that may be instrument noise, or the noise that its spectrum may hide.
 
     Returns None if they affect the slope only slightly.
     """

@@ -222,13 +222,13 @@ def presses_profiles_as_lines(pair: PairFacts) -> bool:
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def makes_surrogates_of_whole_scans(pair: PairFacts) -> bool:
-    """Return whether there are no surrogates of scans with masked points."""
+    """Return False if surrogates of scans with masked points were requested, otherwise True."""
     return not (pair.has_missing and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
-    """Return whether the asperity model is not used for scans with masked points."""
+    """Return False if the asperity model was requested for scans with masked points, otherwise True."""
     return not pair.has_missing or "asperities" not in pair.contact_models
 
 
@@ -282,7 +282,7 @@ def presses_scans(pair: PairFacts) -> bool:
 
 @make_condition("must not be given with {positions}")
 def has_no_positions(pair: PairFacts) -> bool:
-    """Return whether the relative positions are not listed."""
+    """Return True unless the relative positions are listed."""
     return pair.options.positions is None
 
 
@@ -336,7 +336,7 @@ def has_law_with_yield(pair: PairFacts) -> bool:
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
-    """Return whether the yield strength of asperities is not determined by a given hardness."""
+    """Return True unless a given hardness determines the yield strength of the asperities."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
@@ -366,7 +366,7 @@ def has_work_of_adhesion(pair: PairFacts) -> bool:
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairFacts) -> bool:
-    """Return whether mu0 and tau0 are not determined by an interface."""
+    """Return True unless an interface determines mu0 and tau0."""
     return pair.options.interface is None
 
 
@@ -484,7 +484,7 @@ class SurfaceOptions(OptionGroup):
 
 
 class ReadingOptions(OptionGroup):
-    """Options for reading files, with a single value for both files or a value for each file."""
+    """Options for reading files. Each option has a single value for both files, or a value for each file."""
 
     title: ClassVar[str] = "Reading files"
 

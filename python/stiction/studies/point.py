@@ -139,7 +139,7 @@ def is_unloaded(point: xarray.Dataset) -> bool:
 
 
 def hardness_of(study: Study) -> float:
-    """Return the hardness (GPa) of a study, or NaN without a hardness."""
+    """Return the hardness (GPa) of a study, or NaN if the study has no hardness."""
     hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 

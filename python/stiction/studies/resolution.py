@@ -155,7 +155,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Return the resolved roughness of the gap of a measured pair, or None for generated bodies or missing files."""
+    """Return the resolved roughness of the gap of a pair, or None if the bodies are generated or files are missing."""
     if not study.is_measured:
         return None
     try:
@@ -245,7 +245,7 @@ class Resolution:
 
 
 def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> Resolution | None:
-    """Return the effect of the scan resolution on a dataset of `Result.at`, or None without roughness and cutoffs.
+    """Return the effect of the scan resolution on a dataset, or None if roughness and cutoffs are unknown.
 
     `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
     """

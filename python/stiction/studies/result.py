@@ -218,7 +218,7 @@ class Result:
 
     @property
     def height_factors(self) -> dict[ScaledSides, list[float]]:
-        """Height factors with stored results, for each choice of scaled surfaces."""
+        """Height factors for which results are stored, by the choice of scaled surfaces."""
         from stiction.studies.height_scale import list_stored_factors
 
         return {} if self.stored is None else list_stored_factors(self.stored)
@@ -454,7 +454,7 @@ class Result:
 
     @property
     def value(self) -> float:
-        """Coefficient of static friction at the quoted point, or NaN without a coefficient."""
+        """Coefficient of static friction at the quoted point, or NaN if the result has no coefficient."""
         return self._first.value
 
     @property

@@ -200,7 +200,7 @@ class StoredResult:
         return dataset
 
     def _read_range(self, first: int, last: int) -> xarray.Dataset:
-        """Return the members at the positions first to last - 1 in `finished`."""
+        """Return the finished members from position `first` to position `last` - 1."""
         version, numbers = self.version, self.finished[first:last]
         axis = len(self.study.surfaces.cells())
         arrays: Arrays = {
@@ -520,7 +520,7 @@ class BlockContent:
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return the bytes of a block file that contains arrays from `stack_members`.
+    """Return the bytes of a block file that contains the arrays returned by `stack_members`.
 
     Equal members give equal bytes.
     """

@@ -371,7 +371,7 @@ class Study(Table):
         return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
+        """Return the sliding rules and directions (degrees) for which a result contains values."""
         return self.contact.motions()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
@@ -458,7 +458,7 @@ class Study(Table):
         return validated(Study, data, "changes")
 
     def to_toml(self) -> str:
-        """Return the study as TOML text with all keys, which `Study.from_toml` reads as an equal study."""
+        """Return the study as TOML text with all keys. `Study.from_toml` returns an equal study."""
         tables = []
         for name, table in self._to_tables().items():
             if not table:

@@ -233,7 +233,7 @@ class Summary:
 
 
 def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (), **alongside: Any) -> Summary:
-    """Summarize a dataset of `Result.at` for a study.
+    """Summarize a dataset that `Result.at` returned for a study.
 
     Parameters
     ----------
@@ -309,7 +309,7 @@ def _over_both(value: RuleValue, other_value: RuleValue) -> RuleValue:
 
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
-    """Summarize a point of a dataset of `Result.at`, including caveats about the bodies."""
+    """Summarize a point of a dataset that `Result.at` returned, including caveats about the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
     statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
@@ -412,7 +412,7 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 
 def _spoils_bracket(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bracket, as all faults except too few contacts do."""
+    """Return whether a caveat invalidates the bracket. All faults do, except too few contacts."""
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 

@@ -55,7 +55,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
     except OSError as error:
         raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except (ValueError, NotReadableError) as error:
-        raise ValueError(f"{printable_path(path)}: is not a table of friction tests: {error}") from None
+        raise ValueError(f"{printable_path(path)} is not a table of friction tests: {error}") from None
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
     if len(lines) < 2:
         raise ValueError(

@@ -169,7 +169,7 @@ class Case(Table):
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys that select the class, and their values. Such a key has a single possible value."""
+        """Return the keys that select the class, with their values. These keys have a single possible value."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -182,7 +182,7 @@ def fault_at(key: str, message: str) -> PydanticCustomError:
 
 
 def chosen(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key in a table, by default the first name in `cases`.
+    """Return the value of a key in a table. The default is the first name in `cases`.
 
     Raises an error if the value is not a name in `cases`.
     """
@@ -209,7 +209,7 @@ class _Range(Table):
         return self
 
     def values(self) -> Floats:
-        """Return the values in core units (count,)."""
+        """Return the values in core units as an array."""
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
@@ -232,7 +232,7 @@ class _Steps(_Range):
         return self
 
     def values(self) -> Floats:
-        """Return the values in µm or mN (count,)."""
+        """Return the values in µm or mN as an array."""
         if self.spacing == "linear":
             return super().values()
         return np.geomspace(float(self.start), float(self.stop), self.count)
