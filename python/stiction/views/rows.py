@@ -186,7 +186,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
 
 def _load_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the quantities of a CSV file, without quantities that have values for several directions."""
+    """Return the quantities of a CSV file. Quantities with one value for each direction are left out."""
     return [name for name in shown_in("csv") if name in dataset and dataset[name].sizes.get("direction", 1) == 1]
 
 

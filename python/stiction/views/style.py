@@ -48,7 +48,7 @@ FRICTION_COLOUR = "#cc79a7"  # friction forces
 UPPER_COLOUR = "#c6d9e7"  # the upper body
 LOWER_COLOUR = "#e3d5bb"  # the lower body
 STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
-AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of values along an axis of a map
+AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of curves that differ by the value on one axis of a map
 SELF_LOCKED_COLOUR = "#7a0019"  # self-locking contacts
 FRICTION_MAP = "plasma"
 """Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""

@@ -120,7 +120,7 @@ def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple
 # ---- Slip map --------------------------------------------------------------------------------------------------------
 
 
-_MAX_MARKER_AREA = 60.0  # area of the largest marker, square points
+_MAX_MARKER_AREA = 60.0  # area of the largest marker (points²)
 
 
 def has_slip_map(onset: xarray.Dataset) -> bool:

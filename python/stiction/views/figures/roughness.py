@@ -120,7 +120,7 @@ def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
         exponent, scatter = float(line.hurst_exponents.mean()), float(line.hurst_exponents.std())
         first, last = (2 * math.pi / end for end in line.band[::-1])
         inside = shown & (spectrum.wave_number >= first) & (spectrum.wave_number <= last)
-        # The line of the fit has the mean level of the spectrum in the band.
+        # The fitted line is drawn at the mean level of the spectrum in the band.
         level = np.log(spectrum.wave_number[inside] ** (1 + 2 * exponent) * spectrum.density[inside]).mean()
         q = np.geomspace(first, last, 40)
         name = f"$q^{{-1-2H}}$, $H$ = {exponent:.2f} ± {scatter:.2f}"

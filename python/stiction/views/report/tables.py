@@ -1,4 +1,4 @@
-"""Tables of numbers in a page, with the number of decimals to print."""
+"""Tables of numbers on a report page, each with its number of decimals."""
 
 from __future__ import annotations
 
