@@ -74,7 +74,7 @@ def test_array_with_missing_or_contradictory_arguments_is_rejected(function, wor
         function()
 
 
-def test_lengths_can_be_given_as_texts_with_units():
+def test_lengths_can_be_given_as_strings_with_units():
     assert Surface(MAPS[0], spacing="39 nm").spacing == (0.039, 0.039)
     assert Profile(LINE, spacing="39 nm").spacing == 0.039
     assert UPPER.with_amplitude("50 nm").heights.max() == UPPER.with_amplitude(0.05).heights.max()

@@ -43,7 +43,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         first = tuple(int(i) for i in np.argwhere(bad)[0])
         location = f"{name}{list(first)}" if first else name
         count = f"{np.count_nonzero(bad)} of {bad.size} values"
-        raise ValueError(f"{name} must be finite, got {array[first]} at {location} (not finite: {count})")
+        raise ValueError(f"{name} must be finite, got {array[first]} at {location} ({count} values are not finite)")
     return array
 
 

@@ -21,7 +21,7 @@ PARTIAL_NAME = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9
 The name contains the machine, the process id, the run and a random number.
 """
 
-MAX_PARTIAL_AGE = 3600.0  # age in seconds above which a partial file of another machine counts as stale
+MAX_PARTIAL_AGE = 3600.0  # age in seconds above which a partial file left by another machine counts as stale
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 _RUN_TOKEN = secrets.token_hex(4)  # random token of this run, because process ids are reused
 _NUM_SEARCHED_BYTES = 2**16  # number of bytes at the beginning and end of a file that are searched for its mark

@@ -227,7 +227,7 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
         (["heights.npy", "--spacing", "1 um"], "does not contain the unit of its heights; give the unit"),
         (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', 'mask', got 'zero'"),
         (["scan.csv", "--level", "plane"], "--level must be one of 'none', 'mean', 'line',"),
-        (["scan.csv", "--lc", "1 um", "--repeated"], "--repeated requires two scans"),
+        (["scan.csv", "--lc", "1 um", "--repeated"], "requires two scans of the same place"),
         (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust must not be combined with"),
         (["scan.csv", "--lc", "1 m"], "one section length is"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be between half a point"),

@@ -252,7 +252,7 @@ def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, r
 def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     if repeated and (len(files) != 2 or together):
         raise ValueError(
-            f"--repeated requires two scans of the same place and excludes --together, got {len(files)} scans"
+            f"--repeated excludes --together, and requires two scans of the same place, got {len(files)} scans"
         )
     if together and len(files) < 2:
         raise ValueError("--together requires at least 2 scans of one surface, got 1")
