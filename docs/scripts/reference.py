@@ -48,7 +48,7 @@ def verdict_table(table: Path, titles: Sequence[str]) -> str:
         [cell.strip() for cell in row.split("|")[1:-1]] for row in table.read_text("utf-8").splitlines()
     )
     columns = [head.index(title) for title in titles]
-    head = [cell.split(", and its")[0] or "claim" for cell in head]
+    head = [cell.split(", and its")[0].removesuffix(" or test") for cell in head]
     claims = [row for row in rows if row[0].startswith("**")]
     return "\n".join(_row(*(_verdict_badge(row[column]) for column in columns)) for row in (head, rule, *claims)) + "\n"
 
