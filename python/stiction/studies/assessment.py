@@ -356,7 +356,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
 
 
 def list_pressure_checks(study: Study, modulus: float) -> Checks:
-    """Return checks of whether the mean pressure would make bodies yield that the contact model treats as elastic.
+    """Return checks that compare the mean pressure with pressures at which elastic bodies would yield.
 
     The limits are the hardness of the softer body or, if it is unknown, typical fractions of E*. Returns no checks if
     the contact model limits the pressure, or if the effective modulus (GPa) is so small that the bodies are probably

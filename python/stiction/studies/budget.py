@@ -461,7 +461,7 @@ class _CoefficientSamples:
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
-        """Return uniform samples, normal scores and values of the inputs by name, and the hardness and modulus ratio.
+        """Return uniform samples, normal scores and values of the inputs, and the resulting hardness and modulus ratio.
 
         The samples are cached, because they depend neither on the load nor on exact values of mu0 and tau0.
         """
@@ -493,7 +493,7 @@ class _CoefficientSamples:
         return self.areas.cached(("area ratio", self.names, tuple(fixed.items()), wait, self.load), (), compute)
 
     def _pressure_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
-        """Return the contact pressure H' (GPa) under shear. The last samples are cached for the next load."""
+        """Return samples of the contact pressure H' (GPa) under shear, and cache the samples for the next load."""
         assert self.growth is not None, "contacts grow under shear"
         _, _, samples, hardness, _ = self._input_samples(fixed, wait)
         central = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}

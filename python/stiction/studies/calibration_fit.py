@@ -40,7 +40,7 @@ FINAL_POINTS = 256, 1024
 MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores are clipped
 MAX_ROUNDS = 8  # largest number of rounds of adaptation
 MIN_SAMPLE_FRACTION = 0.4  # ratio of effective sample size to number of nuisance points at which the adaptation ends
-MIN_EFFECTIVE = 300.0  # smallest effective sample size of the result
+MIN_EFFECTIVE = 300.0  # effective sample size at which the result needs no more nuisance points
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that represent their joint distribution
 # increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations)
@@ -360,7 +360,7 @@ class CalibrationProblem:
         return _Best(float(mu0), float(tau0), scores, misfit, slope, robust, scale)
 
     def fit(self) -> Fit:
-        """Return the joint distribution of mu0 and tau0 and the quality of the fit."""
+        """Return the joint distribution of mu0 and tau0, with the quality of the fit."""
         from scipy.stats import chi2, linregress
 
         best = self.best
@@ -592,7 +592,7 @@ class CalibrationProblem:
         return self._resample(points, grid, log_weight)
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return the mean and covariance of the first proposal for the nuisance scores and the log of the scale."""
+        """Return mean and covariance of the first proposal for the nuisance scores and the log of the error scale."""
         moved = [index for index, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)

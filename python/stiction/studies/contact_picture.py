@@ -166,7 +166,7 @@ def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profil
 
 
 def find_typical_index(area: Floats) -> int:
-    """Return the index of the area that is nearest to the mean, ignoring NaN."""
+    """Return the index of the area that is nearest to the mean area, ignoring NaN."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
@@ -240,7 +240,7 @@ def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
 
 
 def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None) -> pandas.DataFrame:
-    """Return a table of all contacts of some members at elastic loads (mN); `Result.contacts` documents its columns."""
+    """Return a table of all contacts of some members at elastic loads (mN); `Result.contacts` documents the columns."""
     import pandas
 
     study = result.study
@@ -276,13 +276,13 @@ def _check_members(members: int | Sequence[int], available: list[int]) -> list[i
     if not indices or not set(indices) <= set(available):
         raise ValueError(
             f"members must be indices of the {len(available)} members "
-            f"of the result, which start at {min(available)}, got {members!r}"
+            f"of the result (the first index is {min(available)}), got {members!r}"
         )
     return indices
 
 
 def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] | None) -> Iterator[tuple[float, int]]:
-    """Yield each load with each given member or, by default, with the member whose area is nearest to the mean."""
+    """Yield pairs of a load and a member index. By default, the area of the member is nearest to the mean area."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -64,7 +64,7 @@ class PairSlopes:
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
-    """Compute the slopes at all grid points, along x and, for maps, also along y."""
+    """Compute the slopes of a body at all grid points, along x and, for maps, also along y."""
     from stiction.mechanics.patches import slopes
 
     return slopes(body.heights, body.spacings, periodic=False)

@@ -204,7 +204,7 @@ def _evaluate_ensemble(
     import xarray
 
     def read(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
-        """Evaluate a quantity at the given mean normal loads, averaged over groups of directions."""
+        """Evaluate a quantity, averaged over groups of directions, at the given mean normal loads."""
 
         def average_groups(piece: xarray.Dataset) -> xarray.Dataset:
             grouped = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))

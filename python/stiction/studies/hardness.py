@@ -61,7 +61,7 @@ MAX_NARROW_HALF_RANGE = 0.2
 The area at another modulus is then derived from the dependence of the area on the load.
 """
 
-NODE_ROUND_OFF = 1e-9  # relative difference up to which nodes count as equal, because of round-off
+NODE_ROUND_OFF = 1e-9  # relative difference up to which nodes count as equal, to allow for round-off
 
 SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
 """Spacing in ln H and number of additional nodes below the hardness range for junction growth.
@@ -315,7 +315,7 @@ class NodeAreas:
     loads: Floats  # loads of the study (l,), mN
     hardnesses: Floats  # hardnesses over relative moduli, H/e, at the nodes (n,), GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
-    areas: Floats  # areas per load e A/F at the nodes (l, m, n), 1/GPa
+    areas: Floats  # areas per load times relative modulus, e A/F, at the nodes (l, m, n), 1/GPa
     opposing_areas: Floats | None  # areas per load A/F of contacts that oppose the motion (l, n), 1/GPa
     errors: Floats  # relative standard errors of the ratios of A at the nodes to A in the study (l, n)
     tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, shared by interpolators
@@ -391,8 +391,8 @@ class AreaInterpolator:
 
     hardness: float | None  # hardness of the study (GPa), or None for elastic bodies
     node_hardnesses: Floats  # hardnesses over relative moduli, H/e, at the nodes (n,), GPa
-    node_areas: Floats  # areas per load e A/F at the nodes (loads, m, n), 1/GPa
-    elastic_areas: Floats  # areas per load e A/F of elastic bodies (loads, m), 1/GPa
+    node_areas: Floats  # areas per load times relative modulus, e A/F, at the nodes (loads, m, n), 1/GPa
+    elastic_areas: Floats  # areas per load times relative modulus, e A/F, of elastic bodies (loads, m), 1/GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
     growth: Floats  # logarithmic derivatives d ln(A/F) / d ln F (loads,)
     errors: Floats  # relative standard errors of the ratios of A at the nodes to A in the study (loads, n)

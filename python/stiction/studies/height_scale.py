@@ -1,4 +1,4 @@
-"""Friction and true area of a measured pair with its heights multiplied by a factor, as for another surface finish.
+"""Friction and true area of a measured pair whose heights are multiplied by a factor, to represent another finish.
 
 Each factor is computed as a separate study, which is stored in the folder of the result. Results for factors in between
 are interpolated.
@@ -86,7 +86,7 @@ class MissingFactorsError(ArgumentError):
 
 
 def parse_factors(factors: Any) -> Floats:
-    """Parse factors of the heights, and return them in ascending order, rounded to six significant digits.
+    """Parse height factors, and return them in ascending order, rounded to six significant digits.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
 
 
 def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Study:
-    """Return the study with the heights of a measured pair multiplied by a factor.
+    """Return a copy of the study in which the heights of a measured pair are multiplied by a factor.
 
     Raises
     ------
@@ -234,7 +234,7 @@ def compute_factors(
     result: StoredResult, factors: Any, scaled: ScaledSides = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute the results that are missing for an evaluation at the given factors of the heights.
+    """Compute the results that are missing for an evaluation at the given height factors.
 
     Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
     is called with a line of text before each factor. Raises the errors of `evaluate_height_scale` and of
@@ -350,7 +350,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 
 
 def _interpolate_factors(values: Floats, solved: Floats, factor: float, neighbors: tuple[int, int]) -> Floats:
-    """Interpolate values between computed factors (first axis), with NaN next to missing values."""
+    """Interpolate values between computed factors, along the first axis, with NaN next to missing values."""
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors

@@ -122,7 +122,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
 
 
 def _without_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, replaced if it suggests a cutoff above the longest allowed cutoff (µm)."""
+    """Return the remedy of a caveat, or another remedy if it suggests a cutoff above the longest allowed one (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (

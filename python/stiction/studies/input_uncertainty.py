@@ -47,7 +47,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# relative half width of the range (10 to 20 HV) that represents the error of the conversion from HRC
+# relative half width of the range that represents the error, 10 to 20 HV, of the conversion from HRC
 ROCKWELL_CONVERSION_ERROR = 0.05
 _VICKERS_PRESSURE = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
@@ -136,7 +136,7 @@ def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
     if not parsed.high <= MAX_NUMBER:
         raise ValueError(f"{name} must be at most {MAX_NUMBER:g}, including its uncertainty, got {short_repr(text)}")
     if parsed.distribution == "normal" and parsed.high - parsed.low < 2 * Z_95 * MIN_RELATIVE_DEVIATION * parsed.value:
-        raise ValueError(f"{name} must have a larger uncertainty or no uncertainty, got {short_repr(text)}")
+        raise ValueError(f"{name} must be exact or have a larger uncertainty, got {short_repr(text)}")
     return replace(parsed, text=text)
 
 

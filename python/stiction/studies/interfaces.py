@@ -54,7 +54,7 @@ EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
 
 # A lower limit that is closer to the bound than this fraction of the interval width is set to the bound.
 BOUND_TOLERANCE = 0.01
-INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the value
+INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
 SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 
 HARDNESS_ENTRY = "hardness of the draws"
@@ -567,7 +567,7 @@ class Interface:
 
     @property
     def growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests, or None if α differs between tests or has no effect."""
+        """Junction growth α of the tests, or None if α differs between tests or has no effect on them."""
         if GROWTH_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
@@ -747,19 +747,17 @@ def read_interface(path: str | Path) -> Interface:
     >>> read_interface("no such file")
     Traceback (most recent call last):
     ...
-    ValueError: no such file: cannot be read as an interface: No such file or directory
+    ValueError: no such file cannot be read as an interface: No such file or directory
     """
     check_instance("path", path, (str, Path), "a path")
     try:
         lines = read_content(Path(path), MAX_INTERFACE_BYTES, FILE_HEADER.encode()).decode("utf-8").splitlines()
     except NotReadableError as error:
-        raise ValueError(f"{printable_path(path)}: is not an interface file: {error}") from None
+        raise ValueError(f"{printable_path(path)} is not an interface file: {error}") from None
     except OSError as error:
-        raise ValueError(
-            f"{printable_path(path)}: cannot be read as an interface: {describe_os_error(error)}"
-        ) from None
+        raise ValueError(f"{printable_path(path)} cannot be read as an interface: {describe_os_error(error)}") from None
     except UnicodeDecodeError:
-        raise ValueError(f"{printable_path(path)}: is not a text file, so it is not an interface file") from None
+        raise ValueError(f"{printable_path(path)} is not an interface file, because it is not a text file") from None
     head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
     try:
@@ -772,13 +770,13 @@ def read_interface(path: str | Path) -> Interface:
         parse_study_input("junction_growth", head.get(GROWTH_ENTRY, "0"))
     except (ValueError, KeyError, csv.Error, StopIteration):
         reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
-        raise ValueError(f"{printable_path(path)}: is a damaged interface file ({reason})") from None
+        raise ValueError(f"{printable_path(path)} is a damaged interface file ({reason})") from None
     if (
         table.ndim != 2
         or table.shape[1] != len(FILE_COLUMNS)
         or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all()
     ):
-        raise ValueError(f"{printable_path(path)}: is a damaged interface file (mu0 and tau0 must be at least 0)")
+        raise ValueError(f"{printable_path(path)} is a damaged interface file (mu0 and tau0 must be at least 0)")
     fit = _build_fit(sliding, *table.T)
     return Interface((fit,), ratio, variation, separated, about=head)
 
@@ -820,7 +818,7 @@ def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
     try:
         files = [path] if is_single_file else sorted(item for item in path.iterdir() if item.is_file())
     except OSError as error:
-        raise ValueError(f"{printable_path(path)}: cannot be listed: {describe_os_error(error)}") from None
+        raise ValueError(f"{printable_path(path)} cannot be listed: {describe_os_error(error)}") from None
     for file in files:
         with contextlib.nullcontext() if is_single_file else contextlib.suppress(ValueError):
             interface_in_file = read_interface(file)
@@ -880,7 +878,7 @@ def interface(name_or_path: str | Path) -> Interface:
 
 
 def find_interface(study: Study) -> Interface | None:
-    """Return the interface of a study, or None if there is no interface or its file is missing or changed."""
+    """Return the interface of a study, or None if it has none, or if its interface file is missing or changed."""
     text = study.known.interface
     if text is None:
         return None

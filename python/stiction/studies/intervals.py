@@ -278,7 +278,7 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the limits of the interval of a mean, for a given half width.
+    """Return the limits of the interval of a mean, given the half width.
 
     The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
     """
@@ -432,7 +432,7 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     freedom = float(freedoms[~apart].sum())
     residual = float(sums[~apart].sum()) / max(freedom, 1.0)
     shares = np.append(np.where(apart, squares - residual, 0.0)[:2], residual)
-    # The residual mean square is subtracted once for each separate mean square.
+    # The residual mean square is subtracted once for each mean square that is not pooled.
     weights = np.append(np.where(apart, squares, 0.0)[:2], (1 - apart.sum()) * residual)
     each = np.maximum([*freedoms[:2], freedom], 1.0)
     within = (flat - pair_means[upper, lower][:, np.newaxis]).ravel()
@@ -447,7 +447,7 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
 
 
 def _test_freedom(components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of the variance of a single test, which is a sum of components.
+    """Return the degrees of freedom of the variance of a single test, given the components of this variance.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
     alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is

@@ -185,12 +185,12 @@ def stiffness_map(
 
 
 def cells_of(dataset: xarray.Dataset) -> list[str]:
-    """Return the cell dimensions of a dataset, such as amplitude."""
+    """Return the names of the dimensions along which the cells of a dataset differ, such as amplitude."""
     return [name for name in CELLS if name in dataset.dims]
 
 
 def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return values with the repetitions last and contiguous in memory, which makes sums over repetitions fast."""
+    """Return values with repetitions as the last axis, contiguous in memory for fast sums over repetitions."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
@@ -253,7 +253,7 @@ def ensemble_map(
 
 
 class _EnsembleQuantity:
-    """Quantity of an ensemble at given loads (mN), for all mu0 and tau0 (GPa)."""
+    """Quantity of an ensemble at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
 
     def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
         self.head, self.what, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
@@ -261,7 +261,7 @@ class _EnsembleQuantity:
         self.dims = [*(motion for motion in MOTIONS if motion in head.dims), *cells_of(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
-        # A dataset that contains only loads has no validity quantities.
+        # The validity of the model is known only if the dataset contains all contact sums.
         self.judged = all(name in head for name in SUMS)
 
     def names(self) -> tuple[str, ...]:
@@ -297,7 +297,8 @@ class _EnsembleQuantity:
                 array[cell] = _reshape_curves(curve_values, self.shape)
             pair = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.curves(cell, averages, others)[0][..., 0]
-            locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # self-locked at the largest approach
+            # The pair is self-locked at the largest approach.
+            locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.combine_status(
                 touched=bool(pair.contact_count.any()), reached=means.crossing.reached, below=means.crossing.below,
                 locked=locked,

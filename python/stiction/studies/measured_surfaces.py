@@ -418,7 +418,7 @@ def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
 
 @dataclass(frozen=True)
 class Member:
-    """Pair of measured bodies, with the shift of the upper body (µm) and the origin of the pair."""
+    """Pair of measured bodies, with the shift of the upper body (µm), the line index and a flag for surrogates."""
 
     pair: Pair
     x: float
@@ -503,7 +503,7 @@ class MeasuredSurfaceKeys(Case):
         return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
-        """Return the table in which `change(file, side)` replaces each file."""
+        """Return the table with each file replaced by the value of `change(file, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property

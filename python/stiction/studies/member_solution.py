@@ -78,7 +78,7 @@ UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
 def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
 ) -> Arrays:
-    """Compute the contact sums of a pair at the elastic loads of its study, and statistics for measured bodies.
+    """Compute the contact sums of a pair at the elastic loads of its study, and statistics if the bodies are measured.
 
     Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
     loads for which the solver fails, values are NaN and the number of contacts is 0. The unloading stiffness takes
@@ -190,7 +190,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
             for direction in _list_profile_directions(contact)
         ]
     first_model = replace(models[0], direction=0.0) if areal else models[0]
-    # Without friction, the normal force is the elastic load.
+    # Without friction, the normal force equals the elastic load.
     approach, status = find_crossings(SurfacePair(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=first_model)
     values["status"][:] = [STATUSES.index(item) for item in status.tolist()]
     ok = np.flatnonzero(status == STATUS_OK)

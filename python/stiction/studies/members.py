@@ -35,7 +35,7 @@ TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """Return the random phases (rad) of Eq. 1 for a body as an array (directions, frequencies)."""
+    """Return the random phases (rad) of Eq. 1 for a body, with one row per direction and one column per frequency."""
     surfaces: Any = study.surfaces
     return fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
@@ -119,7 +119,7 @@ def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Generate a pair of surfaces of a study, identical to the pair in a result of `run`.
+    """Generate a pair of surfaces of a study. The pair is identical to the pair that `run` generates.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ class LoadedBodies:
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         fractions = []
-        with contextlib.suppress(ValueError, IndexError):  # The study may have fewer members.
+        with contextlib.suppress(ValueError, IndexError):  # a study may have fewer members than NUM_AVERAGED_MEMBERS
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing(*self.member(index, self._surfaces.quoted_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))

@@ -241,7 +241,7 @@ class Nodes:
     def _at(
         self, loads: Floats, axes: tuple[Axis, Axis], kind: Kind | None, names: Collection[str] | None
     ) -> xarray.Dataset:
-        """Evaluate the result at the nodes, with combined intervals for measured bodies.
+        """Evaluate the result at the nodes. The intervals are combined intervals if the bodies are measured.
 
         Only the quoted kind of members has combined intervals. Surrogates in addition to maps do not.
         """
@@ -314,7 +314,7 @@ def refined(
     for index in range(2):
         other_nodes = refined_axes[1 - index].rising
         across = other_nodes[[min(1, other_nodes.size - 1), max(other_nodes.size - 2, 0)]]
-        rows: dict[float, Floats] = {}  # cached values along the axis (..., 3)
+        rows: dict[float, Floats] = {}  # cached values and their interval limits by position
         for _ in range(MAX_ROUNDS):
             axis = refined_axes[index]
             middles = axis.middles()
@@ -340,7 +340,7 @@ def refined(
 
 
 def excess(estimated: Floats, exact: Floats) -> Floats:
-    """Return the larger ratio of error to tolerance, of those for a value and for its interval limits."""
+    """Return the ratio of error to tolerance for a value or for its interval limits, whichever ratio is larger."""
     value, width = np.abs(exact[..., 0]), exact[..., 2] - exact[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(estimated - exact)
@@ -434,15 +434,16 @@ def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple
 
 
 def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
-    """Return the geometric mean of two changes of an interpolated number, or the only change that is defined."""
+    """Return the geometric mean of two changes of an interpolated number. If one is NaN, return the other one."""
     before, after = np.abs(by_node_before), np.abs(by_node_after)
     return np.where(np.isnan(before), after, np.where(np.isnan(after), before, np.sqrt(before * after)))
 
 
 def _weighted_sums(table: NDArray[Any], over_mu0: Floats, over_tau0: Floats) -> Floats:
-    """Return weighted sums of the values at the nodes. The weights of mu0 are (k, m) and those of tau0 are (l, t).
+    """Return weighted sums of the values at the nodes.
 
-    Weights (m,) and (t,) of a single point give sums (...).
+    Weights of mu0 with shape (k, m) and weights of tau0 with shape (l, t) give sums with shape (..., k, l). Weights of
+    a single point, with shapes (m,) and (t,), give sums with shape (...).
 
     A sum is NaN if a node with a weight is not finite.
     """

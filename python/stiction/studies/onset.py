@@ -1,4 +1,4 @@
-"""Onset of sliding of a measured pair: mean curve of some members, stored with the result."""
+"""Onset of sliding of a measured pair: curve averaged over some members, stored with the result."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
         values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, attributes_of(name))
-    # This long name applies to all points of the curve up to sliding.
+    # The default long name refers to the onset of sliding, but the curve also contains smaller loads.
     variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {
         "fraction": (
@@ -162,9 +162,9 @@ def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
     try:
         iwan = fit_iwan(displacement, load, sliding_load=sliding, stiffness=float(curve["stiffness"]))
         lugre = fit_lugre(displacement, load, sliding_load=sliding)
-    except ValueError:  # free half-planes have no displacement
+    except ValueError:  # the curve of a free half-plane has no displacements
         return {}
-    chi = round(iwan.chi, 12) + 0.0  # replaces -0 by 0 at the bound
+    chi = round(iwan.chi, 12) + 0.0  # adding 0.0 changes -0 to 0
     values = {
         "iwan": (sliding, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding)),
         "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding)),
@@ -226,7 +226,7 @@ _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
-    """Compute the fraction of the sliding load at which each point or asperity contact slips.
+    """Compute the tangential load at which each point or asperity contact starts to slip, relative to the sliding load.
 
     The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
     by the point that slips first. The dataset is empty for profiles.

@@ -63,7 +63,7 @@ from stiction.surfaces.surface import Surface, as_body
 DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4  # number of loads (over two decades) below the requested loads for adhesive contacts
 PRELOAD_FRACTION = 1e-3  # load that replaces a load of zero, relative to the attraction of a grid cell
-DEFAULT_LAW = "hertz-sphere"  # contact law of the asperity model
+DEFAULT_LAW = "hertz-sphere"  # default contact law of the asperity model
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
 GAP_REMARK = (
@@ -146,7 +146,8 @@ class Pair:
                     continue
                 if options.given(name) not in (None, "error", "keep"):
                     raise ArgumentError(
-                        f"{{{name}}} must not be given for a body in memory, got {{{name}}}; read the other file first"
+                        f"{{{name}}} must not be given for a body in memory, got {{{name}}}; "
+                        "if the option is for the other file, read that file into memory first"
                     )
             body = self._from_array(side, index, body) if is_array else body
             return MeasuredFile.from_body(body, side).model_copy(update=properties)
@@ -249,7 +250,7 @@ class Pair:
 
     @property
     def _uses_plastic_lines(self) -> bool:
-        """True if both bodies are profiles with a hardness and there are no asperity options."""
+        """True if both bodies are profiles, their materials have a hardness, and no asperity option is given."""
         asperity_options = (
             self.options.law,
             self.options.yield_strength,
@@ -301,7 +302,7 @@ class Pair:
 
     @cached_property
     def strength(self) -> Interface | None:
-        """Joint distribution of mu0 and tau0, or None without an interface."""
+        """Joint distribution of mu0 and tau0, or None if no interface is given."""
         if self.options.interface is None:
             return None
         if not isinstance(self.options.interface, (str, Path)):
@@ -458,7 +459,7 @@ class Pair:
         else:
             table["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            level = "mean"  # This keeps the measured relative orientation of the faces.
+            level = "mean"  # Subtracting only the mean keeps the measured tilt between the faces.
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
@@ -529,7 +530,7 @@ class Pair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Listed positions (µm) of the slider on the counterface, or None without a list.
+        """Given positions (µm) of the slider on the counterface, or None if no positions are given.
 
         Positions on maps are pairs (x, y).
         """
@@ -670,7 +671,7 @@ class Pair:
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
             if any(per_area and load >= hardness for load, per_area in self._given_loads):
-                raise ArgumentError("{load} must be below the hardness, {hardest:.4g} GPa", hardest=float(hardness))
+                raise ArgumentError("{load} must be below the hardness ({hardest:.4g} GPa)", hardest=float(hardness))
             max_load = float(hardness) * self._nominal_area
             if not self.loads[-1] < max_load:
                 strip = self.are_profiles and self.press == "lines"
@@ -761,7 +762,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
         return [given]
     if not scans or any(isinstance(scan, str) and not scan.strip() for scan in scans):
         raise ArgumentError(
-            f"{{{side}}} must have at least one scan and no empty name, got {{got}}", got=repr(str(given))
+            f"{{{side}}} must be one or more scans, none with an empty name, got {{got}}", got=repr(str(given))
         )
     return scans
 

@@ -234,7 +234,7 @@ def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
 
 @make_condition("needs scans without masked points; {missing} interpolate fills them, and {crop} excludes them")
 def has_whole_scans(pair: PairFacts) -> bool:
-    """Return whether all points are measured."""
+    """Return whether all points of the scans are measured."""
     return not pair.has_missing
 
 
@@ -270,7 +270,7 @@ def presses_areas(pair: PairFacts) -> bool:
 
 @make_condition("is for areas; lines are always moved in both directions")
 def moves_areas(pair: PairFacts) -> bool:
-    """Return whether the members are areas."""
+    """Return whether the members are areas of height maps or of surrogates."""
     return pair.press != "lines"
 
 
@@ -288,7 +288,7 @@ def has_no_positions(pair: PairFacts) -> bool:
 
 @make_condition("is for {surrogates}")
 def presses_surrogates(pair: PairFacts) -> bool:
-    """Return whether the members are surrogates."""
+    """Return whether some or all members are surrogates."""
     return pair.has_surrogates
 
 
@@ -330,7 +330,7 @@ def suits_grooves(pair: PairFacts) -> bool:
 
 @make_condition("is for {law} jackson-green")
 def has_law_with_yield(pair: PairFacts) -> bool:
-    """Return whether the contact law is the law of Jackson and Green, which has a yield strength."""
+    """Return whether the contact law is the law of Jackson and Green, which requires a yield strength."""
     return pair.contact_law == JacksonGreen.name
 
 
@@ -342,7 +342,7 @@ def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
 
 @make_condition("is for {mechanics} half-space, and for {law} jackson-green")
 def has_plastic_contacts(pair: PairFacts) -> bool:
-    """Return whether the contact model has a hardness."""
+    """Return whether a contact model that can use a hardness is selected."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 

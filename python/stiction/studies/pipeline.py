@@ -121,7 +121,7 @@ def complete_result(
 
 
 def _write_companion(stored: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a companion file, unless there is no data or files of the bodies are missing."""
+    """Compute and write a companion file, unless there are no data to write or files of the bodies are missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored.path / name, replace=True)
@@ -141,7 +141,7 @@ def compute_companions(
             folder = stored.path / CUTOFF_STUDY_FOLDER
             existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing and find_member_differences(existing.study, cutoff_study):
-                remove_result(existing)  # the stored study has another pair or other loads
+                remove_result(existing)  # the members differ, for example in their loads
             seconds = cutoff_study.ensemble.repetitions * estimate_member_time(cutoff_study)
             (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                 f"cutoff study: about {format_duration(seconds)} of one core"

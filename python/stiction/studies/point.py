@@ -1,4 +1,4 @@
-"""Values at a point of a dataset of `at_load`: a combination of cell, load, mu0 and tau0."""
+"""Values at a point (combination of cell, load, mu0 and tau0) of a dataset that `at_load` returned."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class RuleValue:
 
 
 def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
-    """Yield a dataset for each point (cell, load, mu0 and tau0) of a dataset of `at_load`."""
+    """Yield a dataset for each point (cell, load, mu0 and tau0) of a dataset that `at_load` returned."""
     cells = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     for indices in np.ndindex(*(at.sizes[name] for name in dims)):
@@ -109,7 +109,7 @@ def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
 
 
 def law_of(study: Study) -> str:
-    """Return the name of the contact law, or an empty text for the half-space model."""
+    """Return the name of the contact law in lower case, or an empty string for the half-space model."""
     return str(study.contact.law or "").lower()
 
 
@@ -124,7 +124,7 @@ def modulus_of(point: xarray.Dataset, study: Study) -> float:
 
 
 def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the range of adhesion (µm) in the study, and the range that the grid resolves."""
+    """Return the range of adhesion (µm) in the study, and the larger of this and the range that the grid resolves."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or ADHESION_RANGE)
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))

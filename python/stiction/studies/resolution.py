@@ -47,7 +47,7 @@ MAX_RELATIVE_CUTOFF = 1 / 30  # largest ratio of a cutoff to the shortest side o
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return a study of the same pair at several cutoffs, with few members and the original loads.
+    """Return a copy of a study with several cutoffs, few members and the loads of the original study.
 
     The first cutoff is the cutoff of the original study. The other cutoffs start at the shortest resolved wavelength
     and double successively. Returns None for generated bodies, for the asperity model, if the original study has
@@ -188,7 +188,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return the lower bounds on mu_s and on the area fraction for finer scans, or None without a hardness.
+    """Return lower bounds on mu_s and area fraction for finer scans, or None if the model is not a plastic half-space.
 
     The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
     is the nominal pressure.
@@ -329,7 +329,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
 
 
 def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Return the closed-form estimate for two spectra, if at least one spectrum joins several scans."""
+    """Return the closed-form estimate for the spectra of both bodies, if at least one of them joins several scans."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]

@@ -218,7 +218,7 @@ class Result:
 
     @property
     def height_factors(self) -> dict[ScaledSides, list[float]]:
-        """Height factors for which results are stored, by the choice of scaled surfaces."""
+        """Height factors with stored results, for each choice of scaled surfaces."""
         from stiction.studies.height_scale import list_stored_factors
 
         return {} if self.stored is None else list_stored_factors(self.stored)
@@ -390,7 +390,7 @@ class Result:
         return float(self.head["nominal_area"]) if self.study.is_measured else None
 
     def _loads_of(self, load: Any) -> Any:
-        """Convert loads to mN, including pressures on the nominal area of measured bodies."""
+        """Convert loads to mN. For measured bodies, pressures are multiplied by the nominal area."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 
@@ -439,7 +439,7 @@ class Result:
         return self.summary_of(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def summary_of(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset of `at` that has a budget, or a selection of its cells, loads and directions."""
+        """Summarize a dataset that `at` returned with a budget, or a selection from this dataset."""
         from stiction.studies.summary import summarize
 
         return summarize(at, self.study, input_caveats=self.input_caveats)

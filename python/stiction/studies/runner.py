@@ -294,7 +294,7 @@ def _new_estimate(missing: _MissingMembers, members: int, seconds: float, worker
 
 
 class _MissingMembers:
-    """Unfinished members of a study, or of a part of the study, as ranges of members within blocks."""
+    """Unfinished members of a study (or of a part of it), as ranges of members that do not cross blocks."""
 
     def __init__(self, stored: StoredResult, part: tuple[int, int] | None) -> None:
         members = stored.study.ensemble.repetitions

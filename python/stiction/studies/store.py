@@ -73,7 +73,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class Block:
-    """Block of members: range of the members and checksum of the file, as in the file name."""
+    """Block of members, with the range of members and the checksum that its file name contains."""
 
     first: int
     last: int
@@ -92,7 +92,7 @@ class StoreInfo:
     study: Study
     finished: int  # number of finished repetitions out of study.ensemble.repetitions
     size: int  # size on disk in bytes
-    versions: dict[str, str]  # versions of software that created the result
+    versions: dict[str, str]  # versions of the software that created the result
 
 
 @dataclass(frozen=True)
@@ -294,7 +294,7 @@ def read(path: str | Path) -> xarray.Dataset:
 
 
 def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
-    """Read a companion file of a result, which must contain the given variables.
+    """Read a companion file of a result. The file must contain the given variables.
 
     Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
     """
@@ -428,7 +428,7 @@ def _check_resumable(stored: StoredResult) -> None:
     if not content.is_exact:
         raise StoreError(
             f"{printable_path(path)}: was created on another machine or with another version of NumPy, so its "
-            "steps differ slightly; finish the result there, or choose another directory"
+            "steps differ slightly from the steps of the study; finish the result there, or choose another directory"
         )
 
 

@@ -119,7 +119,7 @@ class FrictionOfAsperities(GeneratedFriction):
 
 
 class FrictionOfHalfSpace(GeneratedFriction):
-    """Table `[friction]` for generated surfaces with the half-space: strengths and loads that the figures show."""
+    """Table `[friction]` for generated surfaces with the half-space model: strengths and loads shown in figures."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -499,7 +499,7 @@ class Study(Table):
 
 
 def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
-    """Convert a table to another class, keeping values that differ from the old defaults."""
+    """Convert a table to another class, keeping values that differ from the defaults of the old class."""
     table_class = type(table)
     changed = {key for key, value in table if value != table_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]

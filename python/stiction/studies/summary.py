@@ -175,7 +175,7 @@ class PointSummary:
 
     @property
     def ageing(self) -> float:
-        """Slope of the coefficient over the logarithm of the dwell time, or NaN without dwell times."""
+        """Slope of the coefficient over the logarithm of the dwell time, or NaN if there are no dwell times."""
         last = self.waited[-1] if self.waited else DwellTimeValue(1.0, self.value, self.lower, self.upper)
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
@@ -264,7 +264,7 @@ def _place(point: PointSummary) -> tuple[tuple[str, float], ...]:
 
 
 def _covering(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return the quoted point with intervals and caveats that cover the point at the other cutoff.
+    """Return the quoted point with intervals and caveats that take the point at the other cutoff into account.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
@@ -412,7 +412,7 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 
 def _spoils_bracket(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bracket. All faults do, except too few contacts."""
+    """Return whether a caveat invalidates the bracket, as every fault does except the fault of too few contacts."""
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
