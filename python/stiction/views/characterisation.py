@@ -54,8 +54,9 @@ from stiction.views.text import wrap_text
 PAPER_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
 RADIAL_BINS = 20  # number of bins per decade in the spectrum of a surface
 NUM_OCTAVES = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
-NEGLIGIBLE_SLOPE_FRACTION = 0.01  # unreliable wavelengths with a smaller fraction of the mean square slope are ignored
-_MIN_PEAK_RATIO = 3.0  # minimum density of a peak at the start of a band, relative to longer wavelengths
+# Unreliable wavelengths are ignored if they contribute less than this fraction of the mean square slope.
+NEGLIGIBLE_SLOPE_FRACTION = 0.01
+_MIN_PEAK_RATIO = 3.0  # minimum ratio of the density of a peak to the density at longer wavelengths
 _MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths with which a possible peak is compared
 _MIN_PEAK_FRACTION = 0.1  # a peak is reported if it contributes at least this fraction of m4
 _MAX_DISPERSION = 2.0  # dispersion of a spectrum about its fit above which the scatter is reported
@@ -133,7 +134,7 @@ class Characterisation:
         if self.lc is None and self.robust:
             raise ValueError("lc must be given for the robust filter of a surface")
         if self.lc is not None and self.ls and self.ls >= self.lc:
-            raise ValueError(f"ls must be below lc, {self.lc:g} µm, got {self.ls:g} µm")
+            raise ValueError(f"ls must be below lc ({self.lc:g} µm), got {self.ls:g} µm")
         if self.ls:
             body = filtered(body, cutoff=check_cutoff("ls", self.ls, body, longest=1), kind="S")
         if self.lc is not None:
@@ -167,7 +168,7 @@ class Characterisation:
 
     @cached_property
     def _area(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
-        """Radial spectrum of a surface, its moments along x and y, and the direction of its steepest lines."""
+        """Radial spectrum of a surface, moments along x and y, and the direction of the largest mean square slope."""
         assert isinstance(self.body, Surface)
         spectrum = surface_spectrum(self.body)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
@@ -185,7 +186,7 @@ class Characterisation:
 
     @cached_property
     def fit(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, regardless of the quality of the fit; None without a band."""
+        """Power law fitted to the spectrum, regardless of the quality of the fit, or None if no band can be fitted."""
         try:
             return estimate_hurst_exponent(self.body, band=self.band, periodic=self.periodic)
         except ValueError:
@@ -195,7 +196,7 @@ class Characterisation:
 
     @cached_property
     def misfit(self) -> float:
-        """Factor by which the spectrum deviates from its power law, or NaN without a fit."""
+        """Factor by which the spectrum deviates from its power law, or NaN if no power law was fitted."""
         if self.fit is None:
             return math.nan
         ends = self.fit.shortest_wavelength, self.fit.longest_wavelength
@@ -221,7 +222,7 @@ class Characterisation:
 
     @cached_property
     def friction(self) -> tuple[float, ...]:
-        """Small-slope friction estimates for two such bodies, along x or along x and y; empty if flat."""
+        """Small-slope friction estimates for two such bodies: along x, or along x and y; empty for a flat body."""
         # The mean square slope of the gap between two such bodies is twice the mean square slope of one body.
         # The slopes are reversed, so that the estimate along x comes first.
         squares = [2 * float(np.square(along).mean()) for along in compute_slopes(self.body)][::-1]

@@ -39,7 +39,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Format a result of `evaluate_height_scale`: one table per load, mu0 and tau0, one row per height factor."""
+    """Format a dataset from `evaluate_height_scale`: a table per load, mu0 and tau0; a row per height factor."""
     scaled_surfaces = SCALED_SURFACE_TEXTS[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
@@ -90,7 +90,7 @@ def _row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
 
 
 def height_scale_record(dataset: xarray.Dataset, study: Study) -> str:
-    """Return a result of `evaluate_height_scale` as a JSON record."""
+    """Return a dataset from `evaluate_height_scale` as a JSON record."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
     return rows.record_json("at", rows.value_records(rows.values_frame(dataset)), **fields)

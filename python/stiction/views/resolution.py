@@ -99,7 +99,7 @@ ELASTIC_CAVEAT = (
 
 
 def resolution_record(resolution: Resolution) -> dict[str, Any]:
-    """Return a JSON record of resolved wavelengths, the cutoff study and, without a hardness, yield estimates."""
+    """Return a JSON record of resolved wavelengths, the cutoff study and, if no hardness is given, yield estimates."""
     record: dict[str, Any] = {}
     if (scan := resolution.roughness) is not None:
         record["waves"] = {

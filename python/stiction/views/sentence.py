@@ -34,7 +34,7 @@ SLOPE_ESTIMATE_KAPPA = float(signature(gentle_friction).parameters["kappa"].defa
 
 
 def finer_text(point: PointSummary) -> str:
-    """Return the bounds of the coefficient for finer scans at the given hardness; empty without bounds."""
+    """Return the bounds of the coefficient for finer scans at the given hardness; empty if there are no bounds."""
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
@@ -64,7 +64,7 @@ def sentence_text(point: PointSummary) -> str:
 
 
 def covers_text(point: PointSummary) -> str:
-    """Return a list of the contributions to the 95 % interval of the quoted rule; empty without an interval."""
+    """Return the list of contributions to the 95 % interval of the quoted rule; empty if there is no interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.words for contribution in point.budget) or [
@@ -147,7 +147,7 @@ def _interface_words(study: Study) -> str:
 
 
 def _hardness_range_text(study: Study) -> str:
-    """Return the range of the hardness; empty for a single hardness."""
+    """Return the range of the hardness, or an empty string if the hardness has no range."""
     interface = find_inputs(study).get("hardness")
     if interface is None:
         return ""
@@ -243,7 +243,7 @@ def _scans_text(study: Study) -> str:
 
 
 def slopes_text(point: PointSummary) -> str:
-    """Return the small-slope estimate, or the reason why it does not apply; empty without an estimate."""
+    """Return the small-slope estimate, or the reason why it does not apply; empty if there is no estimate."""
     values, study = point.values, point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:

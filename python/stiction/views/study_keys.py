@@ -104,7 +104,7 @@ def key_tables() -> list[tuple[str, str, list[Row]]]:
 def _case_names(
     owners: Sequence[type[values.Table]], cases: Sequence[type[values.Table]], shared: Sequence[type[values.Case]]
 ) -> list[str]:
-    """Return the names of the models that have a key; the name of a base class replaces all of its models."""
+    """Return the names of the models that have a key, or of their base class if all of its models have the key."""
     members = {item: {case for case in cases if issubclass(case, item)} for item in shared}
     remaining, places = set(owners), []
     for item in sorted(shared, key=lambda item: -len(members[item])):

@@ -146,7 +146,7 @@ def result_text(
 
 
 def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
-    """Return a line that lists mu0 and tau0 of a study with several values; empty otherwise."""
+    """Return a line that lists mu0 and tau0 if the study has several values; otherwise an empty string."""
     friction = study.friction
     assignments = []
     if mu0 and len(friction.mu0) > 1:
@@ -200,7 +200,7 @@ def values_text(
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return the onset of sliding and, with `verbose`, the cutoff study as text; empty without both."""
+    """Return the onset of sliding and, with `verbose`, the cutoff study as text. Missing parts are left out."""
     onset = summary.onset
     paragraphs = []
     if any(math.isfinite(point.value) for point in summary.points):
@@ -364,7 +364,7 @@ def single_test_text(point: PointSummary) -> str:
 
 
 def dwell_time_text(point: PointSummary) -> str:
-    """Return the coefficients after the dwell times of the study; empty without dwell times."""
+    """Return the coefficients after the dwell times of the study; empty if the study has no dwell times."""
     entries = [
         f"{format_time(aged.seconds)} {format_estimate(aged.value, aged.lower, aged.upper)}" for aged in point.waited
     ]
@@ -598,7 +598,7 @@ def directions_text(values: xarray.Dataset) -> str:
 
 
 def resolution_text(summary: Summary) -> str:
-    """Format the resolved wavelengths, the cutoff study of the first point and, without a hardness, yield estimates."""
+    """Format resolved wavelengths, the cutoff study of the first point, and yield estimates if there is no hardness."""
     paragraphs: list[str] = []
     if (resolution := summary.resolution) is None:
         return ""

@@ -355,7 +355,7 @@ def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_
     centres, width = (
         picture["contact_x"].values,
         picture["contact_patch_area"].values,
-    )  # area = width for 1 µm wide profiles
+    )  # areas (µm²) equal contact widths (µm), because profiles are 1 µm wide
     zoom = slice(*np.searchsorted(x, _zoom_range(x, centres, width, picture["contact_force"].values, is_cut)))
     for axes, selection in zip(panels, (slice(None), zoom), strict=True):
         draw_bodies(axes, x[selection], *bodies[:, selection])

@@ -58,7 +58,7 @@ FADING_LIMITS = (0.3, 1.2, 0.85)
 """Relative interval widths at which the fading of a cell starts and reaches its maximum, and this maximum."""
 
 LINE_HEIGHT = 2.4  # distance between curve labels, mm
-MAX_BAND_RATIO = 2.0  # maximum ratio of an axis limit to the highest or lowest value; wide bands are cut off
+MAX_BAND_RATIO = 2.0  # factor between the axis limits and the extreme means; bands that extend further are cut off
 HEADING_HEIGHT = 4.0  # height of a heading line above a figure, mm
 MAX_LEGEND_COLUMNS = 4  # maximum number of legend columns
 
@@ -205,7 +205,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
 
 def _common_load(result: Result, lowest: float) -> float:
-    """Return the highest power of ten (mN) that nine of ten ensembles reach, or otherwise their highest load."""
+    """Return a load (mN) that nine of ten ensembles reach: a power of ten, unless it would be below `lowest`."""
     elastic = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step).values
     common = float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
@@ -325,7 +325,7 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
 
 
 def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> None:
-    """Hatch cells (rows, columns) without changing their colours."""
+    """Hatch the cells that are True in a mask, without changing the colours of the cells."""
     vertices: list[tuple[float, float]] = []
     for row, column in np.argwhere(cells):
         left, right, bottom, top = x[column], x[column + 1], y[row], y[row + 1]
@@ -335,7 +335,7 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> 
         for colour, width in (("black", 1.3), ("white", 0.5)):  # one of the two colours is visible on any cell
             patch = PathPatch(Path(vertices, codes), **_HATCH | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
-            axes.add_artist(patch)  # `add_patch` would compute the limits of thousands of cells
+            axes.add_artist(patch)  # `add_patch` would also compute the limits of thousands of cells
 
 
 _HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
@@ -343,7 +343,7 @@ _HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\
 
 
 def _compute_fading(friction: Floats) -> Floats:
-    """Return the fading of each cell, which depends on the relative width of its interval."""
+    """Return the fading of each cell, which increases with the relative width of the cell's interval."""
     values, lower, upper = np.moveaxis(friction, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
@@ -353,7 +353,7 @@ def _compute_fading(friction: Floats) -> Floats:
 
 
 def _fade(colours: Floats, fading: Floats) -> Floats:
-    """Blend colours (..., 3) with grey of equal luminance, so that no cell gets the colour of another coefficient."""
+    """Blend colours with grey of equal luminance, so that no cell gets the colour of another coefficient."""
     grey = (colours @ _LUMINANCE)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)

@@ -65,7 +65,7 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
 
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw closure and closure stiffness against nominal pressure, for a result of `at_load` (80 mm wide)."""
+    """Draw closure and closure stiffness against nominal pressure for a dataset from `at_load` (80 mm wide)."""
     stress = 1000 / float(points["nominal_area"])  # nominal pressure per load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):

@@ -37,7 +37,7 @@ from stiction.views.report.tables import Tables
 # Maximum number of coefficients in a page: the product of nodes, loads, cells, rules and directions.
 MAX_GENERATED_COEFFICIENTS = 1_000_000
 # The page warns if the mean of overlap / radius exceeds this value.
-# The limit for fractions of the load is `MAX_AFFECTED_FRACTION`.
+# The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.
 MAX_OVERLAP = 0.1
 SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
 
@@ -213,7 +213,7 @@ def _statuses(
 
 
 def _relative_width(points: Floats) -> Floats:
-    """Return the half-width of intervals (..., 3) relative to the values."""
+    """Return the half-widths of intervals relative to the absolute values of their means."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
@@ -301,7 +301,7 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
 
 
 def _study_name(study: Study) -> str:
-    """Return the name of the built-in study that a study equals except for its repetitions, or else "study"."""
+    """Return the name of the built-in study that differs at most in the number of repetitions, or "study"."""
     changes = {"ensemble.repetitions": study.ensemble.repetitions}
     return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
 

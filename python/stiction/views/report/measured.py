@@ -219,7 +219,7 @@ ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUS
 
 
 def _status_codes(statuses: Any, values: Floats) -> Any:
-    """Return the status codes of means over directions (cut_off, sliding, load, mu0, tau0)."""
+    """Return the status code of each mean over directions. The axes are cutoff, sliding rule, load, mu0 and tau0."""
     codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
     bad = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
     not_solved = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
@@ -227,7 +227,7 @@ def _status_codes(statuses: Any, values: Floats) -> Any:
 
 
 def _pull_off_lines(result: Result, study: Study) -> list[str]:
-    """Return a list with the sentence about the pull-off force at the first mu0 and tau0; empty without adhesion."""
+    """Return a list with a sentence about the pull-off force at the first mu0 and tau0; empty if nothing adheres."""
     if not study.contact.adheres:
         return []
     pull_off_estimate = result.summary().points[0].sticking
@@ -316,7 +316,7 @@ _CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contributions(answer: PointSummary) -> dict[str, Any] | None:
-    """Return the contributions to the coefficient with friction at all contacts, their texts, and its interval."""
+    """Return the coefficient with friction at all contacts, its interval, and its contributions with their texts."""
     estimate = next((rule for rule in answer.rules if rule.rule == "all"), None)
     if answer.parts is None or estimate is None or not math.isfinite(estimate.value):
         return None

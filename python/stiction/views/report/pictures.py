@@ -49,7 +49,7 @@ def profiles_panel(study: Study, approach: float) -> str:
 
 
 def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
-    """Return the panel on loading and unloading as markup; empty without adhesion."""
+    """Return the panel on loading and unloading as markup, or an empty string if the bodies do not adhere."""
     if branches is None:
         return ""
     return _panel(
@@ -62,7 +62,7 @@ def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
 
 
 def height_scale_panels(result: Result, title: str) -> str:
-    """Return panels (markup) of the results for all stored height factors; empty without factors.
+    """Return panels (markup) of the results for all stored height factors; empty if no factors are stored.
 
     The panels show the first load, mu0 and tau0.
     """
@@ -97,7 +97,7 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
 
 
 def positions_panel(result: Result, load: float, title: str) -> str:
-    """Return the panel of the friction at single positions at a load (mN) as markup."""
+    """Return the panel with the friction at single positions under a load (mN), as markup."""
     values = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
     return _panel(
         "Single positions",

@@ -23,7 +23,7 @@ _COMPRESSION = 7  # zlib level; it takes a sixth of the time of level 9, with 0.
 
 
 def packed(values: ArrayLike, leading: int) -> str:
-    """Return doubles as text, rounded to their leading bytes: all first bytes, then all second bytes, and so on.
+    """Encode doubles as text after rounding to their leading bytes: all first bytes, then all second bytes, and so on.
 
     Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
     """
@@ -36,7 +36,7 @@ def packed(values: ArrayLike, leading: int) -> str:
 
 
 def packed_bytes(values: NDArray[np.int8]) -> str:
-    """Return whole numbers from -128 to 127 as text."""
+    """Encode whole numbers from -128 to 127 as text."""
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION)).decode("ascii")
 
 
@@ -56,7 +56,7 @@ class Tables:
         arrays.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
 
     def add_points(self, name: str, points: Floats, *, decimals: Any = None) -> None:
-        """Append values with lower and upper ends (..., 3), and the number of decimals to print.
+        """Append values, lower ends and upper ends (along the last axis), and their numbers of decimals to print.
 
         `decimals` is the number of decimals for values without an interval.
         """
@@ -69,7 +69,7 @@ class Tables:
         self.add(f"{name}_upper_decimals", upper_decimals)
 
     def packed(self) -> dict[str, str]:
-        """Return all numbers as text."""
+        """Return all numbers, encoded as text."""
         floats = np.concatenate(self.floats) if self.floats else np.zeros(0)
         small = np.concatenate(self.small) if self.small else np.zeros(0, np.int8)
         return {"floats": packed(floats, FLOAT_BYTES), "small": packed_bytes(small)}
@@ -118,7 +118,7 @@ def _rounded_exponent(values: Floats) -> Floats:
 
 
 def text_with_unit(point: Sequence[float], unit: str) -> str:
-    """Return a value with its interval (3,) and unit, as in "12.1 [11.0, 13.3] µm²"; fractions have the unit "%"."""
+    """Return a value with interval and unit, as in "12.1 [11.0, 13.3] µm²"; fractions have the unit "%"."""
     value, lower, upper = point
     if np.isnan(value):
         return "none"
