@@ -149,7 +149,7 @@ def test_at_command_accepts_comma_separated_and_repeated_options(results_folder)
         (("study", "--load", "1 mN", "--mu0", "-0.3"), ["--mu0 must be at least 0"]),
         (("study", "--load", "1 mN", "--tau0", "-1 MPa"), ["--tau0 must be at least 0"]),
         (("study", "--load", "1 um"), ["--load"]),
-        (("study", "--load", "1 MPa"), ["--load of a study must be a force"]),
+        (("study", "--load", "1 MPa"), ["--load must be a force if the result has no nominal area"]),
         (("study",), ["--load must be given, because the study has no loads"]),
         (("study", "--load", "1 mN", "--mu0", "0,2"), ['"0.2"', '"0, 2"']),
         (("study", "--load", "0,5 mN"), ['"0.5"']),

@@ -336,7 +336,10 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert f"starts at x = {1000 * comparison.shift[0]:.3g} nm of the first scan." in " ".join(completed.stdout.split())
     assert np.array_equal(read_profile(tmp_path / "repeated.npy").heights, comparison.scan.heights)
     assert f"--cutoff '{1000 * comparison.limit:g} nm'" in " ".join(completed.stdout.split())
-    for options, expected_words in (([], "repeated.npy: already exists"), (["--together"], "excludes --together")):
+    for options, expected_words in (
+        ([], "repeated.npy: already exists"),
+        (["--together"], "must not be combined with --together"),
+    ):
         assert_rejected(
             call_stiction("characterise", "a.csv", "b.csv", "--repeated", *options, cwd=tmp_path), expected_words
         )

@@ -328,7 +328,7 @@ def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed(sc
         ([*PROFILE_FILES, "--load", "10 nm"], ["--load must be a force or a pressure", "mN", "MPa"]),
         ([*PROFILE_FILES, "--mu0", "-1"], ["--mu0 must be at least 0"]),
         ([*MAP_ARGUMENTS, "--hardness", "150 HB"], ["--hardness", "'HB'"]),
-        ([*MAP_ARGUMENTS, "--load", "1 GPa", "--hardness", "0.5 GPa"], ["--load must be below the hardness, 0.5 GPa"]),
+        ([*MAP_ARGUMENTS, "--load", "1 GPa", "--hardness", "0.5 GPa"], ["--load must be below the hardness (0.5 GPa)"]),
         (
             [*PROFILE_FILES, "--mu0", ",".join(f"{index / 1000}" for index in range(101))],
             ["--mu0 must have at most 100 values, got 101"],

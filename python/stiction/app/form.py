@@ -40,9 +40,9 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def page_facts() -> str:
-    """Return the facts that the script of the page needs, as JSON for an HTML attribute.
+    """Return the data that the script of the page needs, as JSON for an HTML attribute.
 
-    The facts are units of plain numbers, options with commas, and descriptions of the sliding rules.
+    The data are units of plain numbers, options with commas, and descriptions of the sliding rules.
     """
     facts = {
         "units": {flag: f" {field.unit}" for flag, field in FIELDS.items() if field.unit},
@@ -57,7 +57,7 @@ _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
 
 
 def find_first_option(message: str) -> str:
-    """Return the option name at the start of an error message if the form has a field for it; otherwise empty."""
+    """Return the option name at the start of an error message, or an empty string if the form has no such field."""
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FIELDS else ""
 

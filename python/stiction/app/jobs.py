@@ -78,7 +78,7 @@ class Job:
         }  # fmt: skip
 
     def stop(self) -> None:
-        """Stop the command. When it has ended, its state changes and the finished part of its result is read."""
+        """Stop the command. After its process has ended, the finished part of its result is read."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
@@ -96,7 +96,7 @@ class Jobs:
         self._reader_slots = asyncio.Semaphore(2)
 
     def add(self, title: str, arguments: list[str], *, folder: Path | None = None, preview: Any = None) -> Job:
-        """Add a command to the queue. If the command already has a result, its computation is resumed."""
+        """Add a command to the queue. If a result of the command is already stored, its computation is resumed."""
         if sum(job.state == "waiting" for job in self.all.values()) >= MAX_WAITING_JOBS:
             raise RejectedError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
         stored_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]
@@ -199,7 +199,7 @@ class Jobs:
 
 
 def limit_prefix(memory: float) -> list[str]:
-    """Return a command prefix that limits memory to a fraction and kills the process with its parent (Linux)."""
+    """Return a prefix that limits a command to a fraction of the memory and kills it with its parent (Linux)."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
     import resource

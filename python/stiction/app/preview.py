@@ -69,7 +69,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
 
 
 def draw_svg(*lines: Floats) -> str:
-    """Draw lines in a common frame as an SVG image."""
+    """Draw lines as an SVG image with a common vertical scale."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
     for line, colour in zip(lines, LINE_COLOURS, strict=False):

@@ -1,4 +1,4 @@
-"""Generated surfaces: two sample surfaces, and the profiles defined by the sliders."""
+"""Generated surfaces: two sample surfaces, and the profiles that the sliders of the page define."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def write_samples(folder: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw the profiles of the modified study `quick` as SVG in a window around the first contact."""
+    """Draw profiles near their first contact as an SVG image, for the study `quick` with the given changes."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(iter(generate_pairs(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))

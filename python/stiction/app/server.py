@@ -41,7 +41,7 @@ MAX_LISTED_RESULTS = 100  # maximum number of listed results
 MAX_PREVIEW_POINTS = 2**21  # maximum number of points of a scan for which a preview is drawn
 REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 KEY_HEADER = "x-stiction-key"
-PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content, for which the cookie suffices
+PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content, for which no key is needed
 
 ALLOWED_OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
 """Options of each command that the page may set."""
@@ -147,7 +147,7 @@ class Server:
         finally:
             self._requests.discard(task)
         if rejection is not None:
-            with suppress(RuntimeError):  # the response has already started
+            with suppress(RuntimeError):  # raised if the response has already started
                 await rejection(scope, receive, send_with_headers)
 
     def _rejection(self, request: Request) -> Response | None:
@@ -300,7 +300,7 @@ class Server:
             if name not in ALLOWED_OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
             if name == "set" and not ALLOWED_CHANGE.fullmatch(value):
-                raise HTTPException(400, f"set must be a setting of the page, got {short_repr(value)}")
+                raise HTTPException(400, f"set must be a setting that the page offers, got {short_repr(value)}")
         arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *arguments]).number})

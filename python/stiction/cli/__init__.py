@@ -71,7 +71,7 @@ def _open_closed_streams() -> None:
 
 
 def _address_space_limit() -> float:
-    """Return the limit of the address space in bytes, or infinity without a limit."""
+    """Return the limit of the address space in bytes, or infinity if there is no limit."""
     try:
         import resource
     except ImportError:  # Windows

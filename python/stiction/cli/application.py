@@ -140,7 +140,7 @@ SHOW_ALL_KEY = "stiction.show_all"
 
 
 def option_was_given(context: typer.Context, name: str) -> bool:
-    """Return whether the command line contains an option or argument, including one with its default value."""
+    """Return whether the command line contains an option or argument, even if it has its default value."""
     source = context.get_parameter_source(name)
     return source is not None and source.name != "DEFAULT"
 
@@ -304,7 +304,7 @@ def _suggest_command(message: str) -> str:
 
 @contextmanager
 def _uncover_interrupts() -> Iterator[None]:
-    """Raise KeyboardInterrupt instead of an error that it caused, such as the ImportError of an extension module."""
+    """Raise KeyboardInterrupt instead of an error that an interrupt caused, such as an ImportError."""
     try:
         yield
     except Exception as error:

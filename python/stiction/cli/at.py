@@ -126,7 +126,8 @@ def at(
     if hurst is not None:
         if d is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
             raise ArgumentError(
-                "{hurst} applies to self-affine surfaces and must not be combined with --d, got {got}", got=repr(hurst)
+                "{hurst} applies only to self-affine surfaces and must not be combined with --d, got {hurst} {got}",
+                got=repr(hurst),
             )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
     values = _select_nearest(values, dimensions, None if length is None else [length])
@@ -165,11 +166,11 @@ def _print_scaled_heights(
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Return the loads (mN) of the options in ascending order, or the loads of the study."""
+    """Return the loads (mN) given as options in ascending order, or the loads of the study if none are given."""
     width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":
-            raise ArgumentError("{width} applies only to two profiles; got {got}", got=repr(width))
+            raise ArgumentError("{width} applies only to two profiles, got {width} {got}", got=repr(width))
         width_factor = THICKNESS / float(parse_quantity("width", width, "length"))
     if not texts:
         if not result.study.friction.load:
@@ -183,7 +184,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
         if per_area:
             coordinates = result.head.coords
             if "nominal_area" not in coordinates:
-                raise ValueError(f"--load of a study must be a force, got {value!r}")
+                raise ValueError(f"--load must be a force if the result has no nominal area, got {value!r}")
             force *= float(coordinates["nominal_area"])
         # Forces are rounded like the loads of `pair`, so that equal loads compare as equal.
         loads.add(float(f"{force:.12g}"))
@@ -193,7 +194,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
 def _select_nearest(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
-    """Select the nearest fractal dimensions and amplitudes (µm).
+    """Select the computed fractal dimensions and amplitudes (µm) that are nearest to the given values.
 
     The default is all dimensions and the first amplitude.
     """

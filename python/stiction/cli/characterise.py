@@ -124,7 +124,7 @@ def characterise(
     cutoff_wavelength = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
     filters = _parse_filters(lc, ls, robust=robust, joined=together or repeated)
     if texture is not None and texture not in MACHINING_PROCESSES:
-        raise ValueError(f"--texture must be {', '.join(MACHINING_PROCESSES)}, got {texture!r}")
+        raise ValueError(f"--texture must be one of {', '.join(MACHINING_PROCESSES)}, got {texture!r}")
     radius = None if tip is None else parse_quantity("tip", tip, "length")
     characterisations, readings = [], []
     for file in files:
@@ -252,7 +252,7 @@ def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, r
 def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     if repeated and (len(files) != 2 or together):
         raise ValueError(
-            f"--repeated excludes --together, and requires two scans of the same place, got {len(files)} scans"
+            f"--repeated needs two scans of the same place (got {len(files)}) and must not be combined with --together"
         )
     if together and len(files) < 2:
         raise ValueError("--together requires at least 2 scans of one surface, got 1")
@@ -272,7 +272,7 @@ def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: 
 
 
 def _select_line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """Return a row or a column of a surface or, without an index, the body unchanged."""
+    """Return a row or a column of a surface, or the unchanged body if no index is given."""
     for name, index, other in (("row", row, column), ("column", column, row)):
         if index is None:
             continue

@@ -25,7 +25,7 @@ class _OptionNames(dict[str, str]):
 
 
 def format_option_help(name: str) -> str:
-    """Return the help line of an option of `pair` with the command line names of options."""
+    """Return the help line of a `pair` option, in which placeholders are replaced by command line names."""
     return PAIR_OPTIONS[name].help.format_map(_OptionNames())
 
 
@@ -39,7 +39,7 @@ def pair_option(name: str, *, repeatable: bool = True) -> Any:
 
 
 def pair_argument(name: str) -> Any:
-    """Return the argument of a command for a body of `pair`."""
+    """Return the command line argument for one of the bodies of `pair`."""
     return typer.Argument(metavar=PAIR_OPTIONS[name].value, help=format_option_help(name))
 
 

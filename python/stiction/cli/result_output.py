@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-# Number of lines for caveats in `pair` and `run`, with which the output fits on a terminal of 24 lines.
+# Maximum number of lines for caveats, with which the output of `pair` and `run` fits on 24 terminal lines.
 MAX_CAVEAT_LINES = 5
 
 VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
@@ -34,7 +34,7 @@ def open_with_warning(directory: Path) -> Result:
 
 
 def print_result(result: Result, **options: Any) -> None:
-    """Print a result at the loads of its study, with the options of `print_values`."""
+    """Print a result at the loads of its study. The options are the options of `print_values`."""
     print_values(result, **options)()
 
 
@@ -70,7 +70,7 @@ def print_values(
             print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE_OPTION))
 
     def print_remainder() -> None:
-        complete_summary = result.summary()  # includes studies that were computed after the first summary
+        complete_summary = result.summary()  # also summarizes studies that were computed meanwhile
         if as_json:
             print_output(rows.summary_json(command, complete_summary, **(fields or {})))
         elif study.is_measured and (remainder := text.resolution_and_onset_text(complete_summary, verbose=verbose)):
@@ -101,7 +101,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {names[0]} (open it), {' and '.join(names[1:])}")
 
 
-MAX_REWRITES = 4  # maximum number of attempts to write files that agree with a changing study
+MAX_REWRITES = 4  # maximum number of attempts to write files of a study that changes meanwhile
 
 
 def _write_files(result: Result, folder: Path) -> list[str]:
@@ -127,5 +127,5 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:
-    """Return the function that prints messages: to standard error if standard output contains JSON."""
+    """Return the function that prints messages. It uses standard error if standard output contains JSON."""
     return print_message if as_json else print_output
