@@ -120,6 +120,17 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
     raise ValueError(f'{name} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa", got {value!r}')
 
 
+def is_pressure(value: Any) -> bool:
+    """Return whether a value is a string with a number and a unit of pressure."""
+    if not isinstance(value, str):
+        return False
+    try:
+        quantity(value, "pressure")
+    except ValueError:
+        return False
+    return True
+
+
 def exact_text(value: float, unit: str) -> str:
     """Format a number and its unit so that `quantity` parses exactly the same number."""
     return f"{repr(float(value)).removesuffix('.0')} {unit}"

@@ -112,6 +112,7 @@ def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
         ("load (mN),coefficient", (1,), "line 3: has 1 cells"),
         ("load (mN),coefficient", (1, "x"), "coefficient must be a number"),
         ("load (MPa),coefficient", (1, 0.2), "load has the unit"),
+        ("load (MPa),force (N)", (1, 20), "needs the column coefficient instead of force"),
         ("load (mN),coefficient,uncertainty (%)", (1, 0.2, -1), "uncertainty must be"),
         ("load (mN),coefficient (mN)", (1, 0.2), "coefficient has no unit"),
         ("load (mN),coefficient (%),uncertainty (%)", (1, 20, 3), "ambiguous"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -174,6 +175,10 @@ def test_calibration_functions_reject_wrong_types(film_file) -> None:
         (lambda: interface(3), "interface must be a name or a path"),
         (lambda: Ball("5 mm", "0 GPa"), "effective_modulus must be above 0"),
         (lambda: FrictionTest(Ball("5 mm", "3 GPa"), 1.0, coefficient=1e300), "coefficient must be"),
+        (
+            lambda: FrictionTest(SimpleNamespace(nominal_area=1e4), "2 MPa", force="20 N"),
+            "coefficient must be given instead of force",
+        ),
     ):
         with pytest.raises(ValueError, match=pattern):
             function()

@@ -24,7 +24,7 @@ import numpy as np
 from stiction._checks import Floats, check_choice, check_instance, number
 from stiction._files import NotReadableError, describe_os_error, read_content, replaced_file
 from stiction._text import printable_path
-from stiction._units import loads_to_core_units, to_core_units
+from stiction._units import is_pressure, loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
 from stiction.mechanics.friction import SIX_SUMS, FrictionCurve
 from stiction.mechanics.model import Sliding
@@ -328,6 +328,11 @@ class FrictionTest:
         if (self.coefficient is None) == (self.force is None):
             raise ValueError("either coefficient or force must be given, but not both")
         if self.force is not None:
+            if is_pressure(self.load):
+                raise ValueError(
+                    "coefficient must be given instead of force if the load is a pressure, because the area of the "
+                    f"specimen is unknown, got load {self.load!r} and force {self.force!r}"
+                )
             force = number("force", to_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
         converted = number("coefficient", self.coefficient, below=1e6)
@@ -655,7 +660,13 @@ def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFricti
     six_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
     is_reached = np.isfinite(list(six_sums.values())).all(axis=0)
     if not is_reached.any():
-        raise ValueError(f"load must be within the range of the result, got {load:g} mN")
+        area = getattr(result, "nominal_area", None)
+        hint = (
+            f", which is {1e3 * load / area:.4g} MPa on the area of the scans; specify a pressure for a larger specimen"
+            if area
+            else ""
+        )
+        raise ValueError(f"load must be within the range of the result, got {load:g} mN{hint}")
     stick = six_sums["tangential_adhesive"][is_reached]
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
     means = {name: values[is_reached].mean() for name, values in six_sums.items()}

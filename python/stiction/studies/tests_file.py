@@ -94,6 +94,11 @@ def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
         columns[name] = index, "" if unit == "1" else unit
     if "load" not in columns or len({"force", "coefficient"} & set(columns)) != 1:
         raise ValueError("needs the columns load and either force or coefficient")
+    if "force" in columns and columns["load"][1] in unit_names("pressure"):
+        raise ValueError(
+            "needs the column coefficient instead of force if the load is a pressure, because the area of the specimen "
+            "is unknown; coefficient = force / (pressure * area of the specimen)"
+        )
     if "uncertainty" in columns:
         unit = columns["uncertainty"][1]
         if "force" in columns and not unit:
