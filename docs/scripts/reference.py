@@ -116,7 +116,7 @@ def command_sections() -> str:
             rows = [_parameter(param) for param in command.get_params(context) if param.param_type_name == kind]
             if rows:
                 lines += [f"| {kind} | default | meaning |", "|---|---|---|", *rows, ""]
-        shown = re.findall(r"^  (stiction .*)$", command.epilog or "", re.MULTILINE)
+        shown = re.findall(r"^  (stiction (?:.*\\\n)*.*)$", command.epilog or "", re.MULTILINE)
         lines += ["```text", *shown, "```", ""]
     return "\n".join(lines)
 
