@@ -197,7 +197,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
   // The metric to the power -1/2 is I - p pᵀ / (q (q + 1)).
-  // Multiplied from both sides, it turns the Hessian into the matrix (a, b; b, c) of an ordinary eigenvalue problem.
+  // The Hessian times this power on both sides is the matrix (a, b; b, c) of an ordinary eigenvalue problem.
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();
   const double r01 = -factor * slope.x() * slope.y();

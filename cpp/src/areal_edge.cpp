@@ -22,7 +22,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   const double sine = std::sqrt(candidate.ellipse.major) * std::sqrt(candidate.ellipse.minor) * candidate.normal.z() /
                       (half_width * half_height);
   for (std::size_t i = 0; i < 4; ++i) {
-    // The angle between the normals of neighbouring sides has this cosine. For every second pair, it is the supplement.
+    // This is the cosine of the angle between the normals of neighbouring sides. Its sign alternates from pair to pair.
     const double to_next = i % 2 == 0 ? cosine : -cosine;
     const double next = distance_[(i + 1) % 4] - distance_[i] * to_next;
     const double previous = distance_[(i + 3) % 4] + distance_[i] * to_next;
@@ -35,7 +35,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
 // The pressure varies as (1 - r²)^(1/2), so the sector contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ of the force.
 // Where |tan φ| > (1 - h²)^(1/2)/h, the circle is closer than the side, and the whole sector counts.
 // The closed forms below avoid cancellation if the map is a small part of the ellipse.
-// Check: a single side leaves (2 + 3 h - h³)/4 of the force.
+// For example, if a single side cuts the circle, the fraction (2 + 3 h - h³)/4 of the force lies inside the map.
 InsideFractions MapEdges::fractions_inside(double overlap) const {
   InsideFractions sum{0.0, 0.0};
   const double radius = std::sqrt(overlap);

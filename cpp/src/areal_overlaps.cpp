@@ -54,7 +54,8 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
                                   approaches.begin());
 }
 
-// Ellipses grow about fixed centres with the approach. Two overlapping ellipses therefore overlap at larger approaches.
+// Ellipses grow about fixed centres with the approach.
+// Two overlapping ellipses therefore overlap at all larger approaches.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
   struct Footprint {
@@ -90,7 +91,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // At larger approaches than both first overlaps found so far, a pair cannot change the result.
+      // A pair cannot change the result at approaches beyond the first overlaps already found for both ellipses.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

@@ -182,10 +182,11 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
   }
 }
 
-// A minimum is possible in three cases:
+// A minimum is possible in four cases:
 // - The slope increases through zero between the ends.
 // - The slope falls to zero and increases again.
 // - The slope increases through zero and falls again.
+// - The slope is zero at the left end and increases.
 STICTION_MULTIVERSION
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks) {
   for (std::size_t i = 0; i < size; ++i) {

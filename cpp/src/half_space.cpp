@@ -186,7 +186,7 @@ class LevelSolver {
     has_response_ = false;
   }
 
-  // Take one step. The caller must call `update_free_points` before.
+  // Take one step. The caller must call `update_free_points` before each step.
   void iterate() {
     std::span<const float> residual = cg_.residual(pool_);
     if (!cg_.is_steepest_descent()) {
@@ -433,7 +433,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // First guess of the load: a tenth of E* approach / length.
+  // The first guess of the mean pressure is a tenth of E* approach / length.
   // E* approach / length is the mean pressure of a contact as large as the grid.
   // No rough contact exceeds this pressure.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);

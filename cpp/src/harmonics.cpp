@@ -265,7 +265,7 @@ STICTION_KERNEL(one_row,
                  std::size_t stride),
                 (weights, values, frequencies, sums, stride))
 
-// Compute all rows of one complete block; `sums` points to its first column.
+// Compute all rows of one complete block. `sums` points to the first column of the block.
 // Calls after(begin, end) while the completed rows from `begin` to just before `end` are still in the cache.
 template <class After>
 void product(const Eigen::Map<const Matrix>& weights, const double* values, double* sums, Index stride,

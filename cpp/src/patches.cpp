@@ -144,7 +144,7 @@ PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, 
       const std::size_t at = direction * count + static_cast<std::size_t>(patch[i] - 1);
       const double rise = slope_x[i] * x + along_y(i) * y;  // -q s·n
       const double across = slope_x[i] * y - along_y(i) * x;
-      // t is -s + (s·n) n divided by its length sqrt(1 - (s·n)²) = level/q, so q F t_z = -F rise/level.
+      // The tangent t is -s + (s·n) n divided by the length sqrt(1 - (s·n)²) = level/q, so q F t_z = -F rise/level.
       const double level = std::sqrt(1 + across * across);
       const double upward = -rise / level;
       sums.leaning[at] += rise * force[i];

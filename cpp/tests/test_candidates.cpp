@@ -108,7 +108,7 @@ TEST_CASE("tangent: opposes the motion, in the plane of the motion and the norma
     CHECK(tangent.norm() == doctest::Approx(1.0).epsilon(1e-15));
     CHECK(tangent.head<2>().dot(direction) < 0.0);
   }
-  // The tangent of a profile and σ (-n_z, n_x) have the same bits.
+  // The tangent of a profile and σ (-n_z, n_x) are bit-identical.
   const stiction::Vector3 lean(0.28, 0.0, 0.96);
   CHECK(stiction::tangent(lean, {-1.0, 0.0}) == stiction::Vector3(0.96, 0.0, -0.28));
 }

@@ -86,7 +86,7 @@ struct ArealCandidates {
 };
 
 /// Relative tolerance for equal heights.
-/// Smaller differences, as a fraction of the largest height, may be round-off of the heights or of the spline.
+/// Differences below this fraction of the largest height may be round-off of the heights or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
 /// Relative tolerance for level valleys.

@@ -27,7 +27,7 @@ struct Asperity {
 
 /// Compute the asperity at a point with slope f' [-] and curvature f'' [1/µm].
 /// With q = sqrt(1 + f'²), the lower surface has the normal (-f', 0, 1)/q and the radius R = -q³/f''.
-/// Normal and radius are negated for the upper surface.
+/// For the upper surface, the normal and the radius have the opposite sign.
 Asperity asperity(double slope, double curvature, Side side);
 
 /// Asperities at all points of a profile, with the spline derivatives from which they were computed.

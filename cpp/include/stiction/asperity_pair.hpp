@@ -37,13 +37,13 @@ struct ContactPoint {
 };
 
 /// Rule for the curvatures of two asperities that may form a contact. `convex` requires both surfaces to be convex.
-/// `signed_` also allows a sphere in a larger concave sphere.
+/// `signed_` also allows a convex sphere inside a larger concave sphere.
 enum class Curvature { convex, signed_ };
 
 /// Two spheres, at most one of which is concave (Eq. 4).
 /// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap is R_u + R_l minus the signed length of X.
-/// This direct difference would cancel for a nearly flat surface.
+/// For a nearly flat surface, this difference of large numbers would lose all digits by cancellation.
 /// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
 /// For the same reason, the contact centre is measured from the smaller sphere.
 struct SpherePair {

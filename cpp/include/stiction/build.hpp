@@ -13,7 +13,7 @@ struct Build {
   std::string gsl;  ///< version of the linked GNU Scientific Library
 };
 
-/// Return the build information. Results of different builds agree except for round-off, but not bit by bit.
+/// Return the build information. Results of different builds may differ by round-off.
 Build build();
 
 }  // namespace stiction

@@ -64,13 +64,14 @@ struct Derivatives {
 /// Mark the points at which contact is possible at some approach up to `max_approach` [µm].
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell.
 /// Every such point is marked. Some points at which contact is impossible may be marked too.
-/// The contact centre moves in one direction while the sphere centres approach each other, so its end positions decide.
+/// The contact centre moves in one direction while the sphere centres approach each other, so its end points decide.
 /// `zero` is the gap at first contact [µm].
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
 /// Mark intervals [x_i, x_(i+1)) in which the splined gap may have a minimum.
-/// The signs of the derivatives at both ends of an interval decide. Derivatives are given at all ends of intervals.
+/// The signs of the derivatives at both ends of an interval show whether a minimum is possible.
+/// The number of derivatives is therefore one more than the number of intervals.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
 /// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one.

@@ -45,7 +45,8 @@ class Workspace {
 ///
 /// On a periodic grid, each Fourier component is multiplied by 2/(E*|k|), and by 0 for k = 0.
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
-/// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25. On lines, the displacement is a logarithm.
+/// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
+/// On lines, the displacement depends logarithmically on the distance.
 /// The approximate inverse E*|k|/2 is periodic even on a free grid, which halves the size of the transform.
 /// In a preconditioner, the resulting interaction of opposite edges is harmless.
 class ElasticKernel {
@@ -59,7 +60,7 @@ class ElasticKernel {
 
   const Grid& grid() const { return grid_; }
 
-  /// Compute displacements in double precision. The errors are round-off of the largest displacement.
+  /// Compute displacements in double precision. Errors are of the order of the round-off of the largest displacement.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

@@ -60,8 +60,8 @@ struct HalfSpaceSolution {
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
-/// Progress callback. Each iteration on the finest grid calls it with the iteration number and the error.
-/// An exception that it throws ends the calculation.
+/// Progress callback, which each iteration on the finest grid calls with the iteration number and the error.
+/// An exception that the callback throws ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
 /// Solver for the contact at successive loads, for a given gap.

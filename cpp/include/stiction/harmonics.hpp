@@ -3,7 +3,7 @@
 //     y(x) = Σ_n w_n G_n(x),   G_n(x) = Σ_m { cos φ_mn - cos[ (2π γ^(n-1) x / L) cos(π m / M) + φ_mn ] }
 //
 // Only the weights w_n depend on the fractal dimension.
-// The group profiles G_n are therefore evaluated only once for any number of dimensions.
+// The group profiles G_n are therefore evaluated only once, however many fractal dimensions are requested.
 #pragma once
 
 #include "stiction/amplitude.hpp"

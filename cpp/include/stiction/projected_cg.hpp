@@ -26,7 +26,8 @@ namespace stiction {
 ///
 /// Let the residual r be continued from the free points to the other points.
 /// On the free points, r·(inverse of K)r is the minimum of r·Mr over all continuations of r.
-/// On areas, the continuation by zero is close to this minimum. On lines with short contacts, it is far from it.
+/// On areas, the continuation by zero is close to this minimum.
+/// On lines with short contacts, the continuation by zero is far from this minimum.
 /// On lines, the residual is therefore interpolated linearly between free points.
 /// The transpose of the interpolation is applied to M r.
 /// The interpolation continues across the edges of the grid, because M is periodic.
@@ -50,7 +51,7 @@ class ProjectedCgSolver {
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
   /// Return the residual [µm]. At free points, it is the mean potential of the free points minus the potential.
-  /// At other points, it is continued: by 0 on areas, and by linear interpolation on lines.
+  /// At other points, the residual is continued by 0 on areas, and by linear interpolation on lines.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
   /// Return the free points found by the last `update_free_points`, in increasing order.
