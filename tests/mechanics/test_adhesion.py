@@ -237,7 +237,7 @@ def test_pull_off_force_of_sinusoid_in_full_contact_equals_opening_load(tension)
         half_space(*bodies, [*loads, -(1 + PULL_OFF_TOLERANCE) * opening], boundary="periodic", **adhesive)
 
 
-def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum():
+def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tension():
     shape = {"shape": (64, 64), "spacing": 0.01, "hurst_exponent": 0.769, "rms": 3.39e-3, "shortest_wavelength": 0.08}
     bodies = [
         self_affine_surface(4, side=side, longest_wavelength=longest, **shape)
@@ -405,7 +405,7 @@ def test_zero_work_of_adhesion_gives_bit_identical_results():
     assert little.contact_area == pytest.approx(plain.contact_area, rel=1e-6)
 
 
-def test_pull_off_force_is_positive_if_two_iterations_leave_the_pressure_unchanged():
+def test_pull_off_force_is_positive_if_consecutive_iterations_change_nothing():
     """Solve a case in which two consecutive iterations change nothing, so that the ratio of their changes is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
     heights = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]

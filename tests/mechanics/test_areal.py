@@ -22,13 +22,12 @@ from stiction import (
 )
 from support.rough_surfaces import rough_maps
 
-# Tolerance for the slow reference, which computes the same heights with other splines, another search and another
-# solution for the ellipse.
+# Tolerance for the slow reference, which uses another spline solver, another search and another ellipse solution.
 INDEPENDENT_TOLERANCE = 1e-8
 # The curvature error of a spline is of second order in spacing / radius, which is at most 1e-3 here.
 SPLINE_TOLERANCE = 1e-6
-# Tolerance of identities that only change the order of operations. Round-off moves a minimum of the gap, and more where
-# the gap is flat.
+# Tolerance of identities that only change the order of operations.
+# Round-off moves a minimum of the gap, most where the gap is flat.
 IDENTITY_TOLERANCE = 1e-9
 SCALING_TOLERANCE = 1e-8
 # Tolerance of sums of the same numbers in another order.
@@ -119,7 +118,7 @@ class TestArealReference:
         assert np.allclose(np.linalg.norm(table.tangent, axis=1), 1, atol=ROUND_OFF)
         assert np.allclose((table.tangent * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
 
-    def test_unresolved_minima_of_the_grid_are_counted(self):
+    def test_grid_minima_without_a_contact_candidate_are_counted_as_unresolved(self):
         upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
         gap = upper.heights - lower.heights
         inner = gap[1:-1, 1:-1]
@@ -162,8 +161,7 @@ class TestArealExact:
         def height(x, y):
             x, y = x - (size / 2 + 0.3) * spacing, y - (size / 2 - 0.2) * spacing
             along, across = c * x + s * y, -s * x + c * y
-            # The radii of a paraboloid at its apex are exact, because a cubic spline reproduces it except near the
-            # edges.
+            # The radii at the apex are exact, because a cubic spline reproduces a paraboloid except near the edges.
             return -(along**2) / (2 * 2.0) - across**2 / (2 * shorter)
 
         body = surface_from_function(height, (size + 1, size + 1), (spacing, spacing))
@@ -179,7 +177,7 @@ class TestArealExact:
         assert table.normal[0].tolist() == [0, 0, 1]
 
     @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
-    def test_friction_coefficient_on_a_slope_equals_tangent_of_slope_plus_friction_angle(self, angle):
+    def test_friction_coefficient_on_a_slope_equals_tangent_of_summed_slope_and_friction_angles(self, angle):
         slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
         def ramp(x, y):
@@ -235,7 +233,7 @@ class TestArealExact:
         assert np.allclose(areas.position[:, 0], lines.position[:, 0], atol=1e-9)
         assert np.allclose(areas.position[:, 1], 20.3 * 0.05, atol=1e-6)
         assert np.allclose(areas.gap, lines.gap - shift, atol=1e-9)
-        # On a profile R = q³/g''. On a map this is the shorter radius, across the valley. The normals are equal.
+        # On a profile R = q³/g''. On a map R is the shorter radius, across the valley. Both normals are equal.
         assert_close(areas.radii[:, 1], lines.radii[:, 0], IDENTITY_TOLERANCE)
         approach = areas.gap[0] + shift + 1e-9
         one, other = contacts(lines, approach), contacts(areas, approach - shift)
@@ -244,8 +242,8 @@ class TestArealExact:
         assert np.allclose(other.normal[same], one.normal[nearest], atol=1e-8)
 
     def test_level_contacts_contribute_friction_only_if_friction_acts_at_all_contacts(self):
-        # Level contacts do not oppose the motion. A rough body on a flat has therefore no friction under the opposing
-        # rule.
+        # Level contacts do not oppose the motion.
+        # A rough body on a flat therefore has no friction under the opposing rule.
         upper, _ = rough_pair()
         flat = Surface(np.zeros_like(upper.heights), spacing=upper.spacing)
         for bodies in ((upper, flat), (flat, upper)):
@@ -375,7 +373,7 @@ class TestValidity:
         u, v = (root.T @ vectors).T
         a, b, _ = areal.compute_semi_axes(
             *table.radii[i], table.overlap[i]
-        )  # sum over the whole ellipse, including its part beyond the edge of the map
+        )  # sum over the complete ellipse, including its part beyond the edge of the map
         return np.array([x, y]) + np.outer(np.cos(turn), a * u) + np.outer(np.sin(turn), b * v)
 
     @staticmethod
@@ -395,8 +393,8 @@ class TestValidity:
         assert curve.contact_count.tolist() == [1, 1, 1]
         assert curve.validity.share_at_edge.tolist() == [0, 1, 1]
         assert curve.validity.share_crossed.tolist() == [0, 0, 0]
-        # The fractions are those of a pressure hemisphere and of a disc on one side of a line at h radii from the
-        # centre.
+        # The map edge cuts the contact at h radii from its centre.
+        # The expected fractions are those of a hemisphere of pressure and of a disc.
         h = np.minimum(1, np.sqrt(0.2 / overlap))
         inside = (2 + 3 * h - h**3) / 4, 1 - (np.arccos(h) - h * np.sqrt(1 - h**2)) / np.pi
         force, area = 4 / 3 * 10 * 0.2**0.5 * overlap**1.5 * inside[0], np.pi * 0.2 * overlap * inside[1]
@@ -521,8 +519,8 @@ class TestBadInput:
 
 class TestGrid:
     def test_areal_load_sums_converge_as_the_grid_is_refined(self):
-        # All grids have equal heights. First contact is defined by grid points, so approaches of two grids differ by an
-        # offset.
+        # All grids sample the same heights.
+        # First contact is defined by grid points, so approaches on two grids differ by an offset.
         created = {}
         for points in (1024, 512, 256):
             spacing = 16 / points
@@ -543,8 +541,8 @@ class TestGrid:
             [np.median(np.abs(created[points][k] / created[1024][k] - 1), axis=0) for points in (256, 512)]
             for k in (1, 2)
         )
-        # Heights of a cubic spline converge with order 4, and curvatures with order 2. The measured orders are 4.1, and
-        # 2.3 relative to a grid that is only twice as fine.
+        # Heights of a cubic spline converge with order 4, and curvatures with order 2.
+        # The measured orders are 4.1 for heights, and 2.3 for curvatures relative to a grid that is only twice as fine.
         assert np.log2(gaps[0] / gaps[1]) > 3.5
         assert (np.log2(radii[0] / radii[1]) > 1.2).all()
         for points, digits in ((256, 1e-3), (512, 2e-4)):
@@ -648,7 +646,7 @@ COUNT_NAMES = ("contact_count", "grid_minimum_count", "unanswered_count")
 
 
 @pytest.mark.parametrize("kind", LEVEL_BODY_KINDS)
-def test_contacts_of_flat_valleys_are_invariant_under_symmetries(kind):
+def test_load_sums_of_flat_valleys_are_invariant_under_rotation_mirroring_and_exchange(kind):
     generator = np.random.default_rng(LEVEL_BODY_KINDS.index(kind))
     num_pressed = 0
     for _ in range(12):
@@ -780,8 +778,8 @@ def test_load_of_a_valley_longer_than_the_map_tends_to_line_contact():
         curve = press(flat, body, [0.02])
         assert (curve.contact_count[0], curve.validity.share_at_edge[0]) == (1, 1)
         load.append(curve.normal_elastic[0])
-        # The expected line contact has the length l and the pressure in the middle of the ellipse. Its half-width b is
-        # that of a cylinder of radius 1.
+        # The expected line contact has the length l and the pressure in the middle of the ellipse.
+        # Its half-width b is that of a cylinder of radius 1.
         overlap = 0.02 - body.heights.max()
         a, b, first = areal.compute_semi_axes(bow, 1.0, overlap)
         middle = 10 * overlap / first / b  # 3 F / (2 π a b)

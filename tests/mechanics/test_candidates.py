@@ -122,7 +122,7 @@ class TestContactModel:
             press(*pair, [0.01], modulus=3.0)
 
 
-def test_names_of_sums_match_the_core_and_laws_have_unique_names():
+def test_sum_names_match_the_core_and_contact_law_names_are_unique():
     assert tuple(field.name for field in dataclasses.fields(Sums)) == SUMS
     assert all(name in QUANTITIES for name in (*SUMS, *VALIDITY))
     assert tuple(LAWS_BY_NAME) == LawName.__args__

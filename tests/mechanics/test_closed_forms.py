@@ -78,8 +78,8 @@ class TestAgainstContactMechanics:
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=REORDERING_TOLERANCE)
 
     def test_westergaard_fraction_agrees_with_contact_mechanics_package(self, reference):
-        # ContactMechanics gives the half-width in wavelengths. Its pressure is in units of π E* Δ / λ with the total
-        # height 2Δ.
+        # ContactMechanics gives the half-width of the contact in wavelengths.
+        # Its pressure is in units of π E* Δ / λ, where 2Δ is the total height of the sinusoid.
         pressures = np.linspace(0.01, 0.99, 20)
         ours = westergaard_contact_fraction(pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0)
         theirs = 2 * np.array([reference[1].contact_radius(p) for p in pressures])
@@ -120,8 +120,8 @@ class TestFractalMoments:
             slope = np.gradient(profile.heights, profile.spacing)
             curvature = np.gradient(slope, profile.spacing)
             measured += [profile.heights.var(), np.square(slope).mean(), np.square(curvature[2:-2]).mean()]
-        # Directions m and M - m interfere, so the power of one profile scatters by about 30 %, and a mean of 400
-        # profiles by 1.5 %. Long wavelengths (small |cos|) do not have a whole number of periods.
+        # Directions m and M - m interfere, so the power scatters by 30 %, and its mean over 400 profiles by 1.5 %.
+        # Long wavelengths (small |cos|) do not have a whole number of periods.
         assert np.allclose(measured / count, [exact.height, exact.slope, exact.curvature], rtol=0.05)
 
     def test_exact_spectral_moments_depend_on_convention_and_band_limit(self):

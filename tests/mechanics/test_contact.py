@@ -97,8 +97,8 @@ class TestProfileExact:
             lower = circular_arc(apexes[1], radii[1], spacing, points, "lower")
             touch = (upper.heights - lower.heights).min()
             for approach in (1e-4, 1e-3, 1e-2):
-                # The lower apex is at height 0, and the upper apex is lowered beyond first contact. These are the
-                # components of the vector between the centres.
+                # The lower apex is at height 0, and the upper apex is lowered beyond first contact.
+                # The array contains the components of the vector between the centres.
                 apart = np.array([apexes[0] - apexes[1], radii[0] + radii[1] - touch - approach])
                 overlap = sum(radii) - np.hypot(*apart)
                 radius = radii[0] * radii[1] / sum(radii)
@@ -126,8 +126,8 @@ class TestProfileExact:
         upper = circular_arc(1.0307, 2.0, 0.002, 1000, "upper")
         lower = circular_arc(0.9411, 3.0, 0.002, 1000, "lower")
         curve = press(upper, lower, [0.0, 1e-3])
-        # The arcs first touch between grid points, so contact points may overlap by less than the height difference
-        # within a cell.
+        # The arcs first touch between grid points.
+        # Contact points may therefore overlap by less than the height difference within a cell.
         assert curve.contact_area[0] < 1e-3 * curve.contact_area[1]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
@@ -208,8 +208,8 @@ class TestProfileExact:
                 assert_close(curve.tangential_load(mu0=mu0, tau0=tau0), tangential, INDEPENDENT_TOLERANCES["cell"])
 
     def test_contact_on_a_steep_flank_is_self_locked(self):
-        # The profiles have two triangular teeth, rounded by the spline, with flanks of 60 degrees. At mu0 = 1, mu0 tan
-        # θ > 1.
+        # The profiles have two triangular teeth, rounded by the spline, with flanks of 60 degrees.
+        # At mu0 = 1, mu0 tan θ exceeds 1.
         x = np.arange(400) * 0.01
         lower = Profile(-np.sqrt(3) * np.sqrt((x - 2.0013) ** 2 + 0.01), spacing=0.01)
         upper = Profile(np.sqrt(3) * np.sqrt((x - 1.6) ** 2 + 0.01), spacing=0.01)
@@ -348,8 +348,8 @@ class TestGapMinimum:
     """Tests of results that do not depend on the grid with detection="gap-minimum", unlike with detection="cell"."""
 
     POINT_COUNTS = (37_500, 75_000, 150_000, 300_000, 600_000)
-    # First contact is defined by grid points, which adds up to g'' Δx² / 8 to an approach of 10 nm. Therefore 3 digits
-    # agree for each pair, and more digits for a sum over pairs.
+    # First contact is defined by grid points, which adds up to g'' Δx² / 8 to an approach of 10 nm.
+    # Therefore three digits agree for each pair, and more digits for a sum over pairs.
     PAIR_TOLERANCE = 1e-3
     SUM_TOLERANCE = 2e-4
 

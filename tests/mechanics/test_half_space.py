@@ -137,7 +137,7 @@ def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_half_space_solver_converges_on_a_flat_up_to_a_uniform_pressure_bound(boundary):
+def test_half_space_solver_converges_for_flats_at_loads_up_to_the_pressure_bound(boundary):
     """Solve a flat with equal bounds up to the largest load that the bounds permit.
 
     With a periodic boundary all points move equally. With a free boundary the traction is that of a punch.
@@ -252,8 +252,8 @@ def test_hertz_ellipse_tends_to_sphere_and_line_contact():
     # Across a long ellipse the pressure is that of a line contact. The load per length is 3 F/(4 a).
     half_width, _ = hertz_line(3 * force / (4 * a), 1.0, MODULUS)
     np.testing.assert_allclose(b, half_width, rtol=1e-6)
-    # A curvature ratio of 5 gives an axis ratio of 0.346, and 0.968 of the area and 1.0536 of the force of the
-    # equivalent sphere.
+    # A curvature ratio of 5 gives an axis ratio of 0.346.
+    # The area is 0.968 times that of the equivalent sphere, and the force is 1.0536 times that of the sphere.
     force, area, (a, b) = hertz_ellipse(0.01, 5.0, 1.0, MODULUS)
     sphere = hertz_sphere(0.01, 5.0**0.5, MODULUS)
     np.testing.assert_allclose([b / a, area / sphere[1], force / sphere[0]], [0.346, 0.9680, 1.0536], atol=5e-4)
@@ -583,7 +583,7 @@ def test_mean_slope_of_contacts_is_independent_of_compliance_fraction():
     assert 0.7 < np.mean(lean) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 
-def test_half_space_results_are_invariant_under_mirroring_and_exchange():
+def test_half_space_results_are_invariant_under_mirroring_and_exchange_of_bodies():
     upper, lower = (rough((2048,), seed=seed, shortest=64) for seed in (3, 4))
     loads = [0.005, 0.02]
     curve = half_space(upper, lower, loads, boundary="periodic", compliance_share=0.3, tolerance=TIGHT_TOLERANCE)
@@ -626,7 +626,7 @@ def test_contact_patches_connect_across_periodic_edges():
     assert (periodic.contact(0).patches > 0).sum() == (periodic.contact(0).pressure > 0).sum()
 
 
-def test_half_space_raises_if_tolerance_is_below_round_off():
+def test_half_space_raises_an_error_if_the_tolerance_is_below_round_off():
     lower = rough((64, 64))
     with pytest.raises(RuntimeError, match="no solution at"):
         half_space(flat_like(lower), lower, [0.01], boundary="periodic", tolerance=1e-18)
@@ -676,7 +676,7 @@ def test_half_space_rejects_bad_arguments(arguments, message):
         half_space(**options)
 
 
-def test_half_space_curve_is_read_only_and_checks_indices():
+def test_half_space_curve_is_read_only_and_rejects_bad_indices():
     curve = half_space(flat_like(EXAMPLE_LINE), EXAMPLE_LINE, [1.0])
     assert isinstance(curve, HalfSpaceCurve)
     with pytest.raises(ValueError, match="read-only"):
@@ -701,7 +701,7 @@ def test_ball_on_a_level_flat_has_no_opposing_contact_in_any_direction(load):
     assert np.array_equal(curve.direction, [0, 90, 180, 270])
 
 
-def test_gap_vanishes_at_contact_points_at_hardness():
+def test_gap_vanishes_at_all_contact_points_if_pressures_reach_the_hardness():
     x = (np.arange(33) - 16) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
     curve = half_space(Surface(np.zeros((33, 33)), spacing=0.05), ball, [1e-4], hardness=1e-3)

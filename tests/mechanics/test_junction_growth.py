@@ -37,12 +37,12 @@ def test_tabor_friction_solves_its_equation_and_agrees_with_the_hardness():
         assert result == pytest.approx(mu0 + tau0 / hardness_under_shear(hardness, mu0, tau0, alpha), rel=1e-9)
 
 
-def test_hardness_under_shear_equals_hardness_without_junction_growth():
+def test_hardness_under_shear_equals_the_hardness_if_junction_growth_is_zero():
     hardness = np.random.default_rng(1).uniform(0.01, 20, 1000)
     assert (hardness_under_shear(hardness, 0.3, 0.05, 0.0) == hardness).all()
 
 
-def test_tabor_friction_equals_mu0_without_adhesive_strength():
+def test_tabor_friction_equals_mu0_if_the_adhesive_strength_is_zero():
     alpha = np.array([0.0, 9.0, 27.0])
     assert tabor_friction(1.0, 0.3, 0.0, alpha) == pytest.approx(0.3, rel=ROUND_OFF)
     assert (np.diff(hardness_under_shear(1.0, 0.3, 0.0, alpha)) < 0).all()

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from stiction import Profile, approach_at_load, press
 
-# Relative error of the load. The root is bracketed to 1e-12 of the approach, and the load is a low power of the
-# approach.
+# Relative error of the load.
+# The root is bracketed to 1e-12 of the approach, and the load is a low power of the approach.
 LOAD_TOLERANCE = 1e-11
 ARC_TOLERANCE = 1e-6  # relative error of the Hertzian force of two arcs, as in the contact tests
 
@@ -21,7 +21,7 @@ def test_approach_of_circular_arcs_at_a_load_equals_hertz(circular_arc, detectio
     np.testing.assert_allclose(result + deep, overlaps, rtol=ARC_TOLERANCE, atol=1e-9)
 
 
-def test_approach_at_load_returns_an_array_of_the_shape_of_loads(rough_pair):
+def test_approach_at_load_returns_an_array_with_the_shape_of_loads(rough_pair):
     upper, lower = rough_pair(1.2)
     loads = np.array([[1e-4, 1e-3, 3e-3], [2e-3, 2e-4, 1e-2]])
     result = approach_at_load(upper, lower, loads, mu0=0.4)

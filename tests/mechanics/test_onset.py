@@ -190,7 +190,7 @@ def test_onset_agrees_with_active_set_solver(shape, boundary, mu0, tau0):
         )
 
 
-def test_energy_lost_by_masing_rule_equals_simulated_cycle():
+def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
     lower = rough((16, 16), slope=1e-4)
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.1)], tolerance=1e-10)
     points, bound, _, _ = contact_strength(curve, 0.3, 0.0)
@@ -293,7 +293,7 @@ def test_onset_of_profiles_agrees_with_ciavarella_jaeger(boundary):
 
 
 @pytest.mark.parametrize("factor", [10.0, 0.01])
-def test_onset_displacement_stiffness_and_energy_scale_with_size(areas, factor):
+def test_displacement_stiffness_and_energy_loss_of_onset_scale_with_size(areas, factor):
     problem = areas._problem
     lower = Surface(-problem.gap * factor, spacing=problem.spacing[0] * factor)
     boundary = "periodic" if problem.periodic else "free"
@@ -314,7 +314,7 @@ def test_onset_reaches_requested_displacements(areas):
     np.testing.assert_allclose(again.displacement, onset.displacement, rtol=1e-6)
 
 
-def test_onset_of_sliding_is_finite_if_contacts_are_at_hardness():
+def test_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():
     lower = rough((64, 64))
     load = mean_pressure(lower, 0.1)
     curve = half_space(flat_like(lower), lower, [load], hardness=1.0)
@@ -505,8 +505,8 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
         end = true.displacement_at_sliding
         assert true.load(end) == 2.0
         assert true.load(end * (1 - 1e-9)) == pytest.approx(2.0, rel=1e-6)
-        # The expected energy is the sum over Segalman's springs. Each slipping spring dissipates 4 times strength times
-        # slip per cycle.
+        # The expected energy is the sum over Segalman's springs.
+        # Each slipping spring dissipates four times the product of its strength and its slip per cycle.
         edges = np.linspace(0, 1, 200_001) ** 3 * end
         slips, spring = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
         spring *= 3.0 / (1 + beta) / spring.sum()
@@ -587,7 +587,7 @@ def test_onset_rejects_bad_indices_steps_and_amplitudes(ball):
     assert onset.energy_lost([[0.0, onset.sliding_load]]).shape == (1, 2)
 
 
-def test_onset_of_ball_with_tau0_alone_equals_closed_form(ball):
+def test_onset_of_a_ball_equals_closed_form_if_mu0_is_zero(ball):
     """Compare with the closed form of the asperity model: with tau0 alone the bound is uniform over the contact."""
     curve, radius = ball
     onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=LOAD_FRACTIONS)

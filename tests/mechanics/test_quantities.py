@@ -122,8 +122,8 @@ def test_variables_at_a_load_have_the_dimensions_in_the_table_of_quantities(at_l
             if name == "status":  # The status belongs to the coefficient, not to the contact.
                 assert expected_dims(name, dataset) == expected_dims("friction_coefficient", dataset)
             else:
-                # The mean load of an ensemble depends on the rule, mu0 and tau0. Therefore all quantities at a load
-                # depend on them.
+                # The mean load of an ensemble depends on the sliding rule, mu0 and tau0.
+                # Therefore all quantities at a load depend on the sliding rule, mu0 and tau0.
                 more = {"sliding", "mu0", "tau0"} if dataset.attrs["reading"] == "mean" else set()
                 missing = {"sliding", "direction"} - set(dataset.dims)
                 assert expected_dims(name, dataset) - more == {*QUANTITIES[name].along} - more - missing, (
@@ -163,7 +163,7 @@ def test_resolution_dataset_variables_have_the_units_in_the_table_of_quantities(
         assert result[name].attrs["units"] == QUANTITIES[name].unit
 
 
-def test_table_of_quantities_agrees_with_the_core_and_its_classes():
+def test_table_of_quantities_has_the_names_of_core_sums_and_validity_fields():
     assert set(SIX_SUMS) < set(SUMS)
     assert {*SUMS} == {*Sums.__dataclass_fields__}
     assert {*VALIDITY} == {*Validity.__dataclass_fields__}

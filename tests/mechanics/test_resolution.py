@@ -60,10 +60,10 @@ def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(
     again = resolution_friction(result, mu0=0.2, tau0=0.2)
     assert np.array_equal(again, result.friction_coefficient)
     smooth = resolution_friction(result, mu0=0.0)
-    assert abs(smooth.sel(sliding="all")).max() < 0.02  # The slopes in both directions cancel.
+    assert abs(smooth.sel(sliding="all")).max() < 0.02  # Forces on uphill and downhill slopes cancel.
 
 
-def test_finer_results_lie_between_the_plastic_limit_and_coarser_results(resolved_pair):
+def test_results_with_a_finer_cutoff_lie_between_the_plastic_limit_and_coarser_results(resolved_pair):
     *_, load, result = resolved_pair
     area = result.contact_area_fraction[:, 0].values
     mu = result.friction_coefficient.sel(sliding="all")[:, 0].values
@@ -90,8 +90,8 @@ def test_bracket_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
         assert ends[:, 0] == pytest.approx(float(result[f"plastic_{name}"][0]), rel=ROUND_OFF)
         for finer in range(ends.shape[0]):
             assert (values[finer, 0].values <= ends[finer:, 1] * stretch[finer]).all()
-    # Above the plastic limit, the bracket allows the area to grow by the square of two standard deviations of κ. The
-    # largest area fraction of an elastic scan is one.
+    # Above the plastic limit, the bracket allows the area to grow by the square of two standard deviations of κ.
+    # The largest area fraction of an elastic scan is one.
     count, least = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
     above = result.contact_area_fraction[:, 0].values - least
     assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
@@ -99,7 +99,7 @@ def test_bracket_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
     assert float(max_area(0.9, 1000)) == 1.0
 
 
-def test_max_friction_of_samples_equals_upper_end_of_each_bracket():
+def test_max_friction_of_a_sample_equals_the_upper_end_of_its_bracket():
     mu0, adhesion, value = (
         np.array([0.1, 0.2, 0.2, 0.3]),
         np.array([0.05, 0.02, 0.0, 0.1]),
@@ -113,7 +113,7 @@ def test_max_friction_of_samples_equals_upper_end_of_each_bracket():
     assert ends[2] == value[2]
 
 
-def test_bracket_of_few_contacts_includes_a_finer_result_with_smaller_area():
+def test_bracket_of_few_contacts_includes_a_finer_result_with_larger_area():
     """Use a pair of seven contacts whose finest result has more area than a coarser result."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
@@ -127,7 +127,7 @@ def test_bracket_of_few_contacts_includes_a_finer_result_with_smaller_area():
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
-def test_plastic_wavelengths_are_tabulated_by_hardness_if_none_is_given(resolved_pair):
+def test_plastic_wavelengths_are_tabulated_for_several_hardnesses_if_no_hardness_is_given(resolved_pair):
     upper, lower, load, plastic = resolved_pair
     result = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0
@@ -206,7 +206,7 @@ def test_extrapolated_interval_contains_friction_of_a_finer_scan():
     assert inside >= 5  # at a coverage of 95 %, the probability of two misses is 1 in 30
 
 
-def test_resolution_of_profiles_averages_both_directions():
+def test_resolution_of_profiles_averages_friction_over_both_directions():
     upper, lower = (
         self_affine(2, hurst_exponent=0.8, rms=0.02, points=1024, spacing=0.01, longest_wavelength=2.0, side=side)
         for side in ("upper", "lower")
@@ -243,7 +243,7 @@ def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(resolved_pair
         xr.testing.assert_equal(again.load(), result)
 
 
-def test_resolution_at_an_unsolved_load_is_nan_and_reports_progress(monkeypatch):
+def test_resolution_is_nan_at_an_unsolved_load_and_reports_complete_progress(monkeypatch):
     from stiction.mechanics import resolution as module
 
     upper, lower = pair(points=32, spacing=0.16)

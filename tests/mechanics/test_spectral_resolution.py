@@ -57,7 +57,7 @@ def test_spectral_resolution_agrees_with_half_space():
         assert one == pytest.approx(other, rel=within)
 
 
-def test_spectral_resolution_of_a_surface_on_a_flat_uses_its_slopes_only():
+def test_spectral_resolution_of_a_surface_on_a_flat_uses_only_slopes_of_the_surface():
     upper = both_roughnesses(pair(64))[0]
     result = spectral_resolution(upper, None, **OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
@@ -82,5 +82,5 @@ def test_spectral_resolution_rejects_bad_arguments(changes, message):
     with pytest.raises(ValueError, match=message):
         spectral_resolution(upper, lower, **OPTIONS | changes)
     line = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))
-    with pytest.raises(ValueError, match="must be the ScaleDependentRoughness of surfaces"):
+    with pytest.raises(ValueError, match="must be ScaleDependentRoughness objects of surfaces"):
         spectral_resolution(line, lower, **OPTIONS)

@@ -6,7 +6,7 @@ from support.rough_surfaces import rough_maps
 MAX_OFFSET = 1e-4  # residual distance of the resultant force from the centre, relative to the length
 # Relative error of a stiffness from two loads that differ by ±2 %. Some points come into contact between these loads.
 STIFFNESS_TOLERANCE = 0.03
-DENSE_TOLERANCE = 1e-5  # relative difference from dense matrices
+DENSE_TOLERANCE = 1e-5  # relative difference of results from those of dense matrices
 BALL_TOLERANCE = 1e-3  # relative error of the tilt of a ball whose summit moves to the middle
 
 
@@ -25,7 +25,7 @@ def resultant(curve, index, missing=None):
 
 @pytest.mark.parametrize("hardness", [None, 0.4])
 @pytest.mark.parametrize("holes", [False, True])
-def test_free_tilt_centres_the_resultant_force_and_changes_stiffness(hardness, holes):
+def test_free_tilt_centres_the_resultant_force_and_stiffness_equals_the_load_derivative(hardness, holes):
     upper, lower = make_pair(3)
     missing = np.zeros(lower.heights.shape, bool)
     if holes:
@@ -108,7 +108,7 @@ def test_free_tilt_balances_a_single_contact_point():
         ({"tilt": "loose"}, "tilt must be one of 'fixed', 'free'"),
         (
             {"boundary": "periodic"},
-            "tilt must be 'fixed' for periodic surfaces, for approaches and with adhesion, got 'free'",
+            "tilt must be 'fixed' for periodic or adhesive surfaces and for approaches, got 'free'",
         ),
         ({"work_of_adhesion": 1e-8}, "tilt must be 'fixed' for"),
         ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' for"),

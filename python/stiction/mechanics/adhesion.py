@@ -28,12 +28,11 @@ MAX_STEP = 10.0  # largest extrapolated step, as a multiple of the plain step
 MAX_SOLUTIONS = 2000  # maximum number of solutions for one external load, including jumps
 MAX_SETTLING = 60  # maximum number of solutions for one contact load
 PATIENCE = 20  # maximum number of successive solutions without improvement
-RESIDUAL_FACTOR = 10.0  # largest relative residual of the attraction, as a multiple of the tolerance
+RESIDUAL_FACTOR = 10.0  # largest accepted relative residual of the attraction, as a multiple of the tolerance
 MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; round-off may stall the solver if the tolerance is smaller
 INEXACT = 0.05  # tolerance of a solution, as a fraction of the previous residual
-MAX_TOLERANCE = 1e-3  # upper limit of this tolerance of a solution
-# Largest increase of the attraction during separation that counts as numerical error.
-# The increase is a fraction of the maximum attraction.
+MAX_TOLERANCE = 1e-3  # largest tolerance of a solution
+# Largest increase of the attraction, as a fraction of its maximum, that counts as numerical error during separation.
 MAX_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the attraction at first contact.
 MIN_CONTACT = 1e-3
@@ -65,7 +64,7 @@ class Attraction:
         self.range, self.uncertain = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
-        # The relative error of the attraction equals the error of the gap divided by the range.
+        # The relative error of the attraction equals the error of the gap divided by the range of the attraction.
         self.relative_range = self.range / float(problem.gap.std() or 1)
         self.tolerance = max(min(tolerance, RESIDUAL_FACTOR * tolerance * self.relative_range), MIN_TOLERANCE)
         self.min_contact = MIN_CONTACT * float(self.of(problem.gap).mean())
@@ -96,7 +95,7 @@ class Attraction:
         raise UnsolvedError("the computation of the attraction did not converge")
 
     def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
-        """Return the equilibrium under an external load per area (GPa) and True, or the closest state and False.
+        """Find the equilibrium at an external load per area (GPa). Return it and True, or the closest state and False.
 
         The iteration starts from `near`, or without contact if `near` is None.
 
@@ -168,7 +167,7 @@ class Attraction:
             attraction = following
 
     def at(self, load: float, near: State | None) -> State:
-        """Return the equilibrium at a mean external load (GPa). The start is `near` or, if it is None, no contact."""
+        """Find the equilibrium at a mean external load (GPa), starting from `near` or, if None, without contact."""
         if near is None and load < 0:
             near = self.relax(None, 0.0)[0]
         state, is_balanced = self.relax(near, load)
@@ -178,9 +177,9 @@ class Attraction:
             assert near is not None
             least = f"{self.force(lowest(self.separate(near)).load):.4g} mN"
             raise UnsolvedError(
-                f"bodies support at least {least}; {self.uncertain}"
+                f"the lowest load that the bodies support is {least} or lower; {self.uncertain}"
                 if self.uncertain
-                else f"bodies separate at {least}"
+                else f"the bodies separate at {least}"
             )
         return state
 
@@ -270,7 +269,7 @@ class Attraction:
         )
 
     def refine(self, states: list[State]) -> list[State]:
-        """Add states near contact loads at which the interpolated load is below the minimum, and return all states."""
+        """Add states where the interpolated external load is below the minimum of all states, and return all states."""
         states = list(states)
         for _ in range(MAX_REFINED):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -332,7 +331,7 @@ def solve_with_adhesion(
 
 
 def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
-    """Return the contacts during separation until the minimum load, and the reason if this load is uncertain."""
+    """Return the contacts during separation up to the minimum load, and the reason if this minimum is uncertain."""
     problem, total_area = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 # Lower limit of the spread of ln κ between two resolutions, where κ = A E* h'/F.
 MIN_LOG_SPREAD = 0.1
-# Wavelengths of the extrapolation, as fractions of the shortest wavelength of the scan.
+# Wavelengths to which gradients are extrapolated, as fractions of the shortest wavelength of the scan.
 WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_spread(contact_count: Floats) -> Floats:
-    """Return the factor within which κ of a finer scan agrees with κ of this scan in 95 % of pairs.
+    """Return the factor within which κ of a finer scan equals κ of this scan in 95 % of cases.
 
     Fitted to mean plus two standard deviations of ln κ: 0.6 with 2 contacts, 0.35 with 5, 0.2 with 16 and 0.1 with 40.
     The pairs had Hurst exponents of 0.4 and 0.8, and shortest wavelengths of 32 and of 4 points.
@@ -68,9 +68,9 @@ def plastic_wavelength(
 def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Extrapolate the gradient of this scan to finer scans. The result has the shape (wavelength, statistic).
+    """Extrapolate the gradient of this scan, with its interval, to finer scans. The shape is (wavelengths, 3).
 
-    NaN is returned without a Hurst exponent.
+    NaN is returned if there is no Hurst exponent.
     """
     finer = np.array(WAVELENGTH_RATIOS) * shortest
     if estimate is None:
@@ -97,7 +97,7 @@ def interface_stretch(gradient: Floats) -> Floats:
 
 
 def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes across the motion increase mu_s if friction acts at all contacts.
+    """Return the factor by which slopes perpendicular to the motion increase mu_s if friction acts at all contacts.
 
     The factor is 1 + h'²/16 on areas and 1 on lines.
     """

@@ -73,7 +73,7 @@ class Sums:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextRepr):
-    """Indicators of the validity of the model, as fractions of the normal load Σ F n_z. They are NaN without contact.
+    """Indicators of the validity of the model. Load fractions refer to the load Σ F n_z, and are NaN at no contact.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute a validity indicator from contact sums (a mapping, or an object with attributes). NaN without contact."""
+    """Compute a validity indicator from contact sums, given as a mapping or as attributes. It is NaN if it is 0/0."""
     numerator, denominator = VALIDITY_RATIOS[name]
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(_column(sums, numerator) / sum(_column(sums, item) for item in denominator))
@@ -156,7 +156,7 @@ def _column(sums: Any, name: str) -> Any:
 
 
 def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Floats:
-    """Compute the "normal", "tangential" or "lateral" load (mN) from contact sums (a mapping or attributes)."""
+    """Compute the "normal", "tangential" or "lateral" load (mN) from contact sums in a mapping or in attributes."""
     elastic, frictional, adhesive = (_column(sums, f"{load}_{part}") for part in _CONTRIBUTIONS)
     return np.asarray(elastic + mu0 * frictional + tau0 * adhesive)
 
@@ -224,7 +224,7 @@ class FrictionCurve(PlotRepr):
 def combine_status(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Broadcast boolean conditions, and combine them into the statuses of curves, ensembles or members.
+    """Derive the statuses of curves, ensembles or members from boolean conditions, which are broadcast.
 
     `locked` refers to the last step. `below` means that the first step already supports more than the load.
     """
@@ -241,7 +241,7 @@ def combine_status(
 
 
 def status_at(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return the status at an approach. An approach is always reached, in contrast to a load."""
+    """Return the status at an approach. In contrast to a load, every approach can be reached."""
     return combine_status(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 

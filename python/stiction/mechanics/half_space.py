@@ -40,7 +40,7 @@ ADHESION_RANGE = 5e-4
 """Default decay length (µm) of the attraction between solids: one to two atomic distances."""
 
 # Minimum number of grid points in the process zone E* ρ²/w at an edge.
-# With fewer points, the result depends on the grid.
+# With fewer points in the process zone, the result depends on the grid.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 
@@ -92,7 +92,7 @@ class HalfSpaceContact(PlotRepr):
     spacing: tuple[float, ...] = field(metadata={"unit": "µm"})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the pressure above the heights of the lower surface, as a map or as a profile along x.
+        """Draw the contact pressure and the heights of the lower surface, as a map or along x.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -233,7 +233,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Stiffness dF/dδ (mN/µm) at constant contact points (k,); infinite for periodic surfaces in full contact.
+        """Stiffness dF/dδ (mN/µm, shape (k,)) at constant contact points; infinite at full periodic contact.
 
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
         computed on first use.
@@ -242,7 +242,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure during first loading (k,).
+        """Derivative dp/dc (GPa/µm, shape (k,)) of nominal pressure with respect to closure during first loading.
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -250,7 +250,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def tilt(self) -> Floats:
-        """Slopes along y and x by which the upper surface is rotated (k, 2); for profiles, the slope along x (k, 1).
+        """Slopes along y and x by which the upper surface is rotated, with shape (k, 2), or (k, 1) for profiles.
 
         The slopes are 0 if the tilt is fixed.
         """
@@ -260,7 +260,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def unloading_stiffness(self) -> Floats:
-        """Stiffness dF/dδ (mN/µm) during unloading (ultrasonic stiffness) (k,).
+        """Stiffness dF/dδ (mN/µm, shape (k,)) during unloading, which is also called ultrasonic stiffness.
 
         Yielded points respond elastically as well.
 
@@ -506,7 +506,7 @@ def half_space(
         problem = _with_adhesion(problem, work, length, float(model.effective_modulus))
     if tilt == "free":
         if boundary == "periodic" or work > 0 or approaches is not None:
-            raise ValueError("tilt must be 'fixed' for periodic surfaces, for approaches and with adhesion, got 'free'")
+            raise ValueError("tilt must be 'fixed' for periodic or adhesive surfaces and for approaches, got 'free'")
         problem = replace(problem, turns=True)
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
     loads = loads_to_core_units("loads", loads, problem.area)
@@ -554,7 +554,7 @@ def _with_adhesion(problem: Problem, work: float, length: float, effective_modul
     length = max(smallest, length)
     if problem.hardness is not None and not work / length < problem.hardness:
         raise ValueError(
-            f"hardness must be above {work / length:.3g} GPa, the attraction in contact (work_of_adhesion over "
+            f"hardness must be above {work / length:.3g} GPa, the attraction in contact (work_of_adhesion divided by "
             f"adhesion_range), because the surfaces would otherwise yield without a load; got {problem.hardness!r}"
         )
     return replace(problem, work_of_adhesion=work, adhesion_range=length)
@@ -583,7 +583,7 @@ def _sum_patches(
 
 
 def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """Combine the results of k loads into arrays (k,), or (d, k) for quantities that depend on d directions."""
+    """Combine results at k loads into arrays of shape (k,), or (d, k) for quantities that depend on d directions."""
     columns = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows])

@@ -28,9 +28,9 @@ MAX_CACHED_POINTS = 2**20
 Computing the kernels takes a quarter of the time of a free solution.
 """
 
-# Displacement of an edge by the trial tilt of a linear response, as a fraction of the displacement under the load.
+# Edge displacement by the small tilt of a linear response, as a fraction of the mean displacement under the load.
 TILT_FRACTION = 0.01
-RESPONSE_TOLERANCE = 1e-7  # tolerance of linear responses
+RESPONSE_TOLERANCE = 1e-7  # relative tolerance of the solver for linear responses of a fixed contact
 # Upper bound on the pressure in linear responses to a mean pressure of 1. This bound is high enough for coarse grids.
 RESPONSE_BOUND = 1e9
 MAX_CELL_RATIO = 1e6  # largest ratio of the longer to the shorter side of a grid cell
@@ -205,7 +205,7 @@ class ContactSolution:
 
     @cached_property
     def unloading_stiffness(self) -> float:
-        """Stiffness dF/dδ (mN/µm) of all contact points.
+        """Stiffness dF/dδ (mN/µm) if all contact points respond elastically, as during unloading.
 
         In contrast to `stiffness`, yielded points respond too, because they unload elastically.
         """
@@ -231,7 +231,7 @@ class ContactSolution:
         return self._compute_response(self.free)
 
     def _compute_response(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the pressures (GPa, sum 1) that displace all free points equally, and this displacement (µm)."""
+        """Return pressures (sum: 1 GPa) that displace all free points equally, and this displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free), threads=threads())
         return TiltResponse.solve(self.problem, self.on_grid(free)).to_load()
@@ -329,13 +329,13 @@ def lever_arms(problem: Problem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Linear responses of fixed contact points to a mean load of 1 GPa and to slopes of the upper surface."""
+    """Responses of a fixed set of contact points to a mean pressure of 1 GPa, and to slopes of the upper surface."""
 
     pressure: Floats  # pressure under the load, GPa
     approach: float  # approach under the load, µm
     moments: Floats  # (n,) moments under the load, GPa µm
-    slope_pressures: list[Floats]  # pressure per unit slope at constant load, GPa, for each axis
-    turning: Floats  # (n, n) moments by slope and axis; negative definite unless only one point is free
+    slope_pressures: list[Floats]  # pressure (GPa) per unit slope at constant load, for each axis
+    turning: Floats  # (n, n) moments per unit slope; negative definite unless only one point is free
 
     @classmethod
     def solve(cls, problem: Problem, free: NDArray[np.bool_]) -> TiltResponse:
@@ -361,7 +361,7 @@ class TiltResponse:
         return cls(level, approach, moments, slope_pressures, (turning + turning.T) / 2)
 
     def to_load(self) -> tuple[Floats, float]:
-        """Return the pressures with a sum of 1 whose resultant force acts at the centre, and the approach."""
+        """Return pressures (sum: 1 GPa) whose resultant force acts at the centre, and the resulting approach (µm)."""
         slopes = -np.linalg.lstsq(self.turning, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * turned_gradient for slope, turned_gradient in zip(slopes, self.slope_pressures, strict=True)

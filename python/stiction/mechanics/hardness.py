@@ -59,7 +59,7 @@ def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
 
 
 def _piecewise_linear(x: Floats, nodes: Floats, values: Floats) -> Floats:
-    """Interpolate values (..., n) linearly between increasing nodes (n,). Beyond the nodes, the values are constant.
+    """Interpolate values of shape (..., n) linearly between n increasing nodes. Beyond the nodes, they are constant.
 
     A sum over the changes of the slope is faster than a search for the panel of each x.
     """

@@ -139,7 +139,7 @@ class LoadCurve(FrictionCurve, Sums):
 
     @property
     def validity(self) -> Validity:
-        """Indicators of the validity of the model at each approach (k,)."""
+        """Indicators of the validity of the model at each approach, as arrays of shape (k,)."""
         return Validity.from_sums(self)
 
 
@@ -186,11 +186,11 @@ class SurfaceLoadCurve(LoadCurve):
 
     @property
     def validity(self) -> SurfaceValidity:
-        """Indicators of the validity of the model at each approach (k,)."""
+        """Indicators of the validity of the model at each approach, as arrays of shape (k,)."""
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the lateral force (mN) that keeps the upper surface on its path. The left of the motion is positive.
+        """Return the lateral force (mN) that keeps the upper surface on its path. Forces to the left are positive.
 
         Shape and arguments are the same as for `normal_load`. Negative values point to the right.
         """

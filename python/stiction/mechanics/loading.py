@@ -111,7 +111,7 @@ class SurfacePair:
         self._found: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> Sums:
-        """Return the same sums as the function `press`, with or without cached minima."""
+        """Return the same sums as the function `press`, reusing the gap minima of earlier calls if possible."""
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()

@@ -182,7 +182,7 @@ def materials() -> tuple[Material, ...]:
 
 
 def compliance_fraction(upper: Material, lower: Material) -> float:
-    """Return the fraction of the compliance of two bodies that the lower body contributes.
+    """Return the fraction that the lower body contributes to the compliance of two bodies.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, 
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Return the stiffness π E* a/K(1 - b²/a²) (mN/µm) of elliptic punches with semi-axes (c, 2).
+    """Return the stiffness π E* a/K(1 - b²/a²) (mN/µm) of c elliptic punches, whose semi-axes have the shape (c, 2).
 
     The formula is in Johnson (1985), section 3.8.
     """
@@ -53,14 +53,14 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def load_across(axes: Floats, angle: Floats) -> Floats:
-    """Return the argument `across` of `compliance_ratio` for elliptic contacts: the mean of sin² over each contact.
+    """Return the mean of sin² for each elliptic contact, which is the argument `across` of `compliance_ratio`.
 
     The angles (rad) are between the motion and the larger axis.
     """
     from scipy.special import ellipkm1, elliprd
 
     square = (axes[:, 1] / axes[:, 0]) ** 2
-    # The mean of cos² about the larger axis is (K - E)/(m K), where m = 1 - b²/a².
+    # The mean of cos², measured from the larger axis, is (K - E)/(m K), where m = 1 - b²/a².
     along = elliprd(0, square, 1) / 3 / ellipkm1(square)
     return np.asarray(along * np.sin(angle) ** 2 + (1 - along) * np.cos(angle) ** 2)
 
@@ -138,7 +138,7 @@ class SlidingAsperities:
         return float(((strength * slipped * sine) @ weights * end[:, 0]).sum())
 
     def _strength(self, sine: Floats) -> Floats:
-        """Return the strength 3/4 mu0 F (1 - t²) + 2/π tau0 A (1 - t²)^(1/2) at t = sqrt(1 - sine²) (c, n)."""
+        """Return the strength 3/4 mu0 F (1 - t²) + 2/π tau0 A (1 - t²)^(1/2) for `sine` = (1 - t²)^(1/2)."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )

@@ -102,7 +102,7 @@ class ContactModel:
         return angles if self._has_many_directions() else angles.reshape(())
 
     def directions(self) -> Floats:
-        """Return the horizontal unit vectors (x, y) of the directions (m, 2)."""
+        """Return the m directions as horizontal unit vectors (x, y), with shape (m, 2)."""
         return np.array([_unit_vector(angle) for angle in self._angles])
 
     def _has_many_directions(self) -> bool:
@@ -114,7 +114,7 @@ class ContactModel:
         return [_parse_angle(value) for value in given] if self._has_many_directions() else [_parse_angle(given)]
 
     def for_profiles(self) -> ContactModel:
-        """Return the model with the defaults for profiles and a direction along x."""
+        """Return the model with the defaults for profiles. The direction must be along x."""
         if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
             raise ValueError(f'direction on profiles must be "+x" or "-x", got {self.direction!r}')
         return self._with(self.detection or "cell", self.curvature or "convex")
@@ -240,7 +240,7 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def measured_source(body: Profile | Surface) -> str:
-    """Return the history entry that contains the file name of a surface, or "" for generated surfaces."""
+    """Return the history entry that contains the file name of a body, or "" if the body was generated."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 

@@ -149,7 +149,7 @@ class Onset(PlotRepr):
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
-        """Return the traction (GPa) at all points, row by row (points,), at `tangential_load[index]`.
+        """Return the tractions (GPa) of all points, row by row, at `tangential_load[index]`, with shape (points,).
 
         The traction is 0 outside the contact.
         For asperities, the mean over each contact is returned, (contacts,), in the order of `contacts`.
@@ -162,7 +162,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(self._slips[self._place(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the smallest `tangential_load` (mN) at which each point slips (points,); NaN if the point never slips.
+        """Return the smallest `tangential_load` (mN) at which each point slips, (points,); NaN where no slip occurs.
 
         For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
@@ -223,7 +223,7 @@ class Onset(PlotRepr):
         return pandas.DataFrame({name: np.concatenate([[0.0], column]) for name, column in columns.items()})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the tangential load against the displacement or, without displacements, against the slipped area.
+        """Draw the tangential load against the displacement or, if it is not finite, the slipped fraction of the area.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -274,7 +274,7 @@ class Onset(PlotRepr):
         return np.minimum(loads, self.sliding_load)
 
     def _solve_at_load(self, load: float) -> SlipState:
-        """Return the state of slip at a tangential load. The solution starts from the solved state of nearest load."""
+        """Return the state of slip at a tangential load. Starts from the solved state with the nearest load."""
         near = min(self._slips, key=lambda slip: abs(slip.load - load))
         return near if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load else self._held.at(load, near)
 
@@ -330,8 +330,8 @@ def check_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tu
     values = check_strengths(mu0, tau0, effective_modulus)
     if max(values[0], values[1] / effective_modulus) < MIN_STRENGTH:
         raise ValueError(
-            "mu0 and tau0 must not both be 0 or negligible, because nothing would resist sliding; the limit is "
-            f"{MIN_STRENGTH:g} for mu0 and for tau0 over the modulus"
+            "mu0 and tau0 must not both be 0 or negligible, because nothing would resist sliding; "
+            f"mu0 or tau0/E* must be at least {MIN_STRENGTH:g}"
         )
     return values
 
@@ -359,13 +359,13 @@ def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
 
 
 def load_fractions(steps: int | Sequence[float]) -> Floats:
-    """Return fractions of the sliding load. The argument is the number of equal steps up to 1, or the fractions."""
+    """Return fractions of the sliding load, given as a number of equal steps up to 1 or as the fractions themselves."""
     if np.ndim(steps) == 0:
         count = whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count
     fractions = float_array("steps", steps, ndim=1)
     if not (fractions.size > 0 and (fractions > 0).all() and (np.diff(fractions) > 0).all()):
-        raise ValueError(f"steps must be strictly increasing fractions of the sliding load above 0, got {steps!r}")
+        raise ValueError(f"steps must be fractions of the sliding load, above 0 and strictly increasing, got {steps!r}")
     if not fractions[-1] <= 1:
         raise ValueError(f"steps are fractions of the sliding load and must be at most 1, got {steps!r}")
     return fractions

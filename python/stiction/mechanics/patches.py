@@ -59,7 +59,7 @@ class PatchSums:
 
     @property
     def opposing(self) -> NDArray[np.bool_]:
-        """Mask of the patches whose force on the upper surface opposes the motion (directions, patches)."""
+        """Mask of the patches whose force on the upper surface opposes the motion, with shape (directions, patches)."""
         return np.asarray(self.leaning > MAX_LEVEL_SLOPE * self.steepness * self.force)
 
     def total(self, sliding: Sliding) -> dict[str, Any]:
@@ -82,6 +82,6 @@ class PatchSums:
 def patch_sums(
     force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
 ) -> PatchSums:
-    """Compute the sums over each patch from forces (mN), areas (µm²), slopes, and motion directions (m, 2)."""
+    """Compute the sums over each patch from forces (mN), areas (µm²), slopes and unit vectors of motion (m, 2)."""
     along_y = slope[0] if len(slope) == 2 else None
     return PatchSums(**_core.patch_sums(force, area, along_y, slope[-1], patch, list(directions)))

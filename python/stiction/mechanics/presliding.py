@@ -12,7 +12,7 @@ from stiction._checks import Floats, float_array, read_only
 from stiction._repr import TextRepr
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
-# Below this ratio to the last displacement, the first displacement counts as round-off.
+# The first displacement counts as round-off if it is below this fraction of the last displacement.
 ROUND_OFF_RATIO = 1e-12
 
 

@@ -44,7 +44,7 @@ class ResultQuantity:
     kind: Kind
     along: tuple[Axis, ...] = ()
     dtype: type = float
-    # Numerator of a ratio. For a sum at zero load, the corresponding sum under load.
+    # Numerator of a ratio or, if the quantity is a sum at zero load, the corresponding sum under load.
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a ratio
     bounds: tuple[float, float] = (-math.inf, math.inf)  # lower and upper limit of the ends of an interval
@@ -56,7 +56,7 @@ class ResultQuantity:
     # The ratio of such a value to the load is interpolated over the logarithm of the load.
     proportional: bool = False
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
-    bound_fraction: str = ""  # name of the quantity that is the fraction of members with only a lower bound
+    bound_fraction: str = ""  # name of the fraction of members of which only a lower bound is known
     stored: frozenset[Source] = frozenset()
     shown: frozenset[View] = frozenset()
 

@@ -30,7 +30,7 @@ TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 """Default hardnesses (GPa) for which the plastic wavelength is computed, from polymers and soft metals to ceramics."""
 
 _MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, as a fraction of the shortest side
-# the first sliding rule corresponds to most measurements of mu0
+# The first sliding rule is the rule that corresponds to most measured values of mu0.
 _SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_TEXT = "wavelength at which the elastic mean pressure reaches the hardness"
@@ -497,7 +497,7 @@ def spectral_resolution(
     bodies = [upper] if lower is None else [upper, lower]
     for body in bodies:
         if not isinstance(body, ScaleDependentRoughness) or body.dimensions != 2:
-            raise ValueError("upper and lower must be the ScaleDependentRoughness of surfaces")
+            raise ValueError("upper and lower must be ScaleDependentRoughness objects of surfaces")
     p = number("pressure", pressure, unit="GPa", above=0)
     limit = np.inf if hardness is None else number("hardness", hardness, unit="GPa", above=p)
     modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
