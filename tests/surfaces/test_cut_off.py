@@ -110,12 +110,12 @@ def test_low_pass_filter_is_recorded_in_the_history_and_preserves_the_grid():
         (
             rough_profile(),
             0.004,
-            r"wavelength must be between half a point, 0.005 µm, and a third of the shortest side, 3.3\d* µm",
+            r"wavelength must be between 0.005 µm \(half a point\) and 3.3\d* µm \(a third of the shortest side\)",
         ),
-        (rough_profile(), 3.4, "wavelength must be between half a point"),
+        (rough_profile(), 3.4, "wavelength must be between 0.005 µm"),
         (rough_profile(), 0.0, "wavelength must be a finite number above 0"),
         (rough_profile(), "1 mN", "wavelength has the unit .mN., which is not a unit of length"),
-        (Surface(np.eye(20), spacing=(1.0, 0.1)), 0.7, "a third of the shortest side, 0.666667 µm"),
+        (Surface(np.eye(20), spacing=(1.0, 0.1)), 0.7, r"0.666667 µm \(a third of the shortest side\)"),
         ([1.0, 2.0], 1.0, "body must be a Profile or a Surface, got list"),
     ],
 )

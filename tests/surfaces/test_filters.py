@@ -36,8 +36,8 @@ class TestGaussian:
 
     @pytest.mark.parametrize("ratio", [0.25, 0.5, 1.0, 2.0, 4.0])
     def test_filtered_sinusoid_has_the_transmission_stated_in_the_standard(self, ratio):
-        # The transmission is exp(-π (α λc/λ)²), α = sqrt(ln 2/π), for the mean line, and the remainder for the
-        # roughness profile.
+        # The transmission of the mean line is exp(-π (α λc/λ)²) with α = sqrt(ln 2/π).
+        # The transmission of the roughness profile is 1 minus that of the mean line.
         wavelength, cutoff = 0.4, 0.4 * ratio
         wave = Profile(np.sin(2 * np.pi * np.arange(800) / 80), spacing=wavelength / 80)
         transmission = math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * ratio) ** 2)
@@ -78,7 +78,7 @@ class TestMissingPoints:
         result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
         assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(surface)
 
-    def test_filter_leaves_heights_unchanged_far_from_all_measured_points(self):
+    def test_filter_leaves_heights_of_missing_points_unchanged_far_from_measured_points(self):
         missing = np.zeros(400, bool)
         missing[100:300] = True
         profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)
@@ -98,7 +98,7 @@ class TestRobust:
         result = filtered(scratched, cutoff=0.3, robust=True).heights
         assert np.abs(result - expected).max() < 1e-3 * total_height(profile)
 
-    def test_robust_surface_filter_fits_a_paraboloid_with_scratches(self):
+    def test_robust_surface_filter_recovers_a_paraboloid_with_noise_and_scratches(self):
         y, x = 0.1 * np.arange(40)[:, np.newaxis], 0.1 * np.arange(50)
         form = 0.3 * x**2 - 0.2 * y**2 + 0.1 * x * y
         scratched = form + 1e-3 * np.random.default_rng(1).normal(size=form.shape)
@@ -123,8 +123,8 @@ class TestRobust:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"cutoff": 0.004}, "cutoff must be between half a point, 0.005 µm, and the shortest side, 3 µm"),
-        ({"cutoff": 3.1}, "cutoff must be between half a point"),
+        ({"cutoff": 0.004}, r"cutoff must be between 0.005 µm \(half a point\) and 3 µm \(the shortest side\)"),
+        ({"cutoff": 3.1}, "cutoff must be between 0.005 µm"),
         ({"cutoff": 1.0, "kind": "R"}, "kind must be one of 'S', 'L'"),
         ({"cutoff": 1.0, "robust": True, "periodic": True}, "periodic must be False for a robust filter"),
     ],

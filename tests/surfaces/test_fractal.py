@@ -10,8 +10,8 @@ from stiction import (
     weierstrass_mandelbrot_surface,
 )
 
-# Tolerance relative to the total height, for the round-off of 1600 cosines and of a recurrence of 256 steps. Phases
-# have 64 bits; long double phases of the reference have errors of about 1e-10 rad at the highest frequency.
+# Tolerance relative to the total height, for the round-off of 1600 cosines and of a recurrence of 256 steps.
+# Phases have 64 bits; long double phases of the reference have errors of about 1e-10 rad at the highest frequency.
 DIRECT_SUM_TOLERANCE = 1e-12
 SMALL_GRID = {"points": 3000, "extent": 2.0}
 
@@ -57,8 +57,7 @@ class TestProfile:
     def test_fractal_profile_of_150000_points_equals_direct_sum(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
-        # The points are both ends, the last points before a recurrence starts anew, the first points after it, and some
-        # between.
+        # The points are both ends, the points next to each restart of a recurrence, and some points between them.
         ends = [np.arange(k - 3, k + 3) for k in (1024, 8192, 81_920)]
         at = np.unique(np.concatenate([np.arange(5), *ends, np.arange(7, 150_000, 3001), [149_999]]))
         expected = direct_sum.weierstrass_mandelbrot(
@@ -197,8 +196,8 @@ class TestSurface:
 
 
 def test_height_variance_equals_half_of_the_sum_of_squared_amplitudes():
-    # The variance is half the sum of squared amplitudes: directions m and M - m have independent phases, and m = M/2
-    # has no harmonic.
+    # The variance is half the sum of squared amplitudes.
+    # Directions m and M - m have independent phases, and direction m = M/2 has no harmonic.
     dimension, gamma = 1.2, 1.5
     weights = math.log(gamma) * gamma ** (-np.arange(40) * hurst_of_dimension(dimension, "paper"))
     expected = 0.5 * 39 * np.square(weights).sum()
@@ -206,6 +205,6 @@ def test_height_variance_equals_half_of_the_sum_of_squared_amplitudes():
         np.var(weierstrass_mandelbrot(random_phases(8, repetition=r), dimension, points=20_000).heights)
         for r in range(60)
     ]
-    # The lowest frequencies of 40 directions dominate. They scatter by about 10 % each, so the mean of 60 scatters by
-    # 1.3 %.
+    # The lowest frequencies of 40 directions dominate.
+    # A single variance scatters by about 10 %, so the mean of 60 variances scatters by 1.3 %.
     assert np.mean(measured) == pytest.approx(expected, rel=0.05)

@@ -45,7 +45,7 @@ class TestFloorFit:
         assert fit.gain == pytest.approx(0.0, abs=1e-3)
         assert fit.exponents == pytest.approx((2.2,), rel=1e-3)
 
-    def test_gain_of_noise_floor_is_the_difference_of_log_likelihoods(self):
+    def test_gain_of_a_noise_floor_is_the_increase_in_log_likelihood(self):
         spectrum = self.spectrum(2.2, 1.0, weight=3.0)
         fit = fit_floor([spectrum], exponents=(1.0, 5.0))
 
@@ -64,7 +64,8 @@ def test_hidden_noise_is_not_reported_for_surfaces_without_noise(hurst):
     surfaces = [Surface(rough_heights(seed, hurst)[0], spacing=SPACING) for seed in range(NUM_SURFACES)]
     assert [find_hidden_noise(surface) for surface in surfaces] == [None] * NUM_SURFACES
     profiles = [Profile(rough_heights(seed, hurst, (2048,))[0], spacing=SPACING) for seed in range(4 * NUM_SURFACES)]
-    assert sum(find_hidden_noise(profile) is not None for profile in profiles) <= 2  # a single line has much scatter
+    # The spectrum of a single line has much scatter.
+    assert sum(find_hidden_noise(profile) is not None for profile in profiles) <= 2
 
 
 @pytest.mark.parametrize(("hurst", "level"), [(0.6, 0.15), (0.7, 0.1), (0.8, 0.08)])
@@ -82,7 +83,7 @@ def test_hidden_white_noise_is_estimated_if_the_spectrum_has_no_flat_end(hurst, 
         assert math.sqrt(slopes[2] / slopes[0]) == pytest.approx(1.0, abs=0.13)
 
 
-def test_hidden_noise_has_the_same_variance_along_both_axes():
+def test_slope_fraction_of_hidden_noise_is_correct_for_unequal_spacings():
     heights, rng = rough_heights(1, 0.5, (128, 256))
     noisy = heights + 0.1 * rng.normal(size=heights.shape)
     square, stretched = (find_hidden_noise(Surface(noisy, spacing=spacing)) for spacing in (0.1, (0.1, 0.1001)))
@@ -103,7 +104,7 @@ def test_hidden_noise_is_not_estimated_for_feed_marks():
     assert find_hidden_noise(Profile(noisy, spacing=SPACING)) is None
 
 
-def test_hidden_noise_is_not_reported_for_aliased_edges_of_straight_grooves():
+def test_hidden_noise_is_not_reported_for_straight_grooves_with_aliased_edges():
     surfaces = [
         Surface(turned_surface(np.random.default_rng(seed), 2, rough=rough), spacing=SPACING)
         for seed in range(8)

@@ -115,8 +115,8 @@ class TestProfileExponent:
             assert result.dispersion > 1
 
     def test_fitted_band_of_equation_1_contains_only_its_dense_harmonics(self):
-        # Only the longest wavelengths are used. Below about 0.04 µm the harmonics of the 40 directions are separate
-        # lines.
+        # The fitted band contains only the longest wavelengths.
+        # Below a wavelength of about 0.04 µm the harmonics of the 40 directions are separate lines.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
         result = estimate_hurst_exponent(profile)
         assert result.longest_wavelength > 0.5
@@ -135,7 +135,7 @@ class TestProfileExponent:
         with pytest.raises(ValueError, match=match):
             estimate_hurst_exponent(rough_profile(), **bad)
 
-    def test_hurst_estimate_raises_without_a_self_affine_band(self):
+    def test_hurst_estimate_raises_an_error_if_there_is_no_self_affine_band(self):
         white = rough_profile(hurst_exponent=1e-9, longest_wavelength=0.021)
         for profile in (white, sinusoid(16), Profile([0.0, 1.0, 0.0, 0.0], spacing=1.0)):
             with pytest.raises(ValueError, match="no self-affine band"):

@@ -350,7 +350,7 @@ def test_positions_in_wide_tables_are_not_read_as_heights(tmp_path):
         assert read_or_none(path, **options) is None
         if columns[0] is not measured:
             assert np.allclose(read_or_none(path, columns=(0, 1), unit="um").heights, columns[1], atol=1e-4)
-    path.write_text(table_text(np.transpose([x, *profiles])))  # The first line contains the positions.
+    path.write_text(table_text(np.transpose([x, *profiles])))  # The first line of the text contains the positions.
     assert read_or_none(path, **options) is None
     path.write_text(table_text(profiles))
     assert read_or_none(path, **options).heights.shape == (60, 12)
@@ -380,7 +380,7 @@ def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
         assert read_or_none(path, **options) is None
 
 
-def test_first_number_with_fewer_decimals_causes_a_caveat(tmp_path):
+def test_first_number_with_fewer_decimals_than_the_others_causes_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS))
     with pytest.warns(FormatWarning, match="first-number"):
@@ -408,7 +408,7 @@ def test_words_in_a_line_of_data_are_rejected_with_the_line_number(tmp_path):
 @pytest.mark.parametrize("count", [2, 30])
 @pytest.mark.parametrize("first", [0, 20, 60])
 @pytest.mark.parametrize("cells", ["{z}", "{x},{z}"])
-def test_lines_of_repeated_words_next_to_numbers_are_rejected(tmp_path, cells, first, count):
+def test_lines_of_repeated_words_are_not_read_as_header_or_footer(tmp_path, cells, first, count):
     """Repeated words are neither a header nor a footer."""
     path = tmp_path / "a.csv"
     lines = [cells.format(x=0.5 * at, z=z) for at, z in enumerate(LINE_HEIGHTS)]
@@ -443,7 +443,7 @@ def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
         assert load_reading(path, accept="repeated-extreme,tall").caveats == ()
 
 
-def test_columns_of_flags_mask_points(tmp_path):
+def test_column_of_flags_declares_missing_points(tmp_path):
     lines = [f"{0.5 * at};{-30 if at in (4, 5) else z};{int(at not in (4, 5))}" for at, z in enumerate(LINE_HEIGHTS)]
     for head in ("X;Y;valid\n[um];[um];[1/0]", "x (um);z (um);Valid"):
         (tmp_path / "a.hfm").write_text("\n".join([head, *lines]))
@@ -472,16 +472,16 @@ def test_ambiguous_commas_are_resolved_by_column_names_or_rejected(tmp_path):
     assert read_or_none(path, unit="um", spacing="0.5 um") is None
 
 
-def test_blocks_of_equal_width_are_read_as_channels(tmp_path):
+def test_titled_blocks_of_equal_width_are_read_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(["Height", *format_rows(HEIGHTS), "Phase", *format_rows(2 * HEIGHTS)]))
-    with pytest.raises(FormatError, match=r"contains 0 \(Height\), 1 \(Phase\); choose one by channel"):
+    with pytest.raises(FormatError, match=r"contains 0 \(Height\), 1 \(Phase\); choose one with channel"):
         read_measurement(path, unit="um", spacing="0.5 um")
     body = read_measurement(path, unit="um", spacing="9 um", channel="Phase")
     assert np.array_equal(body.heights, 2 * HEIGHTS)
 
 
-def test_blocks_of_a_single_line_are_listed_as_channels(tmp_path):
+def test_titled_single_lines_of_numbers_are_listed_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(format_rows(HEIGHTS))))
     with pytest.raises(FormatError, match=rf"contains 0 \(Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"):
@@ -532,7 +532,7 @@ def test_reading_report_contains_layout_units_and_points(tmp_path):
     )
 
 
-def test_map_has_equal_heights_and_spacing_in_all_formats(tmp_path):
+def test_map_written_in_any_format_is_read_with_equal_heights_and_spacing(tmp_path):
     surface = Surface(HEIGHTS, spacing=(2.0, 0.5))
     write_surface(surface, tmp_path / "a.csv")
     write_surface(surface, tmp_path / "a.npy")
@@ -579,7 +579,7 @@ def test_decimal_numbers_are_converted_with_correct_rounding(tmp_path):
         assert body.heights.tolist() == [float(text) for text in texts]
 
 
-def test_rounded_positions_count_as_uniform_within_their_printed_digits(tmp_path):
+def test_positions_count_as_uniform_if_deviations_are_within_rounding(tmp_path):
     path = tmp_path / "a.csv"
     for step, form in ((0.5, ".1f"), (0.156245, ".1f"), (0.156245, ".6f")):
         lines = [f"{step * at:{form}},{z}" for at, z in enumerate(np.tile(LINE_HEIGHTS, 20))]
@@ -668,7 +668,7 @@ def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, fact
         ("Z conversion scale: 2 nm", 2e-3), ("Height multiplier: 2 nm", 2e-3), ("Z scale (nm/count): 2", 2e-3),
     ],
 )  # fmt: skip
-def test_scale_in_a_header_is_a_factor_only_if_it_describes_a_conversion(tmp_path, line, factor):
+def test_scale_in_a_header_multiplies_heights_only_if_it_describes_a_conversion(tmp_path, line, factor):
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *format_rows(HEIGHTS)]))
     if factor is None:
@@ -763,7 +763,7 @@ def word_table(separator=",", words=("OK", "NG"), place=2, names=True):
 @pytest.mark.parametrize("separator", [",", ";", "\t", " ", ", "])
 @pytest.mark.parametrize("words", [("OK", "NG"), ("pass", "fail"), ("", "spike"), ("A1", "B2")])
 @pytest.mark.parametrize("place", [0, 1, 2])
-def test_error_about_a_table_with_words_names_their_column(tmp_path, separator, words, place):
+def test_error_about_a_table_with_words_names_the_column_of_words(tmp_path, separator, words, place):
     if separator == " " and not words[0]:
         words = ("nan", words[1])
     path = tmp_path / "a.csv"
@@ -779,7 +779,7 @@ def test_error_about_a_table_with_words_names_their_column(tmp_path, separator, 
 
 
 @pytest.mark.parametrize("words", [("OK", "OK"), ("OK", ""), ("OK", "NG")])
-def test_columns_option_skips_words_in_a_table_without_names(tmp_path, words):
+def test_columns_option_skips_a_column_of_words_in_a_table_without_column_names(tmp_path, words):
     path = tmp_path / "a.txt"
     path.write_text(word_table(";", words, names=False))
     with pytest.raises(FormatError, match=r"words in column 2: 'OK'"):
@@ -793,7 +793,7 @@ def test_column_of_heights_with_words_is_not_read_as_flags(tmp_path):
     assert read_measurement(path, columns=[0, 1], missing_value="Err").heights.tolist() == LINE_HEIGHTS.tolist()
 
 
-def test_word_in_a_single_line_is_rejected_as_not_a_number(tmp_path):
+def test_word_in_the_last_line_of_a_table_is_rejected_as_not_a_number(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("\n".join(["x (um),z (um)", *(f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)), "7.0,Err"]))
     with pytest.raises(FormatError, match="'Err' is not a number"):
@@ -863,7 +863,7 @@ def test_tip_radius_in_a_header_is_added_to_the_history(tmp_path, line):
 
 
 @pytest.mark.parametrize("step", [0.25, 0.333, 0.2, 1.26])
-def test_rounded_grid_points_are_read_if_their_steps_have_two_digits(tmp_path, step):
+def test_rounded_grid_points_are_read_if_the_step_is_at_least_two_rounding_units(tmp_path, step):
     path = tmp_path / "a.xyz"
     order = np.random.default_rng(5).permutation(HEIGHTS.size)
     y, x = (step * item.ravel()[order] for item in np.mgrid[:ROWS, :COLUMNS])

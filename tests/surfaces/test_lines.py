@@ -78,7 +78,7 @@ def test_line_roughness_fits_exponents_of_all_lines_in_a_common_band():
     assert spread < 0.1
 
 
-def test_flat_lines_contribute_to_the_rms_height_but_have_no_exponent():
+def test_flat_lines_contribute_to_the_rms_height_but_have_no_hurst_exponent():
     heights = np.array(stacked_rows(0.6, lines=40).heights)
     heights[::2] = 3.0 + 0.01 * np.arange(600)  # These lines are flat, apart from a different height of each column.
     result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
@@ -160,7 +160,7 @@ def test_misfit_is_near_1_for_a_power_law_and_larger_for_a_bent_spectrum():
         ],
         spacing=1.0,
     )  # fmt: skip
-    # the misfit contains leakage of the window and the scatter of 40 lines
+    # The misfit includes leakage of the window and the scatter of 40 lines.
     assert line_roughness(straight, "x", band=(3.0, 60.0)).misfit < 1.15
     bent = stacked_rows(0.7, points=512, longest_wavelength=0.3)
     assert line_roughness(bent, "x", band=(0.05, 3.0)).misfit > 1.5

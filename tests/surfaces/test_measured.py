@@ -88,7 +88,7 @@ TEXT_FORMATS = {
 
 @pytest.mark.parametrize("text", TEXT_FORMATS.values(), ids=TEXT_FORMATS.keys())
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
-def test_profile_is_equal_when_read_from_any_text_format(file, text, encoding):
+def test_profile_read_from_any_text_format_has_equal_heights_and_spacing(file, text, encoding):
     if encoding == "latin-1":
         text = text.replace("μ", "µ")
     profile = read_profile(file(text, encoding=encoding))
@@ -191,7 +191,7 @@ def test_rows_without_heights_are_read_as_missing_points(tmp_path, rows):
     assert np.flatnonzero(missing.all(axis=1)).tolist() == list(rows)
 
 
-def test_positions_need_to_be_uniform_only_within_their_printed_digits(file):
+def test_positions_may_deviate_from_uniform_spacing_only_by_rounding_or_truncation(file):
     true = 0.156245 * np.arange(9600)
     for printed in (
         [f"{x:.1f}" for x in true],
@@ -315,7 +315,7 @@ def test_spacing_is_computed_from_the_size_in_a_gwyddion_header(file):
     assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y (header)"
     # The position 0.600 may stand for 0.6004. A specified spacing is not rounded.
     assert read_surface(path, spacing=("0.12 um", "0.1501 um")).spacing == (0.12, 0.1501)
-    assert "a size with a spacing of 0.15 µm, but spacing is 0.16 um" in error_message(
+    assert "a size that implies a spacing of 0.15 µm, but spacing is 0.16 um" in error_message(
         path, read_surface, spacing=("0.12 um", "0.16 um")
     )
 
@@ -355,7 +355,7 @@ def test_columns_can_be_selected_by_name_or_number(file):
     )
 
 
-def test_positions_in_any_column_count_as_uniform_within_their_printed_digits(file):
+def test_rounded_positions_in_any_column_count_as_uniform(file):
     # Positions with one decimal follow a column with many decimals. They are uniform within their digits in any column.
     true = 0.156245 * np.arange(900)
     lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true))
@@ -419,7 +419,7 @@ def test_profiles_and_surfaces_are_read_from_workbooks(file):
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[0] == "read from a.xlsx"
     two = file(workbook_bytes(("raw", SHEET_HEAD), ("Filtered", [[*row[1:3], 5] for row in SHEET_HEAD])), "b.xlsx")
-    assert "contains 0 (raw), 1 (Filtered); choose one by channel" in error_message(two)
+    assert "contains 0 (raw), 1 (Filtered); choose one with channel" in error_message(two)
     assert read_profile(two, channel="raw").history[1] == "channel 0 (raw) of 0 (raw), 1 (Filtered)"
     assert "has no channel 'rough', but 0 (raw), 1 (Filtered)" in error_message(two, channel="rough")
     heights = np.random.default_rng(3).normal(size=(6, 9))
@@ -896,14 +896,14 @@ def peak_memory(call):
 @pytest.mark.parametrize(
     "kind", ['<!DOCTYPE a [<!ENTITY b "SUR">]>', '<!DOCTYPE a SYSTEM "file:///etc/passwd">', "<!DOCTYPE a>"]
 )
-def test_x3p_file_with_a_document_type_is_rejected_in_any_encoding(file, code, kind):
+def test_x3p_file_with_a_document_type_declaration_is_rejected_in_any_encoding(file, code, kind):
     main = X3P_WITHOUT_CHECKSUM.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
     assert "document type in main" in error_message(file(x3p_archive(main.encode(code)), "a.x3p"), read_surface)
 
 
 def test_x3p_archive_larger_than_its_declared_points_is_not_unpacked(file):
-    # Two archives unpack to 50 MB instead of 432 bytes. One declares the true size, and the other declares a false
-    # size.
+    # Two archives unpack to 50 MB instead of 432 bytes.
+    # One archive declares its true size, and the other archive declares a false size.
     honest = x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
     lying = honest.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
     assert lying != honest

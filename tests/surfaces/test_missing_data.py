@@ -47,7 +47,7 @@ def scan_path(complete_surface, tmp_path):
     return tmp_path / "hole.npy"
 
 
-def test_masks_of_missing_points_are_preserved_by_preparation_and_files(complete_surface, scan_path, tmp_path):
+def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(complete_surface, scan_path, tmp_path):
     scan = read_surface(scan_path, missing="mask", **READ_OPTIONS)
     missing = np.isnan(np.load(scan_path))
     assert np.array_equal(scan.missing, missing)
@@ -202,14 +202,14 @@ def test_invalid_mask_is_rejected(mask):
         Profile(np.zeros(4), spacing=1.0, missing=mask)
 
 
-def test_pair_rejects_maps_without_points_measured_in_both(complete_surface):
+def test_pair_rejects_maps_without_a_position_measured_in_both_maps(complete_surface):
     rows = np.broadcast_to((np.arange(64) % 2 == 0)[:, np.newaxis], (64, 64))
     scan = Surface(complete_surface.heights, spacing=0.1, missing=rows)
     with pytest.raises(ValueError, match="share at least one measured position"):
         pair(scan, scan, shifts=4, **PAIR_OPTIONS)  # Some of the shifts are an odd number of rows.
 
 
-def test_link_without_target_in_a_folder_of_scans_is_rejected(scan_path):
+def test_dangling_link_in_a_folder_of_scans_is_rejected(scan_path):
     (scan_path.parent / "gone.npy").symlink_to("nowhere.npy")
     with pytest.raises(ValueError, match=r"gone\.npy: cannot be read"):
         pair(scan_path.parent, scan_path, missing="mask", shifts=1, **READ_OPTIONS, **PAIR_OPTIONS)

@@ -43,7 +43,7 @@ class TestLines:
 
 
 class TestMaps:
-    def test_map_pairs_from_a_single_map_never_overlap_without_a_shift(self):
+    def test_map_paired_with_itself_is_always_shifted(self):
         body = surface()
         pairs = MapPairs(flipped(body), body)
         moved = np.array([pairs.map_shift(index) for index in range(30)])

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from stiction import Profile, Surface, contacts, cropped, flipped, levelled, on_common_grid
 
 ROUND_OFF = 1e-13  # relative round-off of sums of a hundred numbers of order one
-# Minimum order of convergence: four, which holds away from the ends, minus a margin. Natural ends reduce the order near
-# the ends only.
+# Minimum order of convergence: four, which holds away from the ends, minus a margin.
+# Natural end conditions reduce the order only near the ends.
 MIN_SPLINE_ORDER = 3.7
 
 
@@ -94,7 +94,7 @@ def test_crop_rejects_positions_outside_the_profile(start, stop, match):
 # ---- Turning over ---------------------------------------------------------------------------------------------------
 
 
-def test_flipped_scan_touches_a_flat_at_its_peak():
+def test_flipped_scan_touches_the_original_scan_at_its_peak():
     peak = Profile(-np.square(np.linspace(-1, 1, 101)), spacing=0.02)
     touching = contacts(flipped(peak), peak, 1e-4, detection="gap-minimum")
     assert touching.index.tolist() in (

@@ -4,8 +4,8 @@ from scipy.ndimage import grey_dilation
 from stiction import Profile, Surface, compare_repeated_scans, self_affine, self_affine_surface, tip_reconstructed
 from stiction.surfaces.scale import mean_square_heights
 
-# Relative error of the noise per octave at wavelengths above four points. It scatters by 3 % in the shortest octave and
-# by 1 % on maps.
+# Relative error of the noise per octave at wavelengths above four points.
+# The noise scatters by 3 % in the shortest octave and by 1 % on maps.
 NOISE_TOLERANCE = 0.1
 ROUND_OFF = 1e-15
 

@@ -43,8 +43,8 @@ class TestParameters:
 
     def test_roughness_parameters_of_normal_heights_equal_closed_forms(self):
         result = roughness_parameters(rough_profile(points=200_000, longest_wavelength=1.0))
-        # The map has about 2000 independent heights. The tolerances are four times the standard errors of 0.05 and
-        # 0.11.
+        # The map has about 2000 independent heights.
+        # The tolerances are four times the standard errors of 0.05 and 0.11.
         assert result.Psk == pytest.approx(0, abs=0.2)
         assert result.Pku == pytest.approx(3, abs=0.45)
         assert result.Pa / result.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
@@ -183,8 +183,8 @@ def test_autocorrelation_equals_the_mean_product_over_the_overlap():
 
 
 def test_autocorrelation_lengths_of_gaussian_surfaces_equal_closed_forms():
-    # The correlation exp(-r²/4s²) falls to 0.2 at 2 s sqrt(ln 5). With 60 correlation areas it scatters by some per
-    # cent.
+    # The correlation exp(-r²/4s²) falls to 0.2 at the lag r = 2 s sqrt(ln 5).
+    # The map has 60 correlation areas, so the correlation scatters by a few per cent.
     surface = gaussian_surface(shape=(600, 700), spacing=0.5, smooth=8.0)
     result = surface_parameters(surface)
     assert result.Sal == pytest.approx(2 * 8.0 * 0.5 * math.sqrt(math.log(5)), rel=0.08)
@@ -217,8 +217,8 @@ def test_core_roughness_of_known_distributions_equals_closed_forms():
     result = surface_parameters(even)
     assert result.Sk == pytest.approx(2, rel=1e-3)
     assert result.Spk == pytest.approx(0, abs=1e-3)
-    # Expected values for normal heights are integrals of the normal distribution. The core from 30 to 70 % is fitted by
-    # least squares.
+    # Expected values for normal heights are integrals of the normal distribution.
+    # The core from 30 to 70 % is fitted by least squares.
     from scipy.stats import norm
 
     share = np.linspace(0.3, 0.7, 40_001)

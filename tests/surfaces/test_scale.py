@@ -78,7 +78,7 @@ def test_scale_dependent_roughness_is_independent_of_tilt_and_units():
     )
     result = scale_dependent_roughness(profile)
     own = math.sqrt(np.mean(np.square(np.diff(profile.heights) / 0.01)))
-    # The window weights about a hundred wavelengths, which causes scatter.
+    # The window changes the weights of about a hundred wavelengths, which causes scatter.
     assert result.gradient[-1] == pytest.approx(own, rel=0.05)
     tilted = scale_dependent_roughness(Profile(5 + profile.heights + 0.3 * profile.x, spacing=0.01))
     assert tilted.gradient == pytest.approx(result.gradient, rel=1e-6)
@@ -214,7 +214,7 @@ class TestInstrument:
         assert acted >= 30
         assert right >= 0.95 * acted
 
-    def test_hump_in_the_spectrum_far_above_resolution_is_not_noise(self):
+    def test_hump_in_the_spectrum_at_long_wavelengths_is_not_reported_as_noise(self):
         rough = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
         frequency = np.fft.rfftfreq(8192, 0.1)
         transform = np.fft.rfft(rough.heights)
@@ -327,7 +327,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered == pytest.approx(clean, rel=0.04)
 
-    def test_slope_fraction_includes_noise_that_is_hidden_across_grooves(self):
+    def test_slope_fraction_includes_noise_hidden_by_roughness_across_grooves(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)
@@ -336,13 +336,13 @@ class TestNoiseOfAnisotropicMap:
         assert math.isnan(result.noise_x)
         assert result.slope_fraction == pytest.approx(noise_slope_fraction(noise, heights + noise), rel=0.2)
 
-    def test_narrow_map_without_common_wavenumbers_has_an_instrument_limit(self):
+    def test_narrow_map_whose_axes_share_no_wavenumbers_has_an_instrument_limit(self):
         rng = np.random.default_rng(5)
         heights = filtered_noise(rng, (512,), 0.8, longest=100, shortest=20) + 0.05 * rng.normal(size=(4, 512))
         result = instrument_limit(Surface(heights, spacing=(0.001, 0.1)))
         assert result.reason in ("noise floor", "pixels")
 
-    def test_offsets_between_rows_are_noise_along_y_only(self, grooves):
+    def test_offsets_between_rows_are_noise_only_along_y(self, grooves):
         heights, rng = grooves
         noise = 0.05 * rng.normal(size=(192, 1)) + np.zeros(heights.shape)
         result = instrument_limit(Surface(heights + noise, spacing=0.1))
@@ -374,7 +374,7 @@ def test_interpolation_of_gradient_and_wavelength_rejects_bad_arguments():
 
 
 @pytest.mark.parametrize("colour", ["white", "band"])
-def test_instrument_cutoff_preserves_the_slope_of_trusted_wavelengths(colour):
+def test_filter_at_the_instrument_cutoff_preserves_the_slope_of_the_noise_free_surface(colour):
     """Check that the cutoff removes little slope. A cutoff at the limit itself would reduce h' by 20 %."""
     for seed in range(6):
         created = self_affine_surface(

@@ -29,8 +29,7 @@ class TestSinusoid:
     def test_roughness_parameters_of_a_sinusoid_equal_closed_forms(self, ratio):
         # After the L-filter the amplitude is A (1 - t) with the transmission t = exp(-π (α λc/λ)²).
         wavelength = 800 * ratio
-        # The profile has fifteen sections of whole periods, so that its ends do not influence the five sections in the
-        # middle.
+        # The profile has fifteen sections of whole periods, so its ends do not influence the five middle sections.
         found = section_parameters(sinusoid(wavelength, 2.0, waves=round(15 / ratio), points=400), lc=800, ls=0)
         amplitude = 2.0 * (1 - math.exp(-math.pi * math.log(2) / math.pi / ratio**2))
         close = 1e-4  # This is the relative error at 400 points per wavelength.
@@ -175,8 +174,8 @@ class TestSettingClass:
         ({"lc": 60.0}, "one section length is 60 µm"),
         ({"lc": 2.0}, r"lc must be at least 3.5 µm \(7 points\), got 2 µm"),
         ({"lc": -1.0}, "lc must be a finite number above 0 µm"),
-        ({"lc": 40.0, "ls": 0.7}, "ls must be 0, or between two points, 1 µm, and lc, 40 µm, got 0.7 µm"),
-        ({"lc": 40.0, "ls": 41.0}, "ls must be 0, or between two points"),
+        ({"lc": 40.0, "ls": 0.7}, r"ls must be 0, or between 1 µm \(two points\) and 40 µm \(lc\), got 0.7 µm"),
+        ({"lc": 40.0, "ls": 41.0}, "ls must be 0, or between 1 µm"),
         ({"lc": 40.0, "ls": -2.0}, "ls must be"),
         ({"lc": 40.0, "sections": 0}, "sections must be a whole number of at least 1"),
     ],

@@ -27,8 +27,8 @@ class TestSelfAffineProfile:
             roughness_parameters(rough_profile(repetition=r, periodic=periodic, longest_wavelength=0.5)).Pq ** 2
             for r in range(100)
         ]
-        # 100 profiles with about ten independent sections scatter by 4 %. Subtraction of the mean removes as much
-        # again.
+        # The mean square of 100 profiles with about ten independent sections scatters by 4 %.
+        # Subtraction of the mean reduces it by another 4 %.
         assert np.mean(squares) == pytest.approx(0.1**2, rel=0.12)
 
     def test_profile_on_a_finer_grid_contains_the_same_points(self):
@@ -108,8 +108,9 @@ def test_surface_spectrum_is_a_power_law_with_plateau_and_cutoff(hurst):
     level = mean[(q > 0) & (q < 2 * np.pi / 0.08)].sum() / law[(q > 0) & (q < 2 * np.pi / 0.08)].sum()
     for low, high in ((0.5, 4.0), (6.0, 10.0), (10.0, 20.0), (20.0, 40.0), (40.0, 75.0)):
         ring = (q > low) & (q < high)
-        # Powers are exponentially distributed. With n / 2 independent coefficients in 8 surfaces, the tolerance is 4
-        # standard errors. The few longest wavelengths determine the level and scatter as much.
+        # Powers are exponentially distributed.
+        # The tolerance is four standard errors for n / 2 independent coefficients in each of 8 surfaces.
+        # The few longest wavelengths determine the level and scatter as much.
         ratio = np.mean(mean[ring] / law[ring]) / level
         assert ratio == pytest.approx(1, abs=4 / np.sqrt(4 * ring.sum()) + 0.15)
 

@@ -23,8 +23,8 @@ from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, self_af
 # Relative round-off of sums over some thousand points and of transforms.
 ROUND_OFF = 1e-12
 AREA_ROUND_OFF = 1e-11
-# Error of the direction in degrees, for maps about ten wavelengths long and stretched by two. In 90 % of the cases it
-# is below 3 degrees.
+# Error of the direction in degrees, for maps about ten wavelengths long and stretched by two.
+# The error is below 3 degrees in 90 % of the cases.
 LAY_TOLERANCE = 10.0
 
 
@@ -189,8 +189,8 @@ def test_radial_spectrum_agrees_with_the_surface_topography_package():
 
 
 def test_mean_spectral_moments_of_equation_1_equal_exact_moments():
-    # The expected moment is half of Σ a² k^(2j). The mean of 20 profiles with a hundred independent wavelengths
-    # scatters by a few per cent.
+    # The expected moment is half of Σ a² k^(2j).
+    # The mean of 20 profiles with a hundred independent wavelengths scatters by a few per cent.
     options = {"convention": "classical"}
     exact = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)
     result = [

@@ -90,7 +90,7 @@ def test_common_grid_has_the_finer_spacing_along_each_axis():
         on_common_grid(fine, Profile(np.arange(9.0), spacing=1.0))
 
 
-def test_common_grid_aligned_at_the_middle_fits_a_rotated_map():
+def test_maps_aligned_at_the_middle_have_equal_heights_on_their_common_grid():
     small, height = bumpy_surface((41, 61), (0.1, 0.1))
     # The expected map is the same function on a larger map, whose origin is shifted by 1 µm along -y and 2 µm along -x.
     for shape, spacing in (((61, 101), 0.1), ((25, 41), 0.25)):
@@ -145,7 +145,7 @@ def test_rotated_surface_equals_the_rotated_function(angle, shape):
         assert "% cut off" in turned.history[-1]
 
 
-def test_rotation_turns_the_lay_by_its_angle():
+def test_rotated_grooves_have_the_rotation_angle_as_texture_direction():
     x = 0.1 * np.arange(300)
     grooves = Surface(np.sin(2 * np.pi * x / 2.0) + np.zeros((300, 1)), spacing=0.1)
     assert surface_parameters(rotated(grooves, 33)).Std == pytest.approx(33, abs=2)

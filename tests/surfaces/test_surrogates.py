@@ -154,11 +154,11 @@ def test_mean_slope_of_isotropic_surfaces_equals_that_of_their_section():
     # These are wavelengths of both the profile and the surface. 64 points contain all of them except the longest.
     expected = spectral_moments(section, periodic=True).slope
     assert np.mean(slopes) == pytest.approx(expected, rel=4 * np.std(slopes) / np.sqrt(40) / expected)
-    # This is the number of harmonics. The harmonic at the Nyquist wave number counts half.
+    # The sum is the number of harmonics; the harmonic at the Nyquist wavenumber counts half.
     assert fitted.count.sum() == pytest.approx(255.5)
 
 
-def test_isotropic_surface_scales_with_units_and_depends_on_seed():
+def test_isotropic_surface_scales_with_its_section_and_depends_on_seed():
     section = known_surface(0.7, shape=(64, 512)).row(3)
     one = isotropic_surface(section, 7, shape=(64, 96), repetition=2, side="upper")
     ten = isotropic_surface(
@@ -192,7 +192,7 @@ def test_isotropic_surface_rejects_bad_arguments(changes, words):
 
 
 @pytest.mark.soak
-def test_isotropic_surface_of_a_section_has_contact_area_and_friction_of_the_map():
+def test_isotropic_surfaces_of_sections_have_contact_area_and_friction_of_the_original_maps():
     """Check pieces of 128 by 128 points.
 
     The script docs/scripts/isotropic.py uses larger pieces for H from 0.4 to 0.9.

@@ -113,7 +113,7 @@ def filtered(
 
 
 def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check that a cutoff (µm) is between half a point and `longest` times the shortest side, and return it."""
+    """Return a cutoff (µm), after checking that it is from half a point to `longest` times the shortest side."""
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(sides)
@@ -121,7 +121,8 @@ def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: flo
         end = "the shortest side" if longest == 1 else "a third of the shortest side"
         shown_value = repr(value) if isinstance(value, str) else f"{length:g} µm"
         raise ArgumentError(
-            f"{{{name}}} must be between half a point, {low:g} µm, and {end}, {high:g} µm, got {{got}}", got=shown_value
+            f"{{{name}}} must be between {low:g} µm (half a point) and {high:g} µm ({end}), got {{got}}",
+            got=shown_value,
         )
     return length
 
@@ -229,7 +230,7 @@ def _quadratic_exponents(ndim: int) -> list[Powers]:
 
 
 class _Kernel:
-    """Gaussian weights times powers of the offset, padded for a convolution along an axis of `points` points."""
+    """Gaussian weights times powers of the offset, zero-padded for convolution along an axis with `points` points."""
 
     def __init__(self, points: int, length: float) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
@@ -269,7 +270,7 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
 
 
 def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
-    """Fit a local polynomial with Gaussian weights times `weights` at each point; return its value at the point."""
+    """Fit a local polynomial at each point with products of Gaussian weights and `weights`; return its value there."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_Kernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]

@@ -150,7 +150,7 @@ def fill_profiles(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
     extent: float, convention: Convention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
-    """Write the profiles of `weierstrass_mandelbrot_family` to `family`.
+    """Compute the profiles of `weierstrass_mandelbrot_family`, and write them to the array `family`.
 
     Returns the mean, minimum and maximum of each profile, (k, 3).
     """

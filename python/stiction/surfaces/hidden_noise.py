@@ -29,7 +29,7 @@ _MIN_BINS = 8  # smallest number of bins for a fit
 _RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectrum from a power law in each bin
 _EXPONENTS = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
 # Largest accepted ratio of the fitted noise of a map to its median density at the shortest wavelengths.
-# These are the wavelengths below four points along both axes.
+# The shortest wavelengths are those below four points along both axes.
 _MAX_NOISE_RATIO = 2.0
 
 
@@ -42,7 +42,7 @@ class HiddenNoise:
 
 
 def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> HiddenNoise | None:
-    """Estimate the white noise under the spectrum of a scan.
+    """Estimate the white noise that the spectrum of a scan may hide.
 
     The spectra of the lines, at wavelengths of 2 to 16 points, are fitted by power laws with a common floor. Aliased
     roughness, of a surface sampled at points that are far apart, flattens a spectrum in the same way.

@@ -22,7 +22,7 @@ MAX_INTERVAL_WIDTH = 0.5  # widest 95 % interval of H for which the estimate is 
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 _TREND_ROUND_OFF = 1e-13  # round-off of a subtracted straight line, relative to the largest height
-# Number of the lowest harmonics, which are excluded if a Hann window is applied.
+# Number of lowest harmonics that are excluded if a Hann window is applied.
 # These harmonics contain contributions of the mean and of longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
 
@@ -306,7 +306,7 @@ def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
 
 
 def _fitted_wave_vectors(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers, the powers times wave number, and the scale (µm) that normalises heights, for a fit."""
+    """Return for the fit: wave numbers, products of density and wave number, and the scale (µm) of the heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights

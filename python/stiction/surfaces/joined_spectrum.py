@@ -18,7 +18,7 @@ from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_sha
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 MIN_POINTS_PER_WAVELENGTH = (
-    # Number of points of the shortest wavelength that is used from a scan.
+    # Shortest wavelength that is used from a scan, in points.
     # Averaging over a pixel transmits 95 % of the power of this wavelength.
     8
 )
@@ -85,7 +85,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def _half_width(self) -> float:
-        """Ratio of the edge of a bin to its centre."""
+        """Ratio of the wave number at the upper edge of a bin to the wave number at its centre."""
         return math.sqrt(self.wave_number[1] / self.wave_number[0])
 
     @property
@@ -100,7 +100,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio of the density of each scan to the density of all other scans at shared wavelengths (scans,).
+        """Mean ratio, with shape (scans,), of the density of each scan to that of all others at shared wavelengths.
 
         The ratio is NaN for a scan without overlap.
         """
@@ -121,7 +121,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation of the logarithm of `disagreement` that chance alone would cause (scans,)."""
+        """Standard deviation, with shape (scans,), that chance alone would cause in the logarithm of `disagreement`."""
         shared = (self.contribution > 0).sum(axis=0) > 1
         actual = self.contribution * self.count / _WAVE_VECTORS_PER_VALUE
         result = np.full(len(self.bands), np.nan)
@@ -318,5 +318,5 @@ def _average_in_bins(
         if level > 0:
             result[int(bin_)] = float(waves[selected].sum()), level
     if not result:
-        raise ValueError(f"scans must have a reliable band, got a scan without power above {band[0]:g} µm")
+        raise ValueError(f"scans must have power in the reliable band, got a scan without power above {band[0]:g} µm")
     return result

@@ -22,7 +22,7 @@ _BOTH: tuple[Along, Along] = ("x", "y")
 MAX_MISFIT = 1.5  # largest accepted rms factor between a spectrum and the fitted power law
 # Two bands of wavelengths count as equal if their ends differ by at most this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
-# Variance of ln(density) in a bin that is due to the model. The statistical variance of the bin is added.
+# Variance of ln(density) in a bin due to deviations from a power law. The statistical variance is added.
 _MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
 
@@ -139,7 +139,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
             fitted.append(measured)
     result = [fit for line in fitted if (fit := _fit_line(line, band)) is not None]
     if band is not None and not result and (rough_lines := [line for line in fitted if not line.is_flat]):
-        estimate_hurst_exponent(rough_lines[0], band=band)  # this call raises the error for the band
+        estimate_hurst_exponent(rough_lines[0], band=band)  # this raises an error that explains the failed fit
     estimates = result
     if band is None and 2 * len(result) >= len(fitted):
         ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in result], axis=0)
@@ -217,7 +217,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor between a binned spectrum and a power law in a band, corrected for random scatter.
+    """Return the rms factor by which a binned spectrum deviates from a power law in a band, without random scatter.
 
     `chance` is the variance of ln(density) for a single harmonic.
     """

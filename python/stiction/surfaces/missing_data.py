@@ -121,7 +121,7 @@ def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edg
 
 
 def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return deviations from means of opposite neighbours, deviations from lines through neighbours, and edge points.
+    """Return deviations from neighbour means, deviations from lines through neighbours, and the mask of edge points.
 
     Deviations are NaN at points with too few measured neighbours.
     """

@@ -120,7 +120,7 @@ class LinePairs:
         return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
     def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
-        """Return line `index` of a surface. With `shifted`, line 0 is a third of the width away from the edge."""
+        """Return line `index` of a surface. If `shifted` is True, line 0 is a third of the width away from the edge."""
         if isinstance(body, Profile):
             return body
         line = body.row if self.along == "x" else body.column
@@ -284,7 +284,7 @@ class MapPairs:
 
     @cached_property
     def _steps(self) -> tuple[tuple[int, int], ...]:
-        """Given shifts of the upper map along y and x, converted to rows and columns."""
+        """Specified shifts of the upper map, converted to numbers of rows and columns."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
@@ -324,7 +324,7 @@ class MapPairs:
 
     @property
     def used(self) -> tuple[float, float]:
-        """Fraction of the upper map and fraction of the lower map that a piece covers."""
+        """Fractions of the upper map and of the lower map that a piece covers."""
         pieces = np.prod(self.shape)
         return tuple(float(pieces / np.prod(points)) for points in self._points)  # type: ignore[return-value]
 

@@ -167,7 +167,7 @@ class Profile(Body):
 
     @property
     def x(self) -> Floats:
-        """Positions of the points (µm); point j lies at j Δx (n,)."""
+        """Positions of the points (µm), with shape (n,). Point j lies at j Δx."""
         return np.arange(self.heights.size, dtype=np.float64) * self.spacing
 
     @property
@@ -209,7 +209,7 @@ def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
 
 
 def reject_missing(body: Any, operation: str) -> None:
-    """Raise a `ValueError` for a scan with missing data, because an operation does not support them."""
+    """Raise a `ValueError` if a scan has missing points, which the given operation does not support."""
     if body.missing is not None:
         raise ValueError(
             f"{operation} requires complete scans, got {int(body.missing.sum())} masked points; use the half-space "

@@ -173,7 +173,7 @@ def _check_scans(first: Any, second: Any) -> None:
 
 
 def _find_noise_limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """Return the shortest cutoff (µm) at which noise contributes at most `MAX_NOISE_FRACTION` of mean square slope."""
+    """Return the shortest cutoff (µm) at which noise is at most `MAX_NOISE_FRACTION` of the mean square slope."""
     if noise @ q**2 <= MAX_NOISE_FRACTION * (of_mean @ q**2):
         return shortest
     wave: float
@@ -250,7 +250,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _overlap(
     shape: tuple[int, ...], other: tuple[int, ...], shift_found: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two scans at a shift (points): slices of the first, and positions in the second scan."""
+    """Return the overlap of two scans at a shift (points): slices of the first scan, and positions in the second."""
     selected, positions = [], []
     for points, others, step in zip(shape, other, shift_found.tolist(), strict=True):
         first = max(0, math.ceil(step) + (_OVERLAP_MARGIN if step > 0 else 0))

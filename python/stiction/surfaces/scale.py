@@ -51,7 +51,7 @@ _MIN_ROUNDED_FRACTION = 0.3
 _MAX_FLAT_EXPONENT = 0.35
 # Largest exponent of a noise floor if the fitted range also contains a part of the spectrum of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
-# A spectrum consists only of noise below this fraction of the wavelength limit.
+# Below this fraction of the wavelength limit, a spectrum consists only of noise.
 _NOISE_WAVELENGTH_RATIO = 0.7
 # reasons that are always due to the instrument, never to the surface
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
@@ -266,7 +266,7 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
 
 
 def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
-    """Interpolate values linearly in logarithms at other wavelengths. They are zero above the longest wavelength."""
+    """Interpolate values at other wavelengths, linearly in logarithms. Above the longest wavelength, they are zero."""
     lengths = float_array("wavelength", targets)
     if not (lengths > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {targets!r}")
@@ -572,7 +572,7 @@ def _find_disturbance(
         return _Disturbance(math.nan, kind, 0.0, period)
     below = q * wave > 2 * math.pi
     slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
-    # at all wave numbers, a noise floor has the density of the end of the spectrum
+    # a noise floor has the same density at all wave numbers as at the end of the spectrum
     if kind in INSTRUMENT_REASONS:
         level = float(density[q * math.sqrt(2) > q[-1]].mean())
         slope = min(slope, level * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
@@ -580,7 +580,7 @@ def _find_disturbance(
 
 
 def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
-    """Return the limit (µm) below which wavelengths contain noise, and the kind of noise. Harmonics must be removed.
+    """Return the limit (µm) below which wavelengths contain noise, and the kind of noise. Harmonics must be absent.
 
     The limit is NaN if there is no noise.
     """
@@ -652,7 +652,7 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
-    """Yield the bins, the exponent and the standard deviation of the exponent for each window of `octaves` octaves.
+    """Yield, for each window of `octaves` octaves, its range of bins, and the exponent with its standard deviation.
 
     Bins are given as the first bin and the bin after the last.
     """

@@ -303,7 +303,7 @@ def _compute_with_cutoff(
         )
         ls = ls if ls >= 2 * spacing else 0.0
     elif ls and not 2 * spacing <= ls * ROUND_OFF_FACTOR <= lc:
-        raise ValueError(f"ls must be 0, or between two points, {2 * spacing:g} µm, and lc, {lc:g} µm, got {ls:g} µm")
+        raise ValueError(f"ls must be 0, or between {2 * spacing:g} µm (two points) and {lc:g} µm (lc), got {ls:g} µm")
     primary = profile if not ls else profile.changed(gaussian_mean(profile, ls), "S-filter")
     waviness = robust_mean(primary, lc) if robust else gaussian_mean(primary, lc)
     count = min(sections, math.floor(profile.extent / lc * ROUND_OFF_FACTOR))

@@ -64,12 +64,12 @@ class Surface(Body):
 
     @property
     def x(self) -> Floats:
-        """Positions of the columns (µm) (columns,)."""
+        """Positions of the columns (µm), with shape (columns,)."""
         return np.arange(self.heights.shape[1], dtype=np.float64) * self.spacing[1]
 
     @property
     def y(self) -> Floats:
-        """Positions of the rows (µm) (rows,)."""
+        """Positions of the rows (µm), with shape (rows,)."""
         return np.arange(self.heights.shape[0], dtype=np.float64) * self.spacing[0]
 
     @property

@@ -82,7 +82,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 def _tip_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield the points, their neighbours and the height of the tip surface for each offset within the tip's reach."""
+    """For each offset within the tip's reach, yield the points, their neighbours and the height of the tip surface."""
     reach, limit = _tip_reach(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in limit)):
         offsets = np.subtract(steps, limit)
@@ -98,6 +98,6 @@ def _tip_heights(
 
 
 def _tip_reach(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
-    """Return the horizontal reach of a tip `deepest` above its lowest point, in µm and in points along each axis."""
+    """Return the half width of a tip at the height `deepest` above its lowest point, in µm and in points per axis."""
     reach = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return reach, [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]

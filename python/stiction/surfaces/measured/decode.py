@@ -56,7 +56,7 @@ _KIND_TABLE = _CHARACTER_KINDS.tobytes()
 
 @dataclass(frozen=True)
 class Text:
-    """Text in UTF-8 with line feeds, ASCII minus signs and no thousands spaces."""
+    """Text in UTF-8 with line feeds and ASCII minus signs, without spaces as thousands separators."""
 
     data: bytes
     encoding: str

@@ -94,7 +94,7 @@ def _reject_zip_bombs(data: bytes) -> None:
 
 def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
     """Return the cells of a sheet up to its last filled row."""
-    sheet.reset_dimensions()  # the stored dimensions may be wrong
+    sheet.reset_dimensions()  # the dimensions that are stored in a sheet may be wrong
     rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
     while rows and all(cell is None for cell in rows[-1]):
         rows.pop()

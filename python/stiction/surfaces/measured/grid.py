@@ -10,12 +10,12 @@ from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FormatError
 
 EXACT_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in steps
-# Largest deviation of a point from the grid, in steps and in addition to the rounding of the printed position.
+# Largest deviation of a point from the grid, in steps, after subtracting the rounding of the printed position.
 MAX_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
 MIN_ROUNDED_STEP = 2.0  # smallest step of rounded positions, in units of the last printed digit
 # Largest scatter of rounded positions about a grid, in units of the last printed digit.
-# The scatter is at most 1, plus a margin for the fitted step.
+# Rounding causes a scatter of at most 1. The rest is a margin for the error of the fitted step.
 MAX_SCATTER_DIGITS = 1.2
 MIN_GAP_RATIO = 4.0  # smallest ratio of a gap between grid points to a gap due to rounding
 

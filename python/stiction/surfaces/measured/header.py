@@ -208,7 +208,7 @@ def _parse_spacing(match: re.Match[str]) -> StatedLength | None:
     """Parse a spacing. A resolution counts as a spacing only if it is a length per sample."""
     if match[1].casefold() == "resolution" and not match[5]:
         return None
-    # The comma is either a separator of two cells or a decimal comma.
+    # The comma either separates two cells or is a decimal comma.
     if "," in match[3] and "," in match[0][match.end(3) - match.start() :]:
         return None
     return parse_length(match[3], match[4] or match[2])

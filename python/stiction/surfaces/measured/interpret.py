@@ -50,7 +50,7 @@ class ReadOptions:
     codes: tuple[float, ...] = ()  # numbers that mark missing points, as written in the file
     words: tuple[str, ...] = ()  # words that mark missing points
     accept: tuple[str, ...] = ()  # names of accepted caveats
-    # True if `unit` is a single unit; it then also applies to lengths without a unit in the file
+    # True if `unit` is a single unit, which also applies to lengths that have no unit in the file
     one_unit: bool = False
 
 
@@ -238,7 +238,7 @@ def _parse_units(unit: Any) -> tuple[str | None, str | None]:
 
 
 def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
-    """Parse a positive length. With `zero`, zero and negative positions are accepted too."""
+    """Parse a positive length. If `zero` is True, zero and negative positions are accepted too."""
     try:
         length = quantity(text.strip() if zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -265,7 +265,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
-    """Return the given unit of the positions. A unit in the file overrides a single given unit for all lengths."""
+    """Return the given unit of the positions, or None if the unit in the file overrides a single given unit."""
     has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
     return None if has_own_unit else options.position_unit
 
@@ -380,7 +380,9 @@ def _spacings_from_size(
         length = actual.length * LENGTH_UNITS[actual.unit] / points
         tolerance = max(0.51 * actual.digit * LENGTH_UNITS[actual.unit] / points, MAX_UNEVENNESS * length)
         if declared is not None and abs(declared - length) > tolerance:
-            raise FormatError(f"declares a size with a spacing of {length:.7g} µm, but spacing is {declared.text}")
+            raise FormatError(
+                f"declares a size that implies a spacing of {length:.7g} µm, but spacing is {declared.text}"
+            )
         spacings.append(length if declared is None else float(declared))
     height, width = (f"{actual.length:g} {actual.unit}" for actual in size)
     return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y (header)"]
@@ -473,7 +475,7 @@ class _PositionDigits:
 def _worst_printed_deviation(
     x: Floats, spacing: float, digit: _PositionDigits, slack: float
 ) -> tuple[int, float] | None:
-    """Return `_worst_deviation` for the printed digits of the positions. The digits are parsed only if required."""
+    """Call `_worst_deviation` with the printed digits of the positions, which are parsed only if required."""
     if _worst_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
     return _worst_deviation(x, spacing, digit.values, slack)
@@ -484,7 +486,7 @@ def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> 
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
     # Rounding displaces the first and the last point by up to half a digit each.
-    # Truncation displaces them by less than one digit relative to each other.
+    # Truncation displaces these two points by less than one digit relative to each other.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off

@@ -54,7 +54,7 @@ def read_npy(data: bytes) -> ColumnTable | Raw:
 
 
 def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tuple[str, ...]] | None:
-    """Return the spacings and the history that follow the heights in a file of `write_npy`.
+    """Return the spacings and the history that follow the heights in a file written by `write_npy`.
 
     Returns None if other content follows.
     """

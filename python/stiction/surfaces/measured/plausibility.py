@@ -14,15 +14,15 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# An extreme value may be a code for missing points if at least this number of points have it.
+# An extreme value may be a code for missing points if at least this many points have this value.
 MIN_REPEATS = 2
 # Smallest distance of a code from all other heights, relative to the range of these heights.
 MIN_CODE_DISTANCE = 2.0
-# A repeated height counts as a code for missing points only above this number of different heights.
+# A repeated height counts as a code for missing points only if there are at least this many other heights.
 MIN_DISTINCT_HEIGHTS = 5
 MAX_CODES = 3  # maximum number of codes for missing points in a scan
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
-MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm: an ångström, a centimetre and a metre
+MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # limits in µm: an ångström, a centimetre and a metre
 
 
 @dataclass(frozen=True)

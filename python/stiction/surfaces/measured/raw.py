@@ -92,7 +92,7 @@ class StatedLength:
 
 @dataclass(frozen=True)
 class Source:
-    """Location of the heights in a file: its layout, the part that was read, and the numbers of other lines."""
+    """Location of the heights in a file: its layout, the part that was read, and the counts of all other lines."""
 
     layout: str = ""
     column: str = ""  # column, channel or block of the heights
@@ -116,14 +116,14 @@ class Raw:
     positions: Floats | None = None  # (n,) positions of a profile
     digits: Digits | None = None  # function that returns the value of the last printed digit of each position, (n,)
     position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
-    spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx) if there are no positions
+    spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) if there are no positions
     stated: StatedLength | None = None  # declared spacing
     stated_spacings: tuple[StatedLength, StatedLength] | None = None  # declared spacings of rows and columns
     size: tuple[StatedLength, StatedLength] | None = None  # declared height and width of a map
     history: tuple[str, ...] = ()  # descriptions of the selections made in the file
     source: Source = Source()
     codes: tuple[float, ...] = ()  # values that the file declares as missing points
-    factor: float | None = None  # declared factor from the numbers to `unit`
+    factor: float | None = None  # declared factor that converts the numbers to `unit`
     bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
     caveats: tuple[FileCaveat, ...] = ()
 
@@ -145,7 +145,7 @@ class ColumnTable:
     values: Floats  # (rows, columns) with NaN at missing values
     names: tuple[str, ...] = ()  # column names; empty if there are none
     units: tuple[str | None, ...] = ()
-    # function that returns the value of the last printed digit of each number in a column, (rows,)
+    # function that returns the place value of the last printed digit of each number in a column
     digits: Callable[[int], Floats] | None = None
     # function that returns the value of the last printed digit of each number in a row, (columns,)
     row_digits: Callable[[int], Floats] | None = None
@@ -173,9 +173,9 @@ class Declarations:
     size: tuple[StatedLength, StatedLength] | None = None  # height and width of a map
     bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
     unit: str | None = None  # unit of the heights; it is possibly not a unit of length
-    factor: float | None = None  # factor from the numbers to `unit`
+    factor: float | None = None  # factor that converts the numbers to `unit`
     codes: tuple[float, ...] = ()  # values that mark missing points
-    counts: tuple[float, ...] = ()  # integers that are either codes for missing points or numbers of missing points
+    counts: tuple[float, ...] = ()  # integers that are either codes for missing points or counts of missing points
     scale: str = ""  # line that declares a factor for the heights or a range of heights
     points: int | None = None  # number of points of a profile
     tip_radius: StatedLength | None = None  # radius of the stylus tip

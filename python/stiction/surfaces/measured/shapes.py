@@ -83,7 +83,7 @@ def _select_channel(channels: Channels, selected: Selection | None) -> int:
     if selected is not None:
         return _find_column(channels.names, selected, range(len(channels.names)), "channel")
     if channels.default is None:
-        raise FormatError(f"contains {list_names(channels.names)}; choose one by channel (--channel)")
+        raise FormatError(f"contains {list_names(channels.names)}; choose one with channel (--channel)")
     return channels.default
 
 
@@ -127,7 +127,7 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
 
 
 def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> Raw:
-    """Return the heights in one column, with positions in another column, or with x and y in two others."""
+    """Return the selected columns: only heights; positions and heights; or x, y and heights."""
     numbers = _column_numbers(table)
     indices = [_find_column(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
@@ -295,8 +295,8 @@ def _without_words(table: ColumnTable, columns: Sequence[Selection] | None) -> C
             ]
             example = ",".join(map(str, chosen[:MAX_PROFILE_COLUMNS]))
             raise FormatError(
-                f"has words in {text}: {column.words}; choose columns of numbers by columns (--columns {example}) to "
-                "ignore the words, or name the word of missing points by missing_value "
+                f"has words in {text}: {column.words}; choose columns of numbers with columns (--columns {example}) to "
+                "ignore the words, or specify the word for missing points with missing_value "
                 f"(--missing-value {column.rarest})"
             )
         else:
@@ -390,7 +390,7 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         if first not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first + np.arange(rows)):
             return table, ()
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
-            return table, ()  # keep them as positions, with a caveat
+            return table, ()  # keep the row numbers as positions, with a caveat
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
     if (
@@ -440,7 +440,7 @@ def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         raise FormatError(
             f"contains {rows} rows of {columns} columns, of which the first "
             f"{'row and column have' if both_first else 'column has' if first_column else 'row has'} "
-            "equal steps, like positions; leave only heights in the file, or choose one column or two by columns "
+            "equal steps, like positions; leave only heights in the file, or choose one or two columns (--columns)"
         )
     return table, ()
 
@@ -576,7 +576,7 @@ def _reject_columns(table: ColumnTable) -> Raw:
     numbers = _column_numbers(table)
     names = f": {list_names(table.names, numbers)}" if table.names else ", numbered from 0"
     raise FormatError(
-        f"has {columns} columns of numbers that may be positions and several heights{names}; choose by columns "
+        f"has {columns} columns of numbers that may be positions and several heights{names}; choose with columns "
         "(--columns): one for heights, two for positions and heights, or three for x, y and z; a surface is a matrix "
         f"of at least four columns without names{_describe_missing_information(table)}"
     )

@@ -143,7 +143,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     except NotReadableError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
     except ValueError:  # from pandas
-        raise FormatError(f"{printable_path(path)}: is not a table of a spectrum") from None
+        raise FormatError(f"{printable_path(path)} is not a table of a spectrum") from None
     scans = [match for line in text.splitlines() if (match := _SCAN.fullmatch(line))]
     names = [match["name"] for match in scans]
     try:

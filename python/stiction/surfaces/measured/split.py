@@ -17,11 +17,11 @@ from stiction.surfaces.measured.decode import BLANK, MAX_CELLS, NUMBERS, NUMERIC
 from stiction.surfaces.measured.raw import FormatError
 
 _SAMPLE_LINES = 60  # maximum number of lines for detecting the separator and the decimal mark
-_SAMPLE_SIZE = 10_000  # maximum number of characters in these lines
+_SAMPLE_SIZE = 10_000  # maximum number of characters for detecting the separator and the decimal mark
 _LONG_LINE = 200  # mean line length above which cells are counted line by line
 MAX_SAMPLED = 20_000  # maximum number of rows for determining the printed digits of a column
 MAX_COUNT_CELLS = 2  # maximum number of cells in a line of counts or sizes above the numbers
-_QUOTED_SEPARATOR = "\x1f"  # character that replaces the separator in quoted cells
+_QUOTED_SEPARATOR = "\x1f"  # separator of cells after quotes have been removed
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
 Lines = NDArray[np.int64]
@@ -178,7 +178,7 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
         if len(Dialect(",", ".").cells(_line_above(text, first))) == 2:
             return Dialect(",", ".")
         raise FormatError(
-            f"{text.describe_line(first)} may be two columns, or one column with decimal commas, like all lines; "
+            f"{text.describe_line(first)} may be two columns, or one column with decimal commas, as may all lines; "
             'write decimal points, or a header such as "x (um),z (um)"'
         )
     if dialect.separator == ",":
@@ -199,7 +199,7 @@ def is_row(line: str, dialect: Dialect, text: Text) -> bool:
 
 
 def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
-    """Classify a cell as a number, a word for a missing point, or another missing-point marker; None otherwise."""
+    """Return the kind of a cell: number, word for a missing point, other missing-point marker, or None (other)."""
     match = dialect.number.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
         return "number"
@@ -344,7 +344,7 @@ def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
 
 
 def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Convert lines to rows with decimal points and without quotes and blanks; return them and their cell separator."""
+    """Convert lines to rows with decimal points and without quotes and blanks; return the rows and their separator."""
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
         blob = text.data[text.starts[first] : text.starts[last + 1] - 1]

@@ -81,7 +81,7 @@ def parse_table(text: Text) -> ColumnTable | Channels:
     if below > MAX_FOOTER_FRACTION * block.lines.size + 2:
         line = end + int(np.argmax(text.kinds[end:] == 1))
         raise FormatError(
-            f"{text.describe_line(line)} has numbers of another table than lines {first + 1} to {end}; keep only one "
+            f"{text.describe_line(line)} belongs to another table than lines {first + 1} to {end}; keep only one "
             "table in the file"
         )
     return _to_table(text, block, 0, word_columns)
@@ -136,7 +136,7 @@ def describe_source(block: NumberBlock) -> Source:
 
 
 def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a run of rows, or the line above it if this line contains labels for all columns."""
+    """Return the first line of a run of rows, or the line above the run if that line has a label for every column."""
     above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if above < 0 or dialect.separator is None:
         return first
@@ -167,7 +167,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
 
 
 def _repeats_words(text: Text, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
-    """Return whether a line and another line have the same words, and numbers in all other cells, unlike a header."""
+    """Return whether another line has the same words, and numbers in the same cells, so that neither is a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     others = dialect.cells(text.line(other))
@@ -195,7 +195,7 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_equal_runs(
     text: Text, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs with as many columns as the main run. One or two numbers above a run are a size or a count."""
+    """Return the runs with as many columns as the main run. A first line of one or two numbers is a size or a count."""
     width = len(dialect.cells(text.line(main[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:

@@ -17,7 +17,7 @@ from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_run
 _SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
 _MISSING = "nan"  # text that replaces each word
-_MAX_SEPARATOR_LINES = 400  # number of lines for determining the possible separators
+_MAX_SEPARATOR_LINES = 400  # number of lines that are examined to find the possible separators
 MIN_ROWS = 4  # minimum number of rows for a search for columns of words
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
@@ -68,7 +68,7 @@ def describe_words(counts: Mapping[str, int]) -> str:
 
 
 def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
-    """Return whether a text may have words next to numbers, in lines below the first numbers or right above them."""
+    """Return whether words may stand next to numbers, below the first line of numbers or in the line above it."""
     if not runs:
         return True
     kinds = text.kinds[text.kinds != BLANK]
@@ -121,7 +121,7 @@ def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _Wor
         words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given)})
         if (
             words and not {cell.casefold() for cell in counts} <= given
-        ):  # a column without values is not a column of words
+        ):  # a column that contains only words for missing points is ignored
             table.words[index] = words
     return table
 
