@@ -107,7 +107,7 @@ def test_pull_off_force_is_shown_in_rows_text_report_and_figure(adhesive_result,
     assert len(adhesive_result.figure("adhesion").axes) == 2
 
 
-def test_contribution_of_roughness_is_unknown_for_adhesive_pairs(adhesive_result):
+def test_roughness_contribution_is_none_for_adhesive_pairs(adhesive_result):
     """The attraction, which depends on the roughness, raises the contribution of mu0 above mu0."""
     for point in adhesive_result.summary().points:
         assert point.parts[0] > 1.02 * point.at["mu0"]
@@ -150,7 +150,7 @@ def test_pair_at_zero_load_assesses_whether_the_surfaces_stick(adhesive_result):
         at_load(run_pair().source, [0.0])
 
 
-def test_verbose_text_at_zero_load_omits_coefficients_along_axes():
+def test_verbose_text_prints_axis_coefficients_only_at_loads_above_zero():
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     text = result_text(two_load_result.summary(), verbose=True)
     axis_lines = text[text.index("μ_s along an axis") :].split("\n\n")[0].splitlines()[1:]

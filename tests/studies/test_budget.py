@@ -78,7 +78,7 @@ def test_friction_interval_without_other_errors_equals_the_interval_of_mu0() -> 
     assert uniform.value == pytest.approx(0.2, rel=1e-3)
 
 
-def test_adhesive_friction_at_the_ends_of_a_range_of_tau0_is_proportional_to_tau0() -> None:
+def test_adhesive_friction_at_interval_ends_is_proportional_to_tau0() -> None:
     result = pair(
         *rough_surfaces(rms=0.001), load="2 MPa", mu0=0.2, tau0="20..80 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS
     )  # fmt: skip
@@ -96,8 +96,8 @@ def test_replacing_a_result_replaces_its_solutions_over_the_hardness_range(tmp_p
     assert softer.interval == pair(*rough_surfaces(), effective_modulus="20 GPa", **kwargs).interval
 
 
-# These cases are a plastic contact, an elastic-plastic contact, and a range of E* so wide that it needs solutions at
-# other loads.
+# The first two cases are a plastic contact and an elastic-plastic contact.
+# The range of E* in the third case is so wide that it needs solutions at other loads.
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
 def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **THREE_POSITIONS)
@@ -143,7 +143,7 @@ def test_interval_ends_equal_quantiles_of_the_samples(infinite) -> None:
         _ends(samples)
 
 
-def test_hardness_range_of_large_maps_is_solved_for_two_members_only(monkeypatch) -> None:
+def test_areas_over_hardness_are_solved_for_only_two_members_of_large_maps(monkeypatch) -> None:
     options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*rough_surfaces(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
     with thread_executor(1) as executor:
@@ -188,7 +188,7 @@ def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
     assert exact_point.waited[0].upper - exact_point.waited[0].lower < 0.3 * (high - low)
 
 
-def test_material_names_have_hardness_ranges_and_given_hardness_is_exact() -> None:
+def test_hardness_of_named_materials_has_a_range_and_explicit_hardness_is_exact() -> None:
     kwargs = dict(load="2 MPa", mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", junction_growth=0, **PAIR_OPTIONS)
     named_result = pair(*rough_surfaces(rms=0.02), **kwargs)
     assert named_result.budget["input"][0] == "the hardness of the brass"
@@ -218,7 +218,7 @@ def test_interpolated_area_over_modulus_agrees_with_direct_elastic_solutions() -
         )
 
 
-def test_gap_map_has_interval_from_inputs_only_and_caveat_about_one_position() -> None:
+def test_gap_map_interval_comes_only_from_inputs_and_a_caveat_mentions_one_position() -> None:
     upper, lower = rough_surfaces(rms=0.03, points=128)
     options = {
         "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,
@@ -245,7 +245,7 @@ def test_material_name_can_be_combined_with_numbers_for_the_other_body() -> None
     assert float(rubber_on_glass.effective_modulus) == pytest.approx(float(numeric_contact.effective_modulus))
     brass_on_steel = contact_table(upper_material="brass", young="210 GPa", poisson=0.3)
     assert float(brass_on_steel.hardness) == pytest.approx(0.625)
-    with pytest.raises(ValueError, match="young and poisson describe the upper body"):
+    with pytest.raises(ValueError, match="single values for the upper body"):
         contact_table(lower_material="glass", young="3 MPa,70 GPa", poisson=0.49)
 
 
@@ -395,7 +395,7 @@ IN_SIX_DIRECTIONS = PAIR_OPTIONS | {
 
 
 @pytest.mark.parametrize("seed", [5, 6, 7, 8])
-def test_interval_of_a_zero_coefficient_covers_the_range_of_mu0(seed: int) -> None:
+def test_interval_for_zero_mu0_extends_from_zero_to_a_half_normal_quantile(seed: int) -> None:
     result = pair(*rough_surfaces(seed, points=24), mu0="0±0.1", **IN_SIX_DIRECTIONS)
     assert result.value == 0
     low, high = result.interval
@@ -403,7 +403,7 @@ def test_interval_of_a_zero_coefficient_covers_the_range_of_mu0(seed: int) -> No
     assert high == pytest.approx(0.1 * halfnorm.ppf(0.975), rel=0.02)
 
 
-def test_coefficient_without_strength_is_zero_in_spite_of_round_off() -> None:
+def test_friction_coefficient_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None:
     result = pair(*rough_surfaces(points=24), mu0=0.0, **IN_SIX_DIRECTIONS)
     assert (result.value, *result.interval) == (0, 0, 0)
     assert not result.at().friction_by_axis.sel(sliding="all").values.any()

@@ -102,7 +102,7 @@ def test_friction_tests_on_a_single_pair_determine_only_a_sum_of_mu0_and_tau0() 
     assert interface.excluded == ()
 
 
-def test_calibration_advice_predicts_errors_of_ball_tests_over_two_load_decades() -> None:
+def test_calibration_advice_predicts_errors_after_ball_tests_over_two_decades_of_load() -> None:
     curve = compute_rough_curve(0.02, 1)
     tests = [FrictionTest(curve, load, coefficient=0.3, uncertainty=0.009) for load in curve.load]
     interface = calibrate(tests)
@@ -279,12 +279,12 @@ def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) ->
         assert strength.tau0[2] >= np.quantile(tau0_at_bound, 0.975) * 0.999999
 
 
-def test_calibration_with_given_mu0_has_no_samples_at_bounds() -> None:
+def test_calibration_with_a_fixed_mu0_of_zero_counts_no_samples_at_bounds() -> None:
     interface = calibrate(simulate_ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
     assert interface.at_bounds == ()
 
 
-def test_contact_area_over_hardness_has_the_standard_error_of_the_members() -> None:
+def test_error_of_area_ratio_over_hardness_is_the_standard_error_over_members() -> None:
     tested_pair = pair(*rough_faces(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
     test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
     yielding = test.yields
@@ -299,7 +299,7 @@ def test_contact_area_over_hardness_has_the_standard_error_of_the_members() -> N
     assert yielding.error in fit.scores
 
 
-def test_understated_errors_of_tests_are_scaled_up() -> None:
+def test_understated_errors_of_friction_tests_are_scaled_up() -> None:
     tests = simulate_ball_tests(error=0.1, seed=2)
     tests_of_small_errors = [
         FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty / 5) for test in tests
@@ -310,7 +310,7 @@ def test_understated_errors_of_tests_are_scaled_up() -> None:
     assert calibrate(tests, sliding="all").fits[0].scale == 1.0
 
 
-def test_missing_errors_of_tests_are_estimated_from_the_scatter() -> None:
+def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatter() -> None:
     tests = simulate_ball_tests(seed=4)
     tests_without_errors = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
     expected, result = (calibrate(item, sliding="all", common=0.0) for item in (tests, tests_without_errors))
@@ -430,7 +430,7 @@ def test_prediction_for_a_harder_pair_covers_the_direct_solution(alpha: Any, tru
     assert value == pytest.approx(expected, rel=0.02)
 
 
-def test_prediction_without_junction_growth_differs_from_the_direct_solution() -> None:
+def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() -> None:
     interface = calibrate(simulate_tests_with_growth(0, 20.0), sliding="all")
     predicted, *_ = interface.predict(plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
     assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
@@ -446,7 +446,7 @@ def test_prediction_warns_if_result_and_tests_have_different_junction_growth() -
     interface.predict(STEEL_BALL, 50.0)  # This prediction causes no warning, because the ball does not yield.
 
 
-def test_calibration_below_yield_has_no_junction_growth() -> None:
+def test_calibration_of_tests_below_yield_reports_no_junction_growth() -> None:
     assert GROWTH_ENTRY not in calibrate(simulate_ball_tests()).about
 
 
@@ -610,7 +610,7 @@ def test_predictions_from_ball_tests_cover_true_friction() -> None:
 
 @pytest.mark.soak
 @pytest.mark.parametrize("kind", TEST_SERIES)
-def test_predictions_cover_true_friction_for_every_test_series(kind: str) -> None:
+def test_predictions_cover_true_friction_for_every_kind_of_test_series(kind: str) -> None:
     coverage = simulate_coverage(kind, 300).mean(axis=0)
     print(kind, coverage.round(3))
     assert coverage[1] > 0.92
@@ -638,7 +638,7 @@ def test_calibration_intervals_agree_with_minos() -> None:
 
 
 @pytest.mark.parametrize(("modulus", "has_interval"), [("3 GPa", False), ("2..4 GPa", True)])
-def test_interface_text_states_interval_of_uncertain_area_per_load(modulus, has_interval):
+def test_calibration_text_states_an_interval_of_area_per_load_if_the_modulus_is_uncertain(modulus, has_interval):
     ball = Ball("5 mm", modulus)
     tests = [
         FrictionTest(ball, float(load), coefficient=MU0 + TAU0 * BALL.area_per_load(load), uncertainty=0.003)

@@ -122,7 +122,7 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
     assert (low, high) == pytest.approx(tuple(np.quantile(friction.values, [0.1, 0.9])))
 
 
-def test_friction_axes_are_pairs_of_opposite_directions():
+def test_friction_axes_are_formed_by_pairs_of_opposite_directions():
     axes, indices = axes_of(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
     assert axes.tolist() == [0.0, 30.0]
     assert indices.tolist() == [[1, 4], [0, 2]]

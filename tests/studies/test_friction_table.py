@@ -54,7 +54,7 @@ def test_friction_table_equals_direct_computation(dataset, table):
     assert ((ratio > 0.8) & (ratio < 1.3)).all()
 
 
-def test_stiffness_law_is_undefined_if_the_approach_decreases(dataset, table):
+def test_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load_increases(dataset, table):
     # With one approach negated, the approach no longer increases with the load.
     changed_dataset = dataset.copy(deep=True)
     changed_dataset["approach"].values[0, 0, 1] *= -1
@@ -176,13 +176,13 @@ def test_table_command_rejects_bad_options(tmp_path, changes, message):
         ({"shortest_wavelength": 100}, "must be below the longest wavelength"),
     ],
 )  # fmt: skip
-def test_friction_table_study_rejects_impossible_values_in_plain_words(arguments, message):
+def test_friction_table_study_rejects_impossible_values_without_mentioning_pydantic(arguments, message):
     with pytest.raises(ValueError, match=message) as error:
         table_study(**arguments)
     assert "pydantic" not in str(error.value)
 
 
-def test_friction_table_study_accepts_single_numbers():
+def test_friction_table_study_accepts_single_numbers_instead_of_lists():
     assert table_study(rms=0.03, mu0=0.3, hurst_exponents=0.8) == table_study(
         rms=[0.03], mu0=[0.3], hurst_exponents=[0.8]
     )

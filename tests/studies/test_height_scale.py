@@ -162,7 +162,7 @@ def test_spectrum_is_scaled_by_the_square_of_the_height_factor():
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_profiles_can_be_scaled_with_both_contact_models(mechanics):
+def test_profile_heights_can_be_scaled_with_both_contact_models(mechanics):
     profiles = [self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in
              ("upper", "lower")]  # fmt: skip
     kwargs = {
@@ -194,7 +194,7 @@ def test_pull_off_force_decreases_with_height_scale():
 
 
 @pytest.mark.parametrize("hardness", [{}, HARDNESS_OPTION])
-def test_interpolation_between_height_factors_is_within_the_stated_error(hardness):
+def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardness):
     computed = pair(*smooth_maps(64, rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
     compute_factors(computed.source, "0.25..4")
     factors = np.array([0.6, 1.7])
@@ -211,7 +211,7 @@ def test_interpolation_between_height_factors_is_within_the_stated_error(hardnes
     assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
 
 
-def test_missing_height_factors_are_the_fewest_that_enclose_the_requested_factors():
+def test_missing_height_factors_are_the_fewest_needed_to_interpolate_the_requested_factors():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]
@@ -272,7 +272,7 @@ def test_height_factors_outside_the_allowed_range_are_rejected(factors):
         parse_factors(factors)
 
 
-def test_height_scale_rejects_results_that_are_not_stored_pairs(bodies, result):
+def test_height_scale_rejects_unsuitable_results_and_bad_options(bodies, result):
     with pytest.raises(ValueError, match="two measured surfaces, got generated surfaces"):
         scale_study_heights(TINY_STUDY, 2.0, "both")
     gap = pair(gap=bodies[0], **{name: value for name, value in PAIR_OPTIONS.items() if name != "shifts"})
@@ -335,7 +335,7 @@ def test_stored_height_factors_are_reused_at_new_mu0_but_not_at_new_modulus(bodi
     )
 
 
-def test_scaled_surfaces_are_solved_over_the_range_of_hardness(bodies):
+def test_interval_over_hardness_of_scaled_surfaces_equals_direct_computation(bodies):
     kwargs = PAIR_OPTIONS | {"hardness": "1..3 GPa"}
     table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, 2), **kwargs)

@@ -46,7 +46,7 @@ def test_samples_of_mu0_are_not_negative() -> None:
         (None, "", "must be a number"),
     ],
 )
-def test_bad_text_of_an_uncertain_input_is_rejected(text, kind, pattern) -> None:
+def test_bad_value_of_an_uncertain_input_is_rejected(text, kind, pattern) -> None:
     with pytest.raises(ValueError, match=pattern):
         parse_input("mu0", text, kind)
 
@@ -59,7 +59,7 @@ def test_relative_uncertainty_of_hardness_is_accepted(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["59.9..60.1 HRC", "60±0.05 HRC", "60 HRC ± 0.05", "60 HRC ± 0.1 %"])
-def test_rockwell_range_includes_the_uncertainty_of_conversion(text: str) -> None:
+def test_range_of_a_rockwell_hardness_includes_the_uncertainty_of_its_conversion(text: str) -> None:
     plain_number, result = (parse_input("hardness", item, "hardness") for item in ("60 HRC", text))
     assert (result.low, result.high) == pytest.approx((plain_number.low, plain_number.high), rel=0.01)
     assert result.high - result.low >= plain_number.high - plain_number.low - 1e-3

@@ -87,7 +87,7 @@ def test_interface_is_ignored_if_mu0_of_the_study_is_changed(result) -> None:
     assert find_interface(stored_study.with_changes({"friction.mu0": [0.3]})) is None
 
 
-def test_missing_interface_file_is_replaced_by_independent_ranges(film_file, tmp_path) -> None:
+def test_independent_ranges_of_mu0_and_tau0_replace_a_missing_interface_file(film_file, tmp_path) -> None:
     copy = shutil.copy(film_file, tmp_path)
     result = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
     joint_interval, path = result.interval, result.path

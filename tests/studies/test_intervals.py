@@ -5,7 +5,7 @@ import scipy.stats
 from reference.neighbours import estimate_truth, measure_coverage, simulate_traverses
 from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean
 
-TRIALS = 500  # With this number, the measured coverage has a standard error of 1 %.
+TRIALS = 500  # With this number of trials, the measured coverage has a standard error of 1 %.
 MAX_WIDTH_RATIO = 1.5  # largest ratio of the median width to the width for a known variance, for at least 32 values
 
 MIN_DEFINED_FRACTION = 0.85
@@ -43,7 +43,7 @@ def test_interval_of_the_mean_of_neighbors_covers_the_mean_and_is_narrow(quantit
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9])
-def test_neighbors_mean_interval_agrees_with_dense_covariance_matrices(correlation):
+def test_interval_of_the_mean_of_neighbors_agrees_with_dense_covariance_matrices(correlation):
     """Compare with the mixture of t distributions over correlations, computed with dense covariance matrices."""
     count = 20
     values = simulate_traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]
@@ -71,7 +71,7 @@ def test_neighbors_mean_interval_agrees_with_dense_covariance_matrices(correlati
 
 
 @pytest.mark.parametrize("quantity", ["half zeros", "lognormal 0.5", "bounded"])
-def test_neighbors_mean_is_equivariant_under_scaling_shift_and_reversal(quantity):
+def test_mean_of_neighbors_is_equivariant_under_scaling_shift_and_reversal(quantity):
     values = simulate_traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(neighbors_mean(values))
     np.testing.assert_allclose(neighbors_mean(1e9 * values), 1e9 * expected, rtol=1e-9)
@@ -81,14 +81,14 @@ def test_neighbors_mean_is_equivariant_under_scaling_shift_and_reversal(quantity
     np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
-def test_neighbors_mean_interval_of_independent_values_is_a_student_t_interval():
+def test_interval_of_the_mean_of_independent_neighbors_is_a_student_t_interval():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
     _, lower, upper = neighbors_mean(values)
     assert upper - lower == pytest.approx(2 * half_width, rel=0.05)
 
 
-def test_neighbors_mean_interval_lies_within_the_range_of_the_values():
+def test_interval_of_the_mean_of_neighbors_lies_within_the_range_of_the_values():
     random = np.random.default_rng(6)
     for quantity in ("half zeros", "bounded", "lognormal 1"):
         for values in simulate_traverses(quantity, 50, MIN_NEIGHBORS, 0.6, random):
@@ -96,7 +96,7 @@ def test_neighbors_mean_interval_lies_within_the_range_of_the_values():
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
-def test_neighbors_mean_of_too_few_or_identical_values_has_no_interval():
+def test_mean_of_too_few_or_identical_neighbors_has_no_interval():
     assert np.isnan(neighbors_mean(np.arange(MIN_NEIGHBORS - 1.0))[1:]).all()
     mean, lower, upper = neighbors_mean(np.zeros(16))
     assert mean == 0
@@ -141,7 +141,7 @@ def test_sample_mean_ignores_missing_values():
 
 
 @pytest.mark.parametrize("lines", [1, 16])
-def test_mean_over_positions_of_one_column_does_not_depend_on_other_columns(lines):
+def test_mean_of_a_column_over_positions_is_independent_of_other_columns(lines):
     values = np.exp(np.random.default_rng(0).normal(size=(64, 50)).cumsum(axis=0) * 0.3)
     lines_of_positions = np.arange(64) * lines // 64
     all_columns = np.stack(positions_mean(values, lines_of_positions))

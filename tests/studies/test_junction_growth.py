@@ -74,7 +74,7 @@ def test_friction_without_adhesive_strength_is_independent_of_junction_growth(gr
     assert (at["contact_area_at_onset"].sel(statistic="mean") > 1.1 * at["contact_area"].sel(statistic="mean")).all()
 
 
-def test_interval_without_adhesive_strength_is_unaffected_by_seizure(growth_result, result_without_growth):
+def test_interval_at_zero_tau0_is_unaffected_by_seizure(growth_result, result_without_growth):
     high_friction = {"mu0": [5.0], "tau0": [0.0]}  # the hardness under shear is below the nominal pressure
     interval, expected = (
         result.at(**high_friction)["friction_combined"].values for result in (growth_result, result_without_growth)
@@ -83,12 +83,14 @@ def test_interval_without_adhesive_strength_is_unaffected_by_seizure(growth_resu
     assert interval == pytest.approx(expected, rel=1e-12)
 
 
-def test_friction_with_growth_at_other_mu0_and_tau0_equals_direct_solution(growth_result):
+def test_friction_with_junction_growth_at_other_mu0_and_tau0_agrees_with_direct_solution(growth_result):
     direct_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.1, "tau0": 0.03}, junction_growth=27)
     assert coefficient(growth_result, mu0=[0.1], tau0=[0.03]) == pytest.approx(coefficient(direct_result), rel=5e-3)
 
 
-def test_area_and_stiffness_without_shear_are_independent_of_junction_growth(growth_result, result_without_growth):
+def test_contact_area_and_stiffness_before_shear_are_independent_of_junction_growth(
+    growth_result, result_without_growth
+):
     for name in ("contact_area", "contact_count", "mean_pressure", "normal_stiffness"):
         assert growth_result.at()[name].equals(result_without_growth.at()[name])
 
@@ -175,7 +177,7 @@ def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
     assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
 
 
-def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_hardness_nodes():
+def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_range_of_nodes():
     nodes, at_nodes = np.array([0.15, 0.5, 1.3]), np.array([[6.5, 2.1, 0.95], [7.0, 2.3, 1.1]])
     elastic = np.array([0.4, 0.5])
     areas = SampledAreas(nodes, at_nodes, elastic)

@@ -24,7 +24,7 @@ from support.studies_of_files import pair_study
 
 LOADS = [0.003, 0.03]
 INTERFACE = {"mu0": 0.3, "tau0": 0.1}
-ROOT_TOLERANCE = 1e-9  # relative error; the approach at a load is accurate to 1e-12
+ROOT_TOLERANCE = 1e-9  # relative error of values at a load; the approach at this load is accurate to 1e-12
 INTERPOLATION_TOLERANCE = 2e-3  # relative error of values that are interpolated between two solved loads
 
 
@@ -259,7 +259,7 @@ def test_mean_over_positions_accounts_for_their_correlation(profile_pair):
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------
 
 
-def test_pairing_of_lines_returns_half_of_the_slider_and_the_whole_track():
+def test_pairing_of_lines_returns_half_of_the_slider_profile_and_the_complete_counterface():
     upper, lower = rough_profile("upper"), rough_profile("lower")
     (slider,), (track,) = paired_lines(upper, lower)
     whole = levelled(upper, "line")
@@ -288,7 +288,7 @@ def small_map():
     return Surface(lines, spacing=(0.02, 0.01))
 
 
-def test_pairing_of_lines_selects_rows_that_are_a_third_of_the_map_apart():
+def test_paired_lines_of_a_single_map_are_a_third_of_the_map_apart():
     surface = small_map()
     uppers, lowers = paired_lines(surface, surface, level=None)
     assert len(uppers) == len(lowers) == 9
@@ -329,7 +329,7 @@ def test_paired_lines_of_different_lengths_cover_the_longer_profile():
     np.testing.assert_allclose(levelled(levelled_pieces[1], "line").heights, levelled_pieces[1].heights, atol=1e-12)
 
 
-def test_pairing_of_lines_with_surrogates_replaces_the_selected_surface():
+def test_pairing_of_lines_replaces_the_selected_profile_by_surrogates():
     upper, lower = rough_profile("upper"), rough_profile("lower")
     uppers, lowers = paired_lines(upper, lower, surrogates="lower", lines=3, seed=9)
     assert len(uppers) == 3
@@ -452,6 +452,6 @@ def test_half_plane_values_at_positions_equal_half_space_solutions(small_pair, s
         ({"mechanics": "half-space", "law": "hertz-cylinder"}, "law is for mechanics asperities"),
     ],
 )
-def test_pair_of_half_planes_rejects_asperity_options(small_pair, arguments, pattern):
+def test_pair_of_profiles_rejects_unknown_mechanics_and_a_contact_law_for_half_spaces(small_pair, arguments, pattern):
     with pytest.raises(ValueError, match=pattern):
         pair_study(*small_pair, load=LOADS, effective_modulus=10.0, **INTERFACE, **arguments)

@@ -26,7 +26,7 @@ from support.studies_of_files import pair_study
 
 LOADS = (0.02, 0.1)
 ASPERITY_OPTIONS = {"mechanics": "asperities", "level": "mean", "direction": [0, 45]}
-ROOT_TOLERANCE = 1e-9  # relative error; the approach at a load is accurate to 1e-12
+ROOT_TOLERANCE = 1e-9  # relative error of values at a load; the approach at this load is accurate to 1e-12
 SOLUTION_TOLERANCE = 1e-4  # relative difference between two solutions, which may differ at the edges of contact patches
 
 
@@ -83,8 +83,8 @@ class TestListedPositions:
         result = run_pair(upper, lower, [0.02, 0.1], positions=positions, **ASPERITY_OPTIONS)
         assert result.dataset["x"].values.tolist() == [0.8, -0.4]
         assert result.dataset["y"].values.tolist() == [-0.5, 1.0]
-        # The positions are shifts by (20, -10) and (-10, 20) columns and rows. The overlaps have 54 by 60 and
-        # 44 by 70 points; both pieces are cut to the common size of 44 by 60 points.
+        # The positions are shifts by (20, -10) and (-10, 20) columns and rows.
+        # The overlaps have 54 by 60 and 44 by 70 points, and both pieces are cut to the common size of 44 by 60 points.
         assert result.nominal_area == pytest.approx(44 * 0.05 * 60 * 0.04)
         windows = [
             ((slice(15, 59), slice(0, 60)), (slice(5, 49), slice(20, 80))),
@@ -113,7 +113,7 @@ class TestListedPositions:
                     curve.lateral_load(mu0=0.3), member_values["lateral_load"], rtol=1e-9, atol=1e-12
                 )
 
-    def test_single_position_of_maps_uses_the_whole_overlap(self):
+    def test_map_pair_at_a_single_position_uses_the_complete_overlap(self):
         result = run_pair(*self.create_maps(), [0.1], positions=[(0.0, 0.0)], **ASPERITY_OPTIONS)
         assert result.dataset.attrs["shape"].tolist() == [64, 80]
         assert result.dataset.sizes["repetition"] == 1
@@ -173,7 +173,7 @@ def test_slopes_of_a_member_equal_slopes_of_its_gap():
     assert float(mean) == pytest.approx(float(expected))
 
 
-def test_mean_over_positions_has_student_t_interval_of_the_logarithm():
+def test_mean_over_positions_has_a_student_t_interval_on_the_logarithmic_scale():
     upper, lower = surface_pair()
     result = run_pair(upper, lower, direction=[0, 90], shifts=5, mechanics="asperities")
     incomplete = result.dataset.copy(deep=True)

@@ -89,7 +89,7 @@ def test_friction_map_returns_a_status_instead_of_extrapolating():
         ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # no friction
     ],
 )
-def test_friction_map_interval_of_too_few_or_identical_members_is_undefined_or_zero(
+def test_friction_map_interval_is_undefined_for_too_few_members_and_zero_for_identical_members(
     normal, tangential, load, value, width
 ):
     table = compute_map(create_result(normal, tangential), [load])
@@ -157,9 +157,9 @@ def test_area_map_interpolates_linearly_in_the_approach():
 # ---- Coverage ----------------------------------------------------------------------------------------------------
 
 NUM_ENSEMBLES = 2000
-# Minimum coverage of 95 % intervals by (spread, scatter) and number of repetitions. A coverage measured from 2000
-# ensembles has a standard error of 0.005. With few repetitions of a lognormal load, the coverage is below 0.95 because
-# a small sample often misses the tail of the distribution.
+# Minimum coverage of 95 % intervals by (spread, scatter) and number of repetitions.
+# A coverage measured from 2000 ensembles has a standard error of 0.005.
+# If a lognormal load has few repetitions, the coverage is below 0.95, because small samples often miss the tail.
 MIN_COVERAGE = {
     (0.3, 0.3): {5: 0.93, 10: 0.935, 24: 0.94, 100: 0.94},
     (0.8, 0.5): {5: 0.88, 10: 0.91, 24: 0.925, 100: 0.935},
@@ -207,7 +207,7 @@ def test_friction_map_intervals_have_nominal_coverage(repetitions, spread, scatt
     assert MIN_COVERAGE[spread, scatter][repetitions] <= coverage <= MAX_COVERAGE, coverage
 
 
-def test_friction_map_intervals_have_coverage_if_half_of_the_members_lack_contact():
+def test_friction_map_intervals_have_nominal_coverage_if_half_of_the_members_lack_contact():
     load = APPROACHES[5] ** 1.5
     truth = 0.3 * APPROACHES[5] ** 1.35 / load
     result = simulate_ensembles(24, NUM_ENSEMBLES, spread=0.5, scatter=0.3, seed=5, touching=0.5)

@@ -50,7 +50,7 @@ def test_report_interpolation_is_bilinear_next_to_undefined_nodes():
     assert interpolated(AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # This point is a node.
 
 
-def test_node_of_an_uncertain_input_has_weight_only_within_its_bounds():
+def test_node_of_an_uncertain_input_is_used_only_at_values_close_to_it():
     axis = Axis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]), np.array([0.2]))
     assert axis.weights(0.2).tolist() == [0, 0, 0, 0, 0, 1]
     assert axis.weights(0.2001)[-1] == 1
@@ -66,7 +66,7 @@ def test_report_axes_contain_mu0_and_tau0_of_the_study():
     assert tau0.rising[-1] == 0.021  # a study of generated surfaces limits the range of tau0
 
 
-def test_report_axes_have_separate_nodes_for_uncertain_inputs(tmp_path):
+def test_report_axis_of_an_uncertain_input_has_a_separate_node_at_its_value(tmp_path):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.ranged.size for axis in axes_of(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
@@ -76,7 +76,7 @@ def test_report_axes_have_separate_nodes_for_uncertain_inputs(tmp_path):
     assert tau0.ranged.size == 0
 
 
-def test_refined_report_axes_reach_the_tolerances():
+def test_interpolation_errors_on_refined_report_axes_are_below_ten_times_the_tolerance():
     coarse_axes = tuple(Axis(axis.rising[[0, 2, 4]]) for axis in AXES)
     axes = refined(coarse_axes, smooth_friction)
     assert sum(axis.rising.size for axis in axes) > 6
@@ -94,7 +94,7 @@ def test_refined_report_axes_reach_the_tolerances():
     assert 0 < ends_error < 10 * ENDS_TOLERANCE
 
 
-def test_refined_axes_have_the_first_nodes_where_errors_are_largest():
+def test_limited_refinement_of_report_axes_adds_nodes_where_errors_are_largest():
     def steep(mu0, tau0):
         """Return points whose upper end rises steeply at large tau0."""
         points = smooth_friction(mu0, tau0)
@@ -107,7 +107,7 @@ def test_refined_axes_have_the_first_nodes_where_errors_are_largest():
     assert added.min() > 0.1
 
 
-def test_panels_with_errors_above_the_printed_tolerance_are_not_interpolated():
+def test_panels_between_nodes_are_not_interpolated_if_errors_exceed_the_printed_tolerance():
     def cusp(mu0, tau0):
         """Return points whose upper end has a cusp along mu0, at large tau0."""
         points = smooth_friction(mu0, tau0)
@@ -126,7 +126,7 @@ def test_panels_with_errors_above_the_printed_tolerance_are_not_interpolated():
     assert hidden_mu0.max() <= 0.5 + 2 / 20
 
 
-def test_panels_are_interpolated_if_the_error_in_the_middle_is_small():
+def test_panels_between_nodes_are_interpolated_only_if_errors_in_their_middles_are_small():
     """Compare the mask with true errors for an upper end that diverges at large tau0."""
 
     def steep(mu0, tau0):

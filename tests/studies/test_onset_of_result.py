@@ -107,7 +107,7 @@ def test_onset_of_a_result_with_several_cutoffs_uses_the_quoted_cutoff():
     assert float(abs(result["displacement"] - onset_by_cutoff[other_cutoff]["displacement"]).max()) > 0
 
 
-def test_onset_is_none_without_friction_and_for_generated_surfaces(study):
+def test_onset_is_none_if_mu0_and_tau0_are_zero_or_surfaces_are_generated(study):
     assert compute_study_onset(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
     assert compute_study_onset(Study.named("quick")) is None
 
@@ -178,13 +178,13 @@ def test_stored_onset_for_another_mu0_is_ignored(study, onset, tmp_path):
     assert load_onset(stored) is None
 
 
-def test_onset_table_starts_with_zeros(onset):
+def test_csv_table_of_onset_starts_with_a_row_of_zeros(onset):
     table = pandas.read_csv(io.StringIO(format_backbone(onset)))
     assert (table.iloc[0] == 0).all()
     np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
 
 
-def test_onset_text_table_and_json_record_have_equal_values(onset):
+def test_table_rows_and_json_record_of_onset_have_equal_displacements(onset):
     record = onset_record(onset)
     assert "Pre-sliding displacement " in onset_text(onset)
     assert record["iwan"]["chi"] == onset.attrs["iwan_chi"]

@@ -75,7 +75,7 @@ def test_placeholders_in_option_texts_are_option_names():
 
 
 @pytest.mark.parametrize("name", INPUT_KINDS)
-def test_uncertain_input_is_also_a_pair_option(name):
+def test_uncertain_input_has_a_pair_option_of_the_same_name(name):
     assert name in PAIR_OPTIONS
 
 
@@ -107,7 +107,7 @@ def test_pair_options_with_value_none_or_false_are_treated_as_not_given():
     assert all(options.given(name) is None for name in PAIR_OPTIONS if name != "load")
 
 
-def test_short_help_of_pair_command_lists_twelve_options_without_cutoff(monkeypatch):
+def test_short_help_of_pair_command_lists_thirteen_options_but_not_cutoff(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     pair = pair_command()
     help_text = pair.get_help(pair.context_class(pair, info_name="stiction pair"))

@@ -225,7 +225,7 @@ def test_computation_of_missing_members_announces_the_estimated_time_once(tmp_pa
     assert line.endswith(" of one core, 23 kB in 5 files")
 
 
-def test_new_time_estimate_uses_the_time_of_the_first_block():
+def test_remaining_time_is_estimated_from_the_time_of_the_first_block():
     missing = SimpleNamespace(count=16)
     text = runner._new_estimate(missing, 1, 480.0, 2, 8.5)
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"

@@ -116,7 +116,9 @@ def test_store_preserves_every_bit_of_values(tmp_path, monkeypatch):
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
-def test_stored_result_read_in_pieces_equals_the_dataset_in_pieces(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_pieces_of_a_stored_result_equal_pieces_of_the_computed_dataset(
+    folder_copy, uninterrupted_dataset, monkeypatch
+):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
     find_block(folder_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
@@ -130,7 +132,7 @@ def test_stored_result_read_in_pieces_equals_the_dataset_in_pieces(folder_copy, 
     assert list(piece.data_vars) == ["contact_area"]
 
 
-def test_result_that_fits_in_one_piece_is_read_only_once(folder_copy, uninterrupted_dataset, monkeypatch):
+def test_result_that_fits_in_one_piece_is_read_once(folder_copy, uninterrupted_dataset, monkeypatch):
     """Check also that a caller who changes the dataset does not change the cached result."""
     stored, decoded_contents = store.open_stored(folder_copy), []
     decode_members = store.decode_members
@@ -407,7 +409,7 @@ def test_block_that_contradicts_its_study_is_reported_in_one_sentence(folder_cop
         store.read(folder_copy)
 
 
-def test_units_in_the_files_of_blocks_are_ignored_when_reading(folder_copy, uninterrupted_dataset):
+def test_units_in_block_files_are_ignored_when_reading(folder_copy, uninterrupted_dataset):
     file = find_block(folder_copy, 4)
     with h5py.File(file, "r+") as opened:
         opened["approach"].attrs["units"] = "seconds since 1970-01-01"

@@ -29,7 +29,7 @@ class TestQuantityConversion:
             (".5 uN", "force", 5e-4),
         ],
     )
-    def test_quantity_texts_are_converted_to_core_units_exactly(self, text, kind, value):
+    def test_quantity_strings_are_converted_exactly_to_core_units(self, text, kind, value):
         assert quantity(text, kind) == value
 
     @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ class TestQuantityConversion:
             ("10**10**10 nm", "length"),
         ],
     )
-    def test_bad_quantity_text_is_rejected_with_a_short_message(self, text, kind):
+    def test_bad_quantity_string_is_rejected_with_a_short_message(self, text, kind):
         with pytest.raises(ValueError, match=kind) as caught:
             quantity(text, kind)
         assert len(str(caught.value)) < 200
@@ -54,11 +54,11 @@ class TestQuantityConversion:
         assert len(str(caught.value)) < 200
 
     @given(st.floats(1e-12, 1e12))
-    def test_exact_text_preserves_every_bit_of_a_number(self, value):
+    def test_exact_text_of_a_quantity_is_parsed_back_to_the_same_number(self, value):
         assert quantity(exact_text(value, "mN"), "force") == value
 
     @given(st.text(max_size=30))
-    def test_random_quantity_text_is_read_as_a_finite_value_or_rejected(self, text):
+    def test_random_quantity_string_is_read_as_a_finite_value_or_rejected(self, text):
         with contextlib.suppress(ValueError):
             assert np.isfinite(quantity(text, "length"))
 
@@ -110,7 +110,7 @@ class TestBuiltInStudies:
 class TestStudyChanges:
     """Test `Study.with_changes`."""
 
-    def test_changes_of_a_study_replace_values_of_dotted_keys(self):
+    def test_changes_to_a_study_replace_values_named_by_dotted_keys(self):
         study = Study().with_changes(
             {
                 "ensemble.repetitions": 3, "surfaces.fractal_dimension": [1.2, 1.5], "contact.approach.count": 7,
@@ -158,7 +158,7 @@ class TestStudyChanges:
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],
     )
-    def test_error_about_changes_of_a_study_names_the_bad_key(self, key, value, message):
+    def test_error_about_changes_to_a_study_names_the_bad_key(self, key, value, message):
         with pytest.raises(StudyError, match=message):
             Study().with_changes({key: value})
 
@@ -256,7 +256,7 @@ class TestStudyKinds:
             (LINE_STUDY, (*SUMS, "approach"), "load", ["cut_off"]),
         ],
     )
-    def test_kind_of_study_determines_its_sums_step_and_cells(self, study, sums, step, cells):
+    def test_kind_of_study_determines_its_sums_step_variable_and_cell_dimensions(self, study, sums, step, cells):
         assert (study.sums(), study.step, list(study.surfaces.cells())) == (sums, step, cells)
 
     @pytest.mark.parametrize(
@@ -294,7 +294,7 @@ class TestStudyKinds:
         assert f"changes: {key}" in str(caught.value)
         assert len(str(caught.value)) < 400
 
-    def test_key_of_another_kind_of_surfaces_is_reported_with_that_kind(self):
+    def test_error_about_a_key_of_another_kind_of_surfaces_names_both_kinds(self):
         with pytest.raises(StudyError, match=r"belongs to fractal profiles, not to Weierstrass-Mandelbrot surfaces"):
             SURFACE_STUDY.with_changes({"surfaces.points": 100})
         with pytest.raises(StudyError, match=r"belongs to areas of measured maps, not to lines of measured files"):

@@ -64,7 +64,7 @@ def test_contact_models_have_separate_classes_of_contact_tables():
         ({"contact.law": {"name": "jackson-green"}}, "contact.law.yield_strength", "must be given"),
     ],
 )
-def test_key_of_another_kind_of_study_is_reported_with_that_kind(changes, key, message):
+def test_error_about_a_key_of_another_kind_of_study_names_that_kind(changes, key, message):
     with pytest.raises(StudyError) as caught:
         Study().with_changes(changes)
     assert caught.value.faults[0][0] == key

@@ -89,8 +89,8 @@ def _combine_material_with_moduli(upper: str | None, lower: str | None, young: A
     if len(moduli) != 1 or len(ratios) != 1 or not 0 <= ratios[0] <= 0.5:
         side, other_side = ("upper", "lower") if upper else ("lower", "upper")
         raise ArgumentError(
-            f"{{young}} and {{poisson}} describe the {other_side} body if only {{{side}_material}} names a material: "
-            f'give one value each, as in "3 MPa" and "0.5", or omit {{{side}_material}}'
+            f"{{{side}_material}} determines the elastic constants of the {side} body, so {{young}} and {{poisson}} "
+            f'must be single values for the {other_side} body, as in "3 MPa" and "0.5"; or omit {{{side}_material}}'
         )
     name = "upper_material" if upper else "lower_material"
     body = _load_material(name, str(upper or lower))

@@ -634,7 +634,7 @@ class LineMembers:
             return self._member_at(slider, track, round(self.positions[position] / slider.spacing), line)
         if max_steps == 0 and position > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
-        # Offset 0 is excluded for a single pair, because both lines may be identical.
+        # Offset 0 is excluded for a single pair, because the two lines may be identical.
         is_unshifted = pairs.several and offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             steps = 0

@@ -166,7 +166,7 @@ class Pair:
             raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=reason) from None
 
     def _select_value(self, name: str, index: int) -> Any:
-        """Return the value of an option for a body, where a single value applies to both bodies."""
+        """Return the value of an option for a body. A single value applies to both bodies."""
         option = self.options.given(name)
         values = option if isinstance(option, list) else [option]
         if len(values) > 2:

@@ -102,7 +102,7 @@ LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these 
 
 
 class GeneratedFriction(Case):
-    """Table `[friction]` for generated surfaces: the interface strengths that the figures show."""
+    """Table `[friction]` for generated surfaces: the interface strengths for which figures are drawn."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
