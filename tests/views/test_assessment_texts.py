@@ -108,7 +108,7 @@ def test_quotable_sentence_contains_assessment_caveats_version_and_adhesion():
 
 
 @pytest.mark.parametrize("case_name", FAULT_CASES)
-def test_point_with_fault_has_no_number_in_its_sentence(case_name):
+def test_sentence_of_a_point_with_a_fault_contains_no_coefficient(case_name):
     raising, silent, word = FAULT_CASES[case_name]
     point = only_point(measured_result(**raising), measured_study())
     assert point.verdict == "Do not quote"
@@ -169,7 +169,7 @@ def test_surrogates_much_smaller_than_the_scan_cause_a_caveat():
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],
 )
-def test_point_without_caveats_has_verdict_quote_it(numbers, study):
+def test_point_without_caveats_has_the_verdict_quote_it(numbers, study):
     assert only_point(measured_result(**numbers), measured_study(**study)).verdict == "Quote it"
 
 
@@ -194,7 +194,7 @@ def test_pressure_above_the_yield_strength_of_a_soft_material_causes_a_caveat():
     assert any("brass yields" in caveat.text for caveat in summarize(dataset, study).points[0].caveats)
 
 
-def test_high_pressure_of_generated_surfaces_is_at_most_a_caution():
+def test_high_pressure_of_generated_surfaces_causes_a_caution_but_not_a_fault():
     for pressure, verdict in ((0.4, "Quote it"), (0.6, "Quote with care")):
         points = summarize(generated_result(mean_pressure=pressure), generated_study()).points
         assert {point.verdict for point in points} == {verdict}
@@ -228,7 +228,7 @@ def test_caveats_about_inputs_are_listed_after_faults():
         (list(range(0, 180, 30)), "the mean over 0°, 30°, 60°, 90°, 120° and 150°"),
     ],
 )
-def test_directions_of_the_average_are_described_in_words(directions, description):
+def test_averaged_directions_text_describes_single_opposite_and_evenly_spaced_directions(directions, description):
     assert averaged_directions_text(directions) == description
 
 
@@ -243,7 +243,7 @@ def test_sentence_about_profiles_states_directions_and_nominal_pressure():
         assert "(1 MPa)" in sentence_text(point)
 
 
-def test_sentence_states_definition_of_load_if_it_matters():
+def test_sentence_states_the_definition_of_load_if_it_changes_the_coefficient_noticeably():
     for difference, is_given in ((2 * MIN_STATED_READING_DIFFERENCE, True), (MIN_STATED_READING_DIFFERENCE / 2, False)):
         sentence = sentence_text(only_point(measured_result(reading_difference=difference), measured_study()))
         assert ("the load is the elastic contact force" in sentence) == is_given
@@ -320,7 +320,7 @@ def with_materials(hardness, names=("mild steel", "brass")):
     return study.with_changes({"contact.materials": list(names)})
 
 
-def test_bracket_extends_from_the_plastic_limit_to_the_scaled_upper_end():
+def test_bracket_starts_at_the_plastic_limit_and_enlarges_the_excess_over_it():
     point = summarize(measured_result(all_rub=0.24, half=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.
@@ -349,7 +349,7 @@ def test_sentence_states_the_number_of_surrogate_pairs():
     assert "random" not in sentence_text(summarize(measured_result(members=16), measured_study()).points[0])
 
 
-def test_text_of_inputs_names_materials_and_range_of_the_lower_hardness():
+def test_text_of_inputs_states_materials_and_the_hardness_range_of_the_softer_body():
     point = summarize(measured_result(load_share_at_hardness=0.9), with_materials(0.625)).points[0]
     assert "mild steel on brass" in inputs_text(point)
     assert "hardness 625 MPa (230 MPa to 1.7 GPa)" in inputs_text(point)
@@ -359,7 +359,7 @@ def test_text_of_inputs_names_materials_and_range_of_the_lower_hardness():
     ("tau0", "expected_words"),
     [(0.01, None), (0.05, "τ0 is 42 % of the shear strength of the softer body, 120 MPa"), (0.13, "seizure")],
 )
-def test_junction_growth_causes_a_caveat_above_a_twentieth_of_the_friction(tau0, expected_words):
+def test_neglected_junction_growth_causes_a_caveat_if_it_would_raise_friction_by_5_percent(tau0, expected_words):
     dataset = measured_result(load_share_at_hardness=0.9, mu0=(0.1 if tau0 < 0.02 else 0.2,), tau0=(tau0,))
     caveats = summarize(dataset, with_materials(0.625)).points[0].caveats
     growth_caveats = [caveat.text for caveat in caveats if "junction growth" in caveat.text]

@@ -280,7 +280,7 @@ class TestSectionParameters:
         assert texts["filters"].startswith("Gaussian, λc 800 µm, λs 2.5 µm (Sc3 of ISO 21920-3, for Ra 0.6363 µm and")
         assert texts["filters"].endswith("5 sections of 800 µm")
 
-    def test_section_parameters_of_short_profile_have_only_a_status(self):
+    def test_profile_shorter_than_a_section_has_a_status_instead_of_section_parameters(self):
         characterisation = Characterisation(Profile(self.TURNED_PROFILE.heights[:100], spacing=0.5))
         texts = {row.label: row.texts[0] for row in characterisation.rows}
         values = {value["name"]: value for row in characterisation.rows for value in row.values}

@@ -196,7 +196,7 @@ def test_area_figure_has_a_labelled_curve_for_each_dimension(generated_dataset):
         assert ax.get_ylim()[1] <= 2.01 * np.nanmax(values)
 
 
-def test_reached_loads_lie_within_the_loads_of_the_ensembles(generated_dataset):
+def test_reached_loads_lie_within_the_range_of_mean_loads_of_the_dataset(generated_dataset):
     loads = reached_loads(generated_dataset)
     mean_loads = generated_dataset["normal_elastic"].mean("repetition")
     assert loads[0] >= float(mean_loads.isel(approach=0).max()) * (1 - 1e-12)

@@ -110,7 +110,7 @@ def test_huge_coefficients_and_loads_cause_caveats(rough_profile):
     assert "above a tenth of E*" in caveat_texts(rough_profile, rough_profile, loads=[load])[0]
 
 
-def test_noise_and_spectral_peaks_cause_caveats_without_a_cutoff():
+def test_noise_and_spectral_lines_cause_caveats_unless_unfiltered_scans_are_accepted():
     rng = np.random.default_rng(5)
     clean_profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
     noisy_profile = Profile(clean_profile.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)

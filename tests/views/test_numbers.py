@@ -50,7 +50,7 @@ def create_arbitrary_sums(tangential_factor):
         data[name].values[3, 1, 1:] = (
             0  # only one repetition has a tangential force, and the mean of the others has no logarithm
         )
-    data["normal_elastic"].values[3, 0, :, 0] = 0.5  # this load is reached at the first approach
+    data["normal_elastic"].values[3, 0, :, 0] = 0.5  # The mean load reaches this value at the first approach.
     data["contact_count"].values[:] = 3 * has_contact
     data["crossed_count"].values[:] = random.integers(0, 4, shape) * has_contact
     return data
@@ -194,7 +194,7 @@ def test_friction_in_reports_of_generated_profiles_equals_library_values(generat
 
 
 @pytest.mark.parametrize("tangential_factor", [0.0, 1.0])
-def test_friction_in_reports_of_arbitrary_sums_equals_library_values_at_nodes(tangential_factor):
+def test_friction_in_reports_of_arbitrary_load_sums_equals_library_values_at_nodes(tangential_factor):
     dataset = create_arbitrary_sums(tangential_factor)
     report_numbers = ReportNumbers(report_page(dataset))
     axes = report_numbers.facts["axes"]

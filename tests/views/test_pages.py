@@ -449,7 +449,7 @@ def read_values_by_rule(driver):
     }
 
 
-def test_displayed_friction_of_maps_equals_library_values_for_all_controls(maps_report, maps_dataset):
+def test_friction_displayed_for_maps_equals_library_values_after_controls_are_changed(maps_report, maps_dataset):
     from selenium.webdriver.support.ui import Select
 
     study = study_of(maps_dataset)

@@ -18,7 +18,7 @@ from support.studies_of_files import write_maps
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_report_escapes_texts_of_the_study(generated_dataset, maps_dataset):
+def test_report_escapes_html_in_study_attributes_and_name(generated_dataset, maps_dataset):
     page = report_page(
         generated_dataset.assign_attrs(stiction_version="<b>"), name="</script><script>alert(1)</script>"
     )

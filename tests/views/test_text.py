@@ -161,7 +161,7 @@ def test_verbose_text_contains_values_of_the_dataset():
         ([value_and_ends(0.16, np.nan), value_and_ends(0.15, np.nan)], "Grooves: unknown"),
     ],
 )
-def test_grooves_are_reported_if_intervals_of_axes_are_disjoint(by_axis, expected_words):
+def test_grooves_are_reported_if_friction_intervals_along_the_axes_are_disjoint(by_axis, expected_words):
     dataset = measured_result(by_axis=by_axis).isel(cut_off=0, load=0, mu0=0, tau0=0)
     text = axes_text(dataset, verbose=True)
     assert expected_words in " ".join(text.split())
@@ -229,7 +229,7 @@ def test_width_of_the_interval_determines_the_printed_digits():
     assert format_with_interval(1.0, 1.0, 1.0) == "1"
 
 
-def test_number_formats_return_the_documented_texts():
+def test_formatted_numbers_have_the_documented_digits():
     assert format_estimate(0.2093, 0.1911, 0.2302) == "0.21 [0.19, 0.23]"
     assert format_estimate(0.1147, 0.1136, 0.1158) == "0.115 [0.114, 0.116]"
     assert format_estimate(0.1147, 0.1141, 0.1149) == "0.1147 [0.1141, 0.1149]"
