@@ -98,7 +98,7 @@ OTHERS = {
     if inspect.isfunction(each := getattr(stiction, name)) and set(inspect.signature(each).parameters) & set(BODIES)
 ])  # fmt: skip
 @pytest.mark.parametrize("wrong", [np.zeros((24, 24)), 3, "x", None], ids=["array", "number", "text", "none"])
-def test_functions_of_a_body_reject_another_kind_of_body(name, wrong):
+def test_functions_of_a_body_reject_arguments_that_are_not_bodies(name, wrong):
     function = getattr(stiction, name)
     arguments = {
         value.name: wrong if value.name in BODIES else OTHERS.get(value.name, 1.0)

@@ -202,7 +202,7 @@ def test_verdict_on_a_part_of_a_claim_is_true_only_if_the_data_support_it(name):
     assert [(judge_values.verdict, judge_values.left_out) for judge_values in computed] == [("true", ()), ("false", ())]
 
 
-def test_computed_value_of_a_claim_part_equals_the_known_value_of_test_data():
+def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
     def number(name, **world):
         return judge_part(name, create_result(**world)).value
 
@@ -216,7 +216,7 @@ def test_computed_value_of_a_claim_part_equals_the_known_value_of_test_data():
     assert number("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_parts_of_claims_have_data_for_which_they_are_true_and_false():
+def test_true_and_false_test_data_exist_for_every_part_of_a_claim():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in PARTS]
 
 
@@ -235,7 +235,7 @@ def test_generated_table_of_claims_has_all_columns():
     assert headings[-len(claims.COLUMNS) :] == list(claims.column_titles(2000).values())
 
 
-def test_columns_of_the_table_of_claims_use_their_sliding_rule_and_mechanics():
+def test_claims_are_judged_with_the_sliding_rule_and_mechanics_of_their_column():
     assert {column.to_study(2000).contact.mechanics for column in claims.COLUMNS.values()} == {
         "asperities",
         "half-space",
@@ -275,7 +275,7 @@ def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_dimension():
     assert judge_part("4c", result).verdict == "undefined"
 
 
-def test_verdict_from_bands_is_undefined_if_most_dimensions_are_self_locked():
+def test_verdict_from_confidence_bands_is_undefined_if_most_fractal_dimensions_are_self_locked():
     # Above D = 1.6, only one dimension is not self-locked.
     assert judge_part("3b", create_result(), ruling="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="ruling"):

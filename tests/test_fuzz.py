@@ -11,7 +11,7 @@ from support import fuzzing
 def test_random_arrays_are_accepted_or_raise_value_error():
     outcomes = Counter(type(fuzzing.fuzz_arrays(np.random.default_rng([1, i]))) for i in range(2000))
     assert set(outcomes) == {type(None), ValueError}
-    assert min(outcomes.values()) > 500  # both outcomes must be frequent
+    assert min(outcomes.values()) > 500  # Both outcomes, acceptance and ValueError, must be frequent.
 
 
 def test_random_study_files_run_or_are_rejected_in_one_message(tmp_path):

@@ -50,7 +50,7 @@ def test_docstring_of_public_function_has_all_sections(name):
     assert ">>>" in sections["Examples"]
 
 
-def test_core_functions_reject_arrays_of_other_dtypes():
+def test_core_functions_reject_arrays_with_wrong_dtypes():
     heights = np.zeros(8)
     options = {"spacing": 1.0, "approaches": np.array([0.1]), "model": ContactModel().core()}
     _core.press(heights, heights, **options)

@@ -286,7 +286,7 @@ def test_contacts_of_a_result_are_returned_as_a_data_frame(function_result):
     np.testing.assert_array_equal(result["mean_pressure_GPa"], result["force_mN"] / result["area_um2"])
 
 
-def test_contacts_of_a_result_default_to_the_typical_member(function_result):
+def test_contacts_of_a_result_are_those_of_the_typical_member_by_default(function_result):
     picture = contact_picture(function_result.source)
     result = function_result.contacts()
     assert set(result["member"]) == {picture.attrs["member"]}
@@ -367,7 +367,7 @@ def test_conversion_to_a_surface_rejects_other_objects(lower):
 # ---- Quantities, moduli and identical bodies -------------------------------------------------------------------------
 
 
-def test_public_functions_accept_texts_with_units(upper, lower):
+def test_public_functions_accept_strings_with_units(upper, lower):
     np.testing.assert_array_equal(press(upper, lower, ["5 nm", "0.02 um"]).approach, [0.005, 0.02])
     area = float(np.prod(upper.extent))
     np.testing.assert_allclose(half_space(upper, lower, ["1 MPa", "3 mN"]).load, [0.001 * area, 3.0], rtol=1e-12)
@@ -390,7 +390,7 @@ def scanned_surface(lower, tmp_path_factory):
     return result
 
 
-def test_press_of_a_measured_surface_requires_a_modulus(upper, scanned_surface):
+def test_contact_functions_require_a_modulus_for_measured_surfaces(upper, scanned_surface):
     for call in (
         lambda: press(upper, scanned_surface, "10 nm"),
         lambda: contacts(upper, scanned_surface, "10 nm"),

@@ -70,7 +70,7 @@ __all__ = sorted(_MODULES)
 
 
 def __getattr__(name: str) -> object:
-    from importlib import import_module  # imported here, because many commands need no public name
+    from importlib import import_module  # imported on demand, because many commands use no public name
 
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

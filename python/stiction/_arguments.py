@@ -60,7 +60,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or more numbers, or a string of numbers. With `integers`, the comma in "0,90" is a separator."""
+    """Parse one or more numbers, or a string of numbers. If `integers` is True, the comma in "0,90" is a separator."""
     if not integers:
         reject_decimal_commas(name, value)
     try:
@@ -97,9 +97,10 @@ def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Return a load, and whether it is a pressure on the slider. A number without a unit is a force in mN.
+    """Parse a load. Return the load, and True if it is a pressure or False if it is a force.
 
-    The load must be above 0, or at least 0 with `or_zero`.
+    A number without a unit is a force in mN. A pressure acts on the slider.
+    The load must be above 0 or, if `or_zero` is True, at least 0.
     """
     reject_decimal_commas(name, value)
     kinds = ("force", "pressure")

@@ -148,7 +148,7 @@ def draw_area(ax: Axes, load: Floats, area: Floats) -> Axes:
 def draw_friction(
     ax: Axes, load: Floats, coefficient: Floats, *, mu0: ArrayLike, tau0: ArrayLike, direction: ArrayLike
 ) -> Axes:
-    """Draw friction coefficients against load (mN), with one line per direction (degrees), mu0 and tau0 (GPa)."""
+    """Draw friction coefficients against load (mN): one line for each set of direction (degrees), mu0 and tau0."""
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
@@ -167,7 +167,7 @@ def draw_friction(
 
 
 def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return a list of labels, one per combination of mu0 and tau0; a single empty label for scalars."""
+    """Return a list that contains the list of labels, one label per pair of mu0 and tau0; empty for scalars."""
     materials = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if materials[0].ndim == 0:
         return []
@@ -178,7 +178,7 @@ def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
 
 
 def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
-    """Draw the contact pressure (GPa) on the heights of the lower surface, as a map or along a profile."""
+    """Draw the contact pressure (GPa) and the heights of the lower surface, as a map or along a profile."""
     if pressure.ndim == 1:
         return _draw_line_contact(ax, pressure, heights, spacing[-1])
     box = map_extent(pressure.shape, spacing)
@@ -207,7 +207,7 @@ def _draw_line_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: flo
 def draw_onset(
     ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
 ) -> Axes:
-    """Draw the tangential load against the displacement or, without displacements, against the slipped area."""
+    """Draw the tangential load against the displacement or, if it is not finite, the slipped fraction of the area."""
     has_displacement = bool(np.isfinite(displacement).all())
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"

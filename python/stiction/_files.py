@@ -49,7 +49,7 @@ def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterato
 
 
 def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> None:
-    """Raise `failure` if the path exists and is not a file with the mark. A dangling link counts as existing."""
+    """Raise `failure` if the path exists, unless it is a file with the mark. A dangling link counts as existing."""
     with _translate_errors(path, failure):
         if os.path.lexists(path) and not _has_mark(path, mark):
             raise failure(

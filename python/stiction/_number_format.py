@@ -42,7 +42,7 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
 
 
 def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number with its interval, rounded to one digit of the half-width; without an interval, to two digits."""
+    """Format a number and its interval to one digit of the half-width. A number without an interval has two digits."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
@@ -51,7 +51,7 @@ def format_estimate(mean: float, lower: float = math.nan, upper: float = math.na
 
 
 def format_limits(low: float, high: float) -> str:
-    """Format a range, rounded to one digit of its half-width, but with at least two significant digits."""
+    """Format the ends of a range to one digit of its half-width, but to at least two significant digits."""
     if math.isinf(high):
         return f"{format_significant(low)} to {UNBOUNDED_END}"
     decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
@@ -60,7 +60,7 @@ def format_limits(low: float, high: float) -> str:
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number to significant digits without trailing zeros, with an exponent only outside 1e-6 to 1e6."""
+    """Format a number to significant digits, without trailing zeros. Exponents appear only outside 1e-6 to 1e6."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -71,7 +71,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Return the number of decimals that gives `digits` digits to the half-width, and two to four to the value."""
+    """Return the number of decimals that shows `digits` digits of the half-width, but two to four of the value."""
     size = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
         return size + MAX_DIGITS - 1
@@ -112,7 +112,7 @@ _TIME_UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, 
 
 
 def format_percent(fraction: float) -> str:
-    """Format a fraction as a percentage, as in "37 %", or with two digits below 1 %, as in "0.42 %"."""
+    """Format a fraction as a percentage, as in "37 %". Percentages below 1 % have two significant digits."""
     if math.isnan(fraction):
         return "none"
     value = 100 * fraction

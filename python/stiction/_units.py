@@ -104,7 +104,7 @@ def to_core_units(name: str, value: Any, kind: str) -> Any:
 
 
 def loads_to_core_units(name: str, value: Any, area: float) -> Any:
-    """Convert loads with a unit, which are forces or pressures on an area (µm²), to mN. Numbers remain unchanged.
+    """Convert strings such as "10 mN" or "10 MPa" to loads in mN on an area (µm²). Numbers remain unchanged.
 
     Raises a `ValueError` if a string is neither a force nor a pressure.
     """

@@ -35,7 +35,7 @@ def test_choices_of_a_form_field_are_valid_values_of_its_option():
             assert {value for value, _ in option.field.choices} <= set(list_choices(name))
 
 
-def test_form_adds_default_units_to_quantities_but_not_to_texts():
+def test_form_has_default_units_for_quantities_but_not_for_text_fields():
     numbers = json.loads(html.unescape(page_facts()))
     assert numbers["units"]["hardness"] == " GPa"
     assert set(numbers["units"]) | set(numbers["texts"]) <= set(FIELDS)

@@ -24,7 +24,7 @@ from stiction.app import server
 from stiction.app.jobs import Jobs, run_module
 from stiction.app.server import MAX_REQUESTS
 
-MAX_SERVER_MEMORY = 400e6  # bytes; the server loads xarray and reads one scan at a time
+MAX_SERVER_MEMORY = 400e6  # memory limit in bytes; the server loads xarray and reads one scan at a time
 
 
 @pytest.fixture(scope="module")
@@ -364,7 +364,7 @@ def test_server_answers_requests_despite_many_idle_connections(tmp_path):
         assert server.process.stderr.read() == ""
 
 
-def test_server_rejects_requests_above_its_limit_with_a_message(app):
+def test_server_at_its_limit_of_simultaneous_requests_rejects_further_requests_with_a_message(app):
     header_lines = (
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )

@@ -90,7 +90,7 @@ def test_import_error_caused_by_an_interrupt_is_reported_as_interruption(monkeyp
     assert capsys.readouterr().err == "stiction: interrupted\n"
 
 
-def test_incomplete_objects_print_no_error_when_deleted_after_an_interrupt(monkeypatch, capfd):
+def test_partly_constructed_objects_print_no_error_when_deleted(monkeypatch, capfd):
     class Partial:
         def __del__(self):
             self.file.close()

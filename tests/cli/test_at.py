@@ -85,7 +85,7 @@ def test_at_command_prints_library_values_for_any_mu0_and_tau0(results_folder, n
     assert expected_points[0].verdict in text
 
 
-def test_at_command_uses_defaults_of_the_result_and_reports_status(results_folder):
+def test_at_command_uses_conditions_of_the_study_by_default_and_reports_the_status(results_folder):
     record = json.loads(stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_folder))
     assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)

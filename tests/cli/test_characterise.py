@@ -230,7 +230,7 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
         (["scan.csv", "--lc", "1 um", "--repeated"], "requires two scans of the same place"),
         (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust must not be combined with"),
         (["scan.csv", "--lc", "1 m"], "one section length is"),
-        (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be between half a point"),
+        (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be between 0.5 µm (half a point)"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--form", "circle"], "'sphere', 'cylinder', got 'circle'"),
         (["scan.csv", "--row", "3"], "--row applies only to surfaces"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--level", "line"], "one of 'none', 'mean', 'plane'"),
@@ -270,8 +270,8 @@ def test_characterise_command_reads_atomic_force_microscope_map(measured, tmp_pa
     assert rows["Sq"] == ["79.42", "nm"]
     assert [float(number) for number in rows["Pq"][::2]] == pytest.approx([38.8, 62.0], abs=0.05)
     assert [float(number) for number in rows["Pdq, neighbours"]] == pytest.approx([0.109, 0.141], abs=5e-4)
-    # Other methods give Hurst exponents of 0.87 to 0.90, and single profiles scatter by 0.2. The spectrum along x is
-    # not a power law.
+    # Other methods give Hurst exponents of 0.87 to 0.90, and single profiles scatter by 0.2.
+    # The spectrum along x is not a power law.
     assert rows["Hurst exponent H"][:3] == ["none,", "no", "line"]
     assert float(rows["Hurst exponent H"][3]) == pytest.approx(0.88, abs=0.06)
 

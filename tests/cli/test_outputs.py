@@ -66,7 +66,7 @@ def test_command_does_not_overwrite_a_foreign_file(scans_folder, arguments, name
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
-def test_pair_output_files_contain_values_for_the_study_that_is_stored_last(scans_folder):
+def test_pair_output_files_contain_values_for_the_latest_stored_study(scans_folder):
     check_stiction(*PAIR_COMMAND, cwd=scans_folder)
     folder = scans_folder / "pair"
     result, report = open_result(folder), (folder / "report.html").read_bytes()
@@ -134,7 +134,7 @@ def test_csv_table_escapes_file_names_that_start_like_formulas(scans_folder, fir
     assert np.isfinite(float(rows[0]["Ssk"]))
 
 
-def test_pair_command_prints_estimated_time_of_long_computations_only(scans_folder, monkeypatch):
+def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans_folder, monkeypatch):
     assert "computing" not in check_stiction(*PAIR_COMMAND, "-o", "short", cwd=scans_folder).stderr
     monkeypatch.setattr(pipeline, "MIN_ANNOUNCED_TIME", 0.0)
     assert "computing 2 repetitions: about " in check_stiction(*PAIR_COMMAND, "-o", "long", cwd=scans_folder).stderr

@@ -163,7 +163,7 @@ def test_pair_option_sets_its_key_in_the_study(scans_folder, files, options, val
         assert read_key(study, key) == value
 
 
-def test_gap_map_is_pressed_on_a_flat_after_levelling_only(scans_folder):
+def test_gap_map_is_levelled_as_requested_and_pressed_on_a_flat(scans_folder):
     study = parse_study(scans_folder, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "fixed")
     assert study.surfaces.level == "mean"
     study = parse_study(
@@ -185,7 +185,7 @@ def test_gap_map_is_pressed_on_a_flat_after_levelling_only(scans_folder):
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_closure_stiffness_exceeds_contact_stiffness_in_half_space_model_only(scans_folder, mechanics):
+def test_closure_stiffness_exceeds_contact_stiffness_only_in_the_half_space_model(scans_folder, mechanics):
     study = parse_study(scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mechanics", mechanics)
     upper, lower = load_bodies(study).member(0, 0.0).pair
     result = solve_at_loads(study, upper, lower, unloads=True)
@@ -200,7 +200,7 @@ def test_closure_stiffness_exceeds_contact_stiffness_in_half_space_model_only(sc
 
 def test_study_rejects_free_tilt_with_periodic_boundary(scans_folder):
     study = parse_study(scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "free")
-    with pytest.raises(StudyError, match='tilt: must be "fixed" with periodic boundaries'):
+    with pytest.raises(StudyError, match='tilt: must be "fixed" if the boundaries are periodic'):
         study.with_changes({"contact.boundary": "periodic"})
 
 
@@ -437,7 +437,7 @@ def test_pair_command_writes_report_of_scans_with_missing_points(scans_folder, t
         (PROFILE_FILES, ["--effective-modulus", "--young", "--upper"]),
         (
             [*PROFILE_FILES, "--lower", "glass", "--young", "3 MPa"],
-            ["--young and --poisson describe the upper body", "or omit --lower"],
+            ["--young and --poisson must be single values for the upper body", "or omit --lower"],
         ),
     ],
 )
@@ -561,7 +561,7 @@ def test_pair_command_output_fits_in_24_lines(scans_folder, arguments, tmp_path)
     assert not repeated_values
 
 
-def test_friction_value_and_assessment_are_bold_on_terminals_only(capsys, monkeypatch):
+def test_friction_value_and_assessment_are_bold_only_on_terminals(capsys, monkeypatch):
     text = "μ_s = 0.29 [0.24, 0.42]  if all\nQuote with care; measure\nQuote withers\n"
     print_output(text)
     assert capsys.readouterr().out == text
@@ -630,7 +630,7 @@ def result_of_maps(scans_folder):
     return completed
 
 
-def test_pair_command_stores_the_result_its_files_and_the_model_check(scans_folder, run_with_check, result_of_maps):
+def test_pair_command_stores_the_result_figures_report_and_model_check(scans_folder, run_with_check, result_of_maps):
     for folder in ("pair", "pair/half-space", "areas"):
         stored = store.read(scans_folder / folder)
         result = run(Study.from_toml(scans_folder / folder / "study.toml")).dataset
@@ -773,7 +773,7 @@ def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured, tm
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("lines", [4, 16])  # the mean of four lines has no interval
-def test_pair_command_computes_an_afm_map_with_its_surrogates(measured, tmp_path, lines):
+def test_pair_command_presses_an_afm_map_on_surrogates_of_itself(measured, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
     arguments = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
@@ -830,7 +830,7 @@ def test_pair_command_reports_onset_of_sliding(two_maps):
     assert "plastic limit" in completed.stdout
 
 
-def test_scan_with_a_band_of_noise_is_computed_with_and_without_filter(tmp_path):
+def test_scan_with_a_noise_band_is_computed_both_unfiltered_and_filtered(tmp_path):
     clean = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
     frequency = np.fft.rfftfreq(1500, 0.0167)
     phases = np.exp(2j * np.pi * np.random.default_rng(3).uniform(size=frequency.size))

@@ -121,7 +121,7 @@ def test_friction_interval_from_joined_spectra_contains_friction_of_full_surface
     )  # A coarse scan lacks the short wavelengths, which determine the area.
 
 
-def test_result_of_spectra_is_accepted_by_the_other_commands(spectra_folder):
+def test_result_of_a_pair_of_spectra_is_accepted_by_at_and_report_commands(spectra_folder):
     completed = check_stiction(
         "pair",
         "upper.csv",
@@ -150,7 +150,7 @@ def test_result_of_spectra_is_accepted_by_the_other_commands(spectra_folder):
     assert cutoffs[1] == pytest.approx(read_spectrum(spectra_folder / "upper.csv").shortest, rel=1e-3)
 
 
-def test_pair_command_accepts_a_spectrum_with_a_scan(spectra_folder, surfaces, spectra):
+def test_pair_command_accepts_a_spectrum_with_a_scan_and_detects_changed_spectra(spectra_folder, surfaces, spectra):
     command = ["pair", "upper.csv", "lower.npy", *COMMAND_OPTIONS, "--surrogates", "2", "--output", "mixed"]
     check_stiction(*command, cwd=spectra_folder, without_figures=True)
     changed_folder = spectra_folder / "changed"
@@ -181,7 +181,7 @@ REJECTED_OUTPUT = ["--output", "rejected"]
         (["characterise", "upper.csv", "--output", "rejected.html"], "spectrum"),
     ],
 )
-def test_pair_command_rejects_options_of_scans_for_spectra(spectra_folder, arguments, expected_words):
+def test_commands_reject_spectra_where_only_scans_are_accepted(spectra_folder, arguments, expected_words):
     assert_rejected(call_stiction(*arguments, cwd=spectra_folder), expected_words)
 
 

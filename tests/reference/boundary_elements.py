@@ -20,7 +20,7 @@ Measured on Westergaard's sinusoid: 0.38 +- 0.03 for contacts of 5 to 60 points 
 """
 
 RELATIVE_LOAD_STEP = 0.02  # The stiffness is a central difference over plus and minus this step of the load.
-NUM_WRAPPED_POINTS = 48  # These points are added on each side, to remove effects of the ends of the spline.
+NUM_WRAPPED_POINTS = 48  # This number of points is added on each side, to remove effects of the ends of the spline.
 
 
 def band_limited_profile(random, hurst_exponent, bandwidth, points_per_wave):
@@ -114,8 +114,8 @@ class PeriodicAsperities:
         distance = self.period / np.pi * np.abs(np.sin(np.pi * (x[:, None] - x) / self.period))
 
         def influence(half_width, nearest_factor):
-            # Limit the distance of two contacts from below by a multiple of their half-widths, to avoid the
-            # singularity of a contact's own effect and of merged contacts.
+            # Limit the distance of two contacts from below by a multiple of their half-widths.
+            # This avoids the singularity of a contact's own effect and of merged contacts.
             nearest = 0.5 * nearest_factor * (half_width[:, None] + half_width)
             return -2 / modulus * np.log(2 * np.pi / self.period * np.maximum(distance, nearest))
 

@@ -4,7 +4,7 @@ import sys
 import threading
 import time
 
-MAX_WAITING_TIME = 30.0  # seconds; long enough for another thread to start on a busy machine
+MAX_WAITING_TIME = 30.0  # time in seconds that is long enough for another thread to start on a busy machine
 
 
 def runs_other_threads(call):
@@ -20,7 +20,8 @@ def runs_other_threads(call):
     thread = threading.Thread(target=wait_for_release)
     thread.start()
     started.wait()
-    sys.setswitchinterval(10 * MAX_WAITING_TIME)  # disables switching except at a released lock
+    # This long interval disables switching between threads, except when a lock is released.
+    sys.setswitchinterval(10 * MAX_WAITING_TIME)
     end = time.monotonic() + MAX_WAITING_TIME
     try:
         released.set()
