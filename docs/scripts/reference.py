@@ -20,8 +20,8 @@ ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$",
 """Pattern of a name in a reference page."""
 VERDICT_TITLES = ("claim or test", "verdict", "statement, and its test numbers")
 COLUMN_TITLES = (
-    "claim or test", "profiles, 100 repetitions", "profiles, 2000 repetitions", "height maps, asperities, 25", "half-planes, 20",
-    "half-spaces, 30",
+    "claim or test", "profiles, 100 repetitions", "profiles, 2000 repetitions", "height maps, asperities, 25",
+    "half-planes, 20", "half-spaces, 30",
 )  # fmt: skip
 """Titles of the columns of `generated/columns.md` that the page about friction shows."""
 
