@@ -427,7 +427,7 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
 }
 
 // Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois).
-// Periodic surfaces are in full contact at the mean gap.
+// Periodic surfaces are in full contact if the approach is at least the mean gap.
 // On periodic surfaces, the excess includes the remaining distance to full contact.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {

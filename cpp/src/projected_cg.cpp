@@ -23,7 +23,7 @@ constexpr double max_recovery_factor = 100.0;  // largest factor by which steps 
 constexpr int max_failed_steps = 6;
 // Factor by which the step length is reduced after a failed step.
 constexpr double failure_factor = 0.25;
-// Upper limit of the ratio of the change at a free point to the load of all free points.
+// Upper limit of the load change at a free point, relative to the load on all free points.
 // Above this limit, round-off would affect the load.
 // Without a limit, the step length would grow without end, because steps that hit a bound are always too short.
 constexpr double max_change_ratio = 1e3;
