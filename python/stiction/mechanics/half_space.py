@@ -196,7 +196,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Values of `pull_off` (mN) and `pull_off_is_bound`, without a warning."""
+        """Values of `pull_off` (mN) and `pull_off_is_bound`, without the warning about a lower bound."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._apart[0][-1].load, bool(self._apart[1])
