@@ -127,7 +127,7 @@ class LinePairs:
         return line(self._line_number(body, index, shifted=shifted))
 
     def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the row or column number of line `index`. No line is used again before all lines have been used."""
+        """Return the number of the row or column that is line `index`. All are used once before one is used again."""
         width = self._line_count(surface)
         start = max(width // 3, 1) if shifted else 0
         if self.count is not None:
