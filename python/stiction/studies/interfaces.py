@@ -108,7 +108,7 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # elasticity at the central moduli
+    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # elastic properties at the central moduli
     moduli: Moduli = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
 
     def __post_init__(self) -> None:
@@ -240,7 +240,7 @@ class _ResultAreaFactor(_AreaFactor):
         return [*super().names, *([] if self.error is None else [self.error])]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return the values of the inputs, and the normal score of the error of the interpolated area."""
+        """Return the input values, and the normal score that determines the interpolation error of the area."""
         from scipy.special import ndtri
 
         scores = {} if self.error is None else {_AREA_ERROR_NAME: ndtri(columns[self.error])}
