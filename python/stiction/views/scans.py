@@ -71,7 +71,7 @@ def joined_text(joined: JoinedSpectrum) -> str:
 
 
 def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
-    """Return the joined spectrum as JSON fields in µm."""
+    """Return the joined spectrum as JSON fields, with all lengths in µm."""
     roughness = joined.roughness()
     scans = [
         {

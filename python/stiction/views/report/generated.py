@@ -34,7 +34,7 @@ from stiction.views.report.page import REPORT_AXES, PageResult, ReportError, axe
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.tables import Tables
 
-# Maximum number of coefficients in a page: the product of nodes, loads, cells, rules and directions.
+# Maximum number of coefficients on a page: product of the numbers of nodes, loads, cells, rules and directions.
 MAX_GENERATED_COEFFICIENTS = 1_000_000
 # The page warns if the mean of overlap / radius exceeds this value.
 # The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.

@@ -87,7 +87,7 @@ MAX_TEXT_LENGTH = 400  # maximum number of shown characters of a line from a fil
 
 
 def escaped(text: object) -> str:
-    """Return text as markup: a single line of limited length without control characters."""
+    """Escape text for HTML, as a single line of limited length without control characters."""
     return html.escape(printable(str(text), MAX_TEXT_LENGTH))
 
 
