@@ -183,8 +183,10 @@ def test_pair_rejects_scans_with_different_grids_and_identical_scans(tmp_path) -
             rough_scan(1, "lower"),
             **arguments,
         )
-    with pytest.raises(ValueError, match="second must have at least one scan"):
+    with pytest.raises(ValueError, match="second must contain at least one scan"):
         pair(rough_scan(1, "upper"), tmp_path, **arguments)
+    with pytest.raises(ValueError, match="second must not contain an empty file name"):
+        pair(rough_scan(1, "upper"), " ", **arguments)
     with pytest.raises(ValueError, match=r"surfaces.surrogates: must be 0 if a part has several scans"):
         pair([rough_scan(1, "upper"), rough_scan(2, "upper")], rough_scan(1, "lower"), surrogates=4, **arguments)
 

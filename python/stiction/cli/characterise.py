@@ -250,10 +250,10 @@ def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, r
 
 
 def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
-    if repeated and (len(files) != 2 or together):
-        raise ValueError(
-            f"--repeated needs two scans of the same place (got {len(files)}) and must not be combined with --together"
-        )
+    if repeated and together:
+        raise ValueError("--repeated must not be combined with --together")
+    if repeated and len(files) != 2:
+        raise ValueError(f"--repeated requires two scans of the same place, got {len(files)}")
     if together and len(files) < 2:
         raise ValueError("--together requires at least 2 scans of one surface, got 1")
     images = [".png", ".pdf", ".svg"]

@@ -760,10 +760,10 @@ def _list_scans(side: str, given: Any) -> list[Any]:
         scans = split_values(str(given))
     else:
         return [given]
-    if not scans or any(isinstance(scan, str) and not scan.strip() for scan in scans):
-        raise ArgumentError(
-            f"{{{side}}} must be one or more scans, none with an empty name, got {{got}}", got=repr(str(given))
-        )
+    if not scans:
+        raise ArgumentError(f"{{{side}}} must contain at least one scan, got {{got}}", got=repr(str(given)))
+    if any(isinstance(scan, str) and not scan.strip() for scan in scans):
+        raise ArgumentError(f"{{{side}}} must not contain an empty file name, got {{got}}", got=repr(str(given)))
     return scans
 
 
