@@ -23,6 +23,11 @@ from stiction.views.report.pictures import inline
 # The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
 MAX_OCTAVE_FRACTION = 0.1
 
+READING_SECTION = Template(
+    '<section class="panel wide" aria-label="How the file was read">'
+    '<div class="scroll" tabindex="0" role="region" aria-label="Table of the file">${table}</div></section>'
+)
+
 
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
@@ -36,8 +41,9 @@ def surface_page(
         meaning=_meaning(characterisation), command=escaped(command),
         table=_table([*characterisation.rows, *characterisation.line_rows]),
         figure=inline(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
+        reading=reading and READING_SECTION.substitute(table=reading),
     )  # fmt: skip
-    return Page(name, list(characterisation.body.history), main + reading, f"Characterised by stiction {__version__}")
+    return Page(name, list(characterisation.body.history), main, f"Characterised by stiction {__version__}")
 
 
 def _meaning(characterisation: Characterisation) -> str:
