@@ -75,6 +75,7 @@ def write_reference(app: Sphinx) -> None:
 ACCESSIBILITY_REPLACEMENTS = (
     ('role="heading"><span class="caption-text"', 'role="heading" aria-level="2"><span class="caption-text"'),
     ("<pre>", '<pre tabindex="0">'),
+    ("<th></th>", "<td></td>"),
     ('<noscript>\n<div class="admonition error">', '<h1>Search</h1>\n<noscript>\n<div class="admonition error">'),
     ('<div class="table-wrapper', '<div tabindex="0" class="table-wrapper'),
     ('<div class="output text_html"', '<div tabindex="0" class="output text_html"'),

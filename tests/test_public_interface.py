@@ -185,7 +185,8 @@ def test_reprs_contain_units(upper, lower, curve):
 def test_html_of_results_contains_a_figure_or_table(upper, lower, curve):
     for item in displayed_objects(upper, lower, curve):
         shows = item._repr_html_()
-        assert "<img" in shows or "<table" in shows
+        assert '<img alt="Plot' in shows or "<table" in shows
+        assert "<pre " not in shows or '<pre tabindex="0" ' in shows
         if hasattr(item, "plot"):
             ax = Figure().subplots()
             assert item.plot(ax) is ax

@@ -6,6 +6,7 @@ import base64
 import html
 import io
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -122,9 +123,9 @@ def _format_array(values: Any, unit: str) -> str:
 
 
 def preformatted_html(text: str) -> str:
-    """Return text as preformatted HTML."""
+    """Return text as preformatted HTML, which can be scrolled with the keyboard."""
     style = "white-space:pre;overflow-x:auto;font-size:0.85em;line-height:1.35"
-    return f'<pre style="{style}">{html.escape(text)}</pre>'
+    return f'<pre tabindex="0" style="{style}">{html.escape(text)}</pre>'
 
 
 def table_html(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -149,7 +150,15 @@ def plot_html(draw: Callable[[Axes], object]) -> str:
 def figure_html(figure: Any) -> str:
     """Return a Matplotlib figure as an inline image, with a description for screen readers."""
     encoded = base64.b64encode(render_png(figure)).decode("ascii")
-    return f'<img alt="picture" style="max-width:100%" src="data:image/png;base64,{encoded}"/>'
+    description = html.escape(describe_axes(figure))
+    return f'<img alt="{description}" style="max-width:100%" src="data:image/png;base64,{encoded}"/>'
+
+
+def describe_axes(figure: Any) -> str:
+    """Describe a Matplotlib figure by the labels of its axes, without mathematical markup."""
+    labels = [(ax.get_ylabel(), ax.get_xlabel()) for ax in figure.axes]
+    plots = "; ".join(f"{y} against {x}" for y, x in labels if y and x)
+    return re.sub(r"\$|\\mathrm|[{}\\]", "", f"Plot of {plots}" if plots else "Plot")
 
 
 def render_png(figure: Any) -> bytes:
