@@ -1,4 +1,4 @@
-"""Adhesion of half-space contacts: the solver includes an attraction that decays with the gap.
+"""Adhesive half-space contacts, solved with an attraction that decays with the gap.
 
 The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration solves the contact of the gap g0 - Kσ and evaluates σ at the new
 gap, until σ no longer changes.
@@ -51,7 +51,7 @@ class UnsolvedError(RuntimeError):
 
 
 class Attraction:
-    """Adhesive attraction of a contact problem, and methods that find its equilibria."""
+    """Adhesive attraction of a contact problem, with methods that find the equilibrium states."""
 
     def __init__(self, problem: Problem, *, tolerance: float, report: Callable[[int, float], object] | None) -> None:
         self.problem, self.report, self.solver_tolerance, self.max_residual = (
@@ -184,7 +184,7 @@ class Attraction:
         return state
 
     def separate(self, start: State) -> list[State]:
-        """Return states in order of decreasing contact load, from the start at least to the state of minimum load.
+        """Return states in order of decreasing contact load, at least from the start to the state of minimum load.
 
         States of decreasing contact load lead close to the minimum. Lower loads are then tried, first with extrapolated
         steps and finally with plain steps from the start. The minimum is certain if the bodies separate under a load
@@ -298,7 +298,7 @@ def lowest(states: list[State]) -> State:
 
 
 def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tuple[float, float]:
-    """Interpolate the external load between states, and return its minimum (GPa) and the contact load at the minimum.
+    """Interpolate the external load between states. Return its minimum (GPa) and the contact load at this minimum.
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -331,7 +331,7 @@ def solve_with_adhesion(
 
 
 def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
-    """Return the contacts during separation up to the minimum load, and the reason if this minimum is uncertain."""
+    """Return the contacts during separation, down to the minimum load, and the reason if the minimum is uncertain."""
     problem, total_area = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)

@@ -33,7 +33,7 @@ _GROOVE_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Candidates:
-    """Local minima of the splined gap between two surfaces, in the order of the grid. All arrays are read-only.
+    """Local minima of the splined gap between two surfaces, in grid order. All arrays are read-only.
 
     Returned by `candidates`; `contacts` and `press` accept it instead of two surfaces. Positions are in the frame of
     the lower surface.
@@ -74,7 +74,7 @@ class Candidates:
         return len(self.core)
 
     def __repr__(self) -> str:
-        """Return one line with the number of candidates and the criteria of the search."""
+        """Return one line with the number of candidates and the search criteria."""
         return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property

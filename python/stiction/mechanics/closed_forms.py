@@ -1,4 +1,4 @@
-"""Exact solutions for single contacts and sinusoidal surfaces, which also serve as test references.
+"""Exact solutions for single contacts and sinusoidal surfaces; tests also use these solutions as references.
 
 The module uses plain NumPy and is independent of the core. All arguments broadcast.
 """
@@ -776,7 +776,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 
 
 def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
-    """Return the pressure of `hardness_under_shear` for checked arguments."""
+    """Solve for the pressure that `hardness_under_shear` returns, without checking the arguments."""
     shear = alpha * (mu0 * tau0)
     excess = np.square(hardness) - alpha * tau0**2  # zero or negative if the contact seizes
     with np.errstate(invalid="ignore"):
@@ -1104,7 +1104,7 @@ def westergaard_gap(
 def _sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return the sine and cosine of πx/λ, the mean pressure, the pressure of full contact, and the amplitude."""
+    """Return the sine and cosine of πx/λ, the mean pressure, the full-contact pressure, and the amplitude."""
     p, d, wave, e = check_positive(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

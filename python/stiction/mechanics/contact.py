@@ -23,7 +23,7 @@ from stiction.surfaces.surface import Surface, as_body
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts(TextRepr):
-    """All contacts of a pair at one approach, one per row, in the order of the grid. All arrays are read-only.
+    """All contacts of a pair at one approach, one per row, in grid order. All arrays are read-only.
 
     Vectors are (x, y, z) with z as height; y is 0 on profiles. Positions are in the frame of the lower surface.
 

@@ -46,7 +46,7 @@ SHEAR_STRENGTH_LIMIT = 0.1
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sums:
-    """Sums over contacts (arrays of equal shape) from which both loads are computed for any mu0 and tau0."""
+    """Sums over contacts (arrays of equal shape) that determine normal and tangential loads for any mu0 and tau0."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -73,7 +73,7 @@ class Sums:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextRepr):
-    """Indicators of the validity of the model. Load fractions refer to the load Σ F n_z, and are NaN at no contact.
+    """Validity indicators of the model. Load fractions refer to the load Σ F n_z, and are NaN without contact.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Validity(TextRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Indicators of the validity of the model on surfaces: the indicators of `Validity`, and three more.
+    """Validity indicators of the model for surfaces: all indicators of `Validity`, and three more.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -145,7 +145,10 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute a validity indicator from contact sums, given as a mapping or as attributes. It is NaN if it is 0/0."""
+    """Compute a validity indicator from contact sums. It is NaN where it would be 0/0.
+
+    The sums are given as a mapping or as attributes.
+    """
     numerator, denominator = VALIDITY_RATIOS[name]
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(_column(sums, numerator) / sum(_column(sums, item) for item in denominator))
@@ -156,7 +159,10 @@ def _column(sums: Any, name: str) -> Any:
 
 
 def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Floats:
-    """Compute the "normal", "tangential" or "lateral" load (mN) from contact sums in a mapping or in attributes."""
+    """Compute the "normal", "tangential" or "lateral" load (mN) from contact sums.
+
+    The sums are given as a mapping or as attributes.
+    """
     elastic, frictional, adhesive = (_column(sums, f"{load}_{part}") for part in _CONTRIBUTIONS)
     return np.asarray(elastic + mu0 * frictional + tau0 * adhesive)
 
@@ -185,7 +191,7 @@ class FrictionCurve(PlotRepr):
         return compute_load("normal", self, *self._parameters(mu0, tau0))
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the tangential load F_T (mN) that starts sliding. Shape and arguments are as for `normal_load`."""
+        """Return the tangential load F_T (mN) at which sliding starts. Shape and arguments are as for `normal_load`."""
         return compute_load("tangential", self, *self._parameters(mu0, tau0))
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
@@ -224,7 +230,7 @@ class FrictionCurve(PlotRepr):
 def combine_status(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Derive the statuses of curves, ensembles or members from boolean conditions, which are broadcast.
+    """Derive the status of each curve, ensemble or member from boolean conditions, which are broadcast together.
 
     `locked` refers to the last step. `below` means that the first step already supports more than the load.
     """
@@ -241,7 +247,7 @@ def combine_status(
 
 
 def status_at(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return the status at an approach. In contrast to a load, every approach can be reached."""
+    """Return the status at an approach. Unlike loads, all approaches can be reached."""
     return combine_status(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 

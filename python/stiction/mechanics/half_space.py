@@ -45,7 +45,7 @@ MIN_PROCESS_ZONE_POINTS = 2.0
 
 
 def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
-    """Return the smallest adhesion range (µm) that a grid resolves, for given w (mN/µm), spacing (µm) and E* (GPa)."""
+    """Return the smallest resolved adhesion range (µm) for a work of adhesion (mN/µm), spacing (µm) and E* (GPa)."""
     return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
 
 
@@ -103,7 +103,7 @@ class HalfSpaceContact(PlotRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceCurve(FrictionCurve):
-    """Half-space contact of two surfaces at each load. Friction follows for any mu0 and tau0. Arrays are read-only.
+    """Half-space contacts of two surfaces at several loads, with friction for any mu0 and tau0. Arrays are read-only.
 
     The sums are over points under pressure, analogous to those of `LoadCurve` over asperities: n is the normal of the
     deformed interface at a point, t the tangent, s the direction. A patch opposes if its force on the upper surface
@@ -196,7 +196,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Values of `pull_off` (mN) and `pull_off_is_bound`, without the warning about a lower bound."""
+        """Values of `pull_off` (mN) and `pull_off_is_bound`, obtained without the warning about a lower bound."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._apart[0][-1].load, bool(self._apart[1])
@@ -213,7 +213,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _apart(self) -> tuple[list[ContactSolution], str]:
-        """Contacts during separation, and the reason if the sequence ends before the surfaces separate."""
+        """Contacts during separation, and the reason if the largest tension is uncertain."""
         from stiction.mechanics.adhesion import pull_apart
 
         return pull_apart(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
@@ -233,7 +233,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Stiffness dF/dδ (mN/µm, shape (k,)) at constant contact points; infinite at full periodic contact.
+        """Stiffness dF/dδ (mN/µm, shape (k,)) for unchanged contact points; infinite at full periodic contact.
 
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
         computed on first use.
@@ -250,7 +250,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def tilt(self) -> Floats:
-        """Slopes along y and x by which the upper surface is rotated, with shape (k, 2), or (k, 1) for profiles.
+        """Slopes along y and x by which the upper surface is tilted, with shape (k, 2), or (k, 1) for profiles.
 
         The slopes are 0 if the tilt is fixed.
         """
@@ -294,7 +294,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def sliding(self) -> Sliding:
-        """Patches that contribute to friction: "opposing" or "all"."""
+        """Sliding rule that selects the patches that contribute to friction: "opposing" or "all"."""
         return self._model.sliding
 
     @property
@@ -543,7 +543,7 @@ def _solve(
 
 
 def _with_adhesion(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
-    """Add a work of adhesion (mN/µm) and its range (µm) to a problem. Warn if the grid requires a longer range."""
+    """Add a work of adhesion (mN/µm) and its range (µm) to a problem. Increase a range too short for the grid."""
     smallest = resolved_range(work, max(problem.spacing), effective_modulus)
     if smallest > length:
         warnings.warn(
@@ -583,7 +583,7 @@ def _sum_patches(
 
 
 def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """Combine results at k loads into arrays of shape (k,), or (d, k) for quantities that depend on d directions."""
+    """Combine results at k loads into arrays of shape (k,), or (d, k) for quantities with values in d directions."""
     columns = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows])
@@ -596,7 +596,7 @@ def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str,
 def solve_separately(
     solve: Callable[[Floats], HalfSpaceCurve], loads: Floats
 ) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
-    """Solve all loads together or, if this fails, solve each load separately.
+    """Solve the contacts at all loads together or, if this fails, at each load separately.
 
     Returns the curves and the indices of the solved loads.
     """

@@ -74,7 +74,7 @@ def threads() -> int:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Contact problem of two surfaces: heights, gap (µm, with minimum 0) and conditions of contact, in core units."""
+    """Contact problem of two surfaces: heights, gap (µm, with minimum 0) and contact conditions, in core units."""
 
     upper: Floats
     lower: Floats
@@ -108,7 +108,7 @@ class Problem:
 
     @property
     def has_approach(self) -> bool:
-        """True if the approach of distant points is finite. It is infinite on a free half-plane."""
+        """True if the approach of distant points is finite. The approach is infinite on a free half-plane."""
         return self.periodic or len(self.spacing) == 2
 
     @property
@@ -153,7 +153,7 @@ class ContactSolution:
 
     @property
     def adhering(self) -> float:
-        """Total force of the attraction, mN."""
+        """Total force of the adhesive attraction, mN."""
         return float(np.sum(self.attraction)) * self.problem.cell
 
     @property
@@ -170,7 +170,7 @@ class ContactSolution:
         return grid.reshape(self.problem.gap.shape)
 
     def sums(self, directions: Floats) -> PatchSums:
-        """Compute the sums over each patch for motion along horizontal unit vectors (m, 2)."""
+        """Compute the friction sums over each patch for motion along horizontal unit vectors with shape (m, 2)."""
         problem = self.problem
         slope = [along[self.points] for along in problem.slope]
         return patch_sums(self.values * problem.cell, self.share * problem.cell, slope, self.patch, directions)
@@ -197,7 +197,7 @@ class ContactSolution:
 
     @cached_property
     def stiffness(self) -> float:
-        """Stiffness dF/dδ (mN/µm) at constant contact points.
+        """Stiffness dF/dδ (mN/µm) while the contact points do not change.
 
         The stiffness is infinite at full periodic contact, and NaN without an approach.
         """
@@ -213,7 +213,7 @@ class ContactSolution:
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, at constant contact points.
+        """Derivative dp/dc (GPa/µm) of nominal pressure with respect to closure while the contact points do not change.
 
         The stiffness is infinite at full contact.
         """
@@ -329,7 +329,7 @@ def lever_arms(problem: Problem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Responses of a fixed set of contact points to a mean pressure of 1 GPa, and to slopes of the upper surface."""
+    """Responses of fixed contact points to a mean pressure of 1 GPa, and to unit slopes of the upper surface."""
 
     pressure: Floats  # pressure under the load, GPa
     approach: float  # approach under the load, µm
@@ -375,7 +375,7 @@ def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
 
 
 class Solver:
-    """Solver of a contact problem for loads (mN) or approaches (µm) up to a maximum. Missing points never touch."""
+    """Solver of a contact problem at loads (mN) or approaches (µm) up to a limit. Missing points never touch."""
 
     def __init__(
         self, problem: Problem, name: StepKind, limit: float, *, tolerance: float,
@@ -437,7 +437,7 @@ def to_contact_solution(
     problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a solution to the contact at a load (mN). If the load is None, the sum of the pressures determines it."""
+    """Convert a solution to the contact at a load (mN). If the load is None, it is computed from the pressures."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     patches: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)

@@ -40,7 +40,7 @@ class CurveInputs:
     model: ContactModel
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling. Candidates are omitted, because objects of the core cannot be pickled."""
+        """Return the state for pickling. Candidates are omitted, because C++ core objects cannot be pickled."""
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
@@ -139,7 +139,7 @@ class LoadCurve(FrictionCurve, Sums):
 
     @property
     def validity(self) -> Validity:
-        """Indicators of the validity of the model at each approach, as arrays of shape (k,)."""
+        """Validity indicators of the model at each approach, as arrays of shape (k,)."""
         return Validity.from_sums(self)
 
 
@@ -186,7 +186,7 @@ class SurfaceLoadCurve(LoadCurve):
 
     @property
     def validity(self) -> SurfaceValidity:
-        """Indicators of the validity of the model at each approach, as arrays of shape (k,)."""
+        """Validity indicators of the model at each approach, as arrays of shape (k,)."""
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:

@@ -103,7 +103,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces that caches its gap minima for repeated evaluation."""
+    """Pair of surfaces that caches the minima of the gap for repeated evaluation."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -111,7 +111,7 @@ class SurfacePair:
         self._found: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> Sums:
-        """Return the same sums as the function `press`, reusing the gap minima of earlier calls if possible."""
+        """Return the same sums as the function `press`, reusing gap minima from earlier calls if possible."""
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()
@@ -120,7 +120,7 @@ class SurfacePair:
     def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
-        """Find the approaches at given loads. F_N is below the load at approach `left`, but not at approach `right`."""
+        """Find the approach for each load, between `left` (F_N is too small) and `right` (F_N is large enough)."""
         arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
         return np.asarray(self._call_core(stiction._core.approaches_at, float(right.max()), model, arguments))
 
@@ -143,7 +143,7 @@ class SurfacePair:
 def find_crossings(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach that supports each load, and its status: "ok", or the reason why it is NaN."""
+    """Return the smallest approach that supports each load, and its status: "ok", or why the approach is NaN."""
 
     def normal_load(sums: Sums) -> Floats:
         return friction.compute_load("normal", sums, mu0, tau0)

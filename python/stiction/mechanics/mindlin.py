@@ -43,7 +43,7 @@ def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, 
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Return the stiffness π E* a/K(1 - b²/a²) (mN/µm) of c elliptic punches, whose semi-axes have the shape (c, 2).
+    """Return the stiffness π E* a/K(1 - b²/a²) (mN/µm) of c elliptic punches with semi-axes of shape (c, 2).
 
     The formula is in Johnson (1985), section 3.8.
     """
@@ -53,7 +53,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def load_across(axes: Floats, angle: Floats) -> Floats:
-    """Return the mean of sin² for each elliptic contact, which is the argument `across` of `compliance_ratio`.
+    """Return the argument `across` of `compliance_ratio`, a mean of sin², for each elliptic contact.
 
     The angles (rad) are between the motion and the larger axis.
     """
@@ -66,7 +66,7 @@ def load_across(axes: Floats, angle: Floats) -> Floats:
 
 
 class SlidingAsperities:
-    """Tangential problem of parallel asperity contacts. `angle` is the direction of motion in degrees.
+    """Tangential problem of asperity contacts that act in parallel. `angle` is the direction of motion in degrees.
 
     frictional, adhesive : (c,) ndarray, mN
             mu0 times normal load, and tau0 times area.
@@ -127,7 +127,7 @@ class SlidingAsperities:
         )  # fmt: skip
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) that the slipping springs dissipate: Σ Q (δ - 2 Q/k)."""
+        """Return the energy (mN µm) dissipated by the springs that slip: Σ Q (δ - 2 Q/k)."""
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_NODES)
         # Integrate over φ, where t = cos φ, from the edge (φ = 0) to the end of the slip zone.
@@ -195,7 +195,7 @@ class SlidingHalfSpace:
         return {name: value for name, value in vars(self).items() if name != "_solver"}
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the state with the tractions that support a tangential load with the least energy."""
+        """Return the state whose tractions support a tangential load with the least energy."""
         if load >= self.sliding_load:
             return self._slip(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
         load_fraction = load / self.sliding_load
@@ -209,7 +209,7 @@ class SlidingHalfSpace:
         return self._slip(load, solution.pressure[self.points], solution.approach * self.ratio)
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the dissipated energy (mN µm): the sum of traction bound times slip.
+        """Return the energy (mN µm) dissipated by slip: the sum over the points of traction bound times slip.
 
         The energy does not depend on the displacement of distant points.
         """

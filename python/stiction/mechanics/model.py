@@ -175,7 +175,7 @@ _SURFACE_DEFAULT = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactKeywords(TypedDict, total=False):
-    """Keyword arguments that specify a contact model: a model, and parameters that override parameters of the model."""
+    """Keyword arguments for a contact model: `model`, and parameters that override its values."""
 
     model: ContactModel
     effective_modulus: float
@@ -240,7 +240,7 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def measured_source(body: Profile | Surface) -> str:
-    """Return the history entry that contains the file name of a body, or "" if the body was generated."""
+    """Return the history entry that names the file of a measured body, or "" if the body was generated."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
@@ -260,7 +260,7 @@ def show_model_keywords(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that two bodies are both profiles or both surfaces, with equal spacings. `whole` forbids missing points."""
+    """Check that two bodies are both profiles or both surfaces, with equal spacings. `whole` rejects missing points."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:
@@ -303,12 +303,12 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _find_source(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the history of a surface without the entries for flipping."""
+    """Return the history of a surface without its flip entries."""
     return tuple(step for step in body.history if step != FLIPPED_STEP)
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return True if two arrays differ only by a constant. To save time, the first row is compared first."""
+    """Return True if two arrays differ only by a constant. The first rows are compared first, to save time."""
     allowed = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first)) <= allowed and float(np.ptp(a - b)) <= allowed

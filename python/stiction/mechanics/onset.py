@@ -33,7 +33,7 @@ DISPLACEMENT_TOLERANCE = 1e-7
 
 @dataclass(frozen=True)
 class SlipState:
-    """Slip at one tangential load in first loading. Units are mN, µm and, for the tractions at contact points, GPa."""
+    """Slip state at one tangential load. Units are mN, µm and, for the tractions at contact points, GPa."""
 
     load: float
     displacement: float
@@ -56,10 +56,10 @@ class TangentialProblem(Protocol):
     size: int
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the state of slip at a tangential load between 0 and the sliding load. `near` is an initial guess."""
+        """Return the slip state at a tangential load between 0 and the sliding load. `near` is an initial guess."""
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) dissipated by friction in first loading: the sum of traction bound times slip."""
+        """Return the energy (mN µm) that friction dissipates in first loading up to a given slip state."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -162,7 +162,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(self._slips[self._place(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the smallest `tangential_load` (mN) at which each point slips, (points,); NaN where no slip occurs.
+        """Return the smallest `tangential_load` (mN) at which each point slips, or NaN for a point that never slips.
 
         For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
@@ -223,7 +223,7 @@ class Onset(PlotRepr):
         return pandas.DataFrame({name: np.concatenate([[0.0], column]) for name, column in columns.items()})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the tangential load against the displacement or, if it is not finite, the slipped fraction of the area.
+        """Draw tangential load against displacement, or against slipped area fraction if a displacement is not finite.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -274,7 +274,7 @@ class Onset(PlotRepr):
         return np.minimum(loads, self.sliding_load)
 
     def _solve_at_load(self, load: float) -> SlipState:
-        """Return the state of slip at a tangential load. Starts from the solved state with the nearest load."""
+        """Return the slip state at a tangential load, starting from the solved state with the nearest load."""
         near = min(self._slips, key=lambda slip: abs(slip.load - load))
         return near if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load else self._held.at(load, near)
 
@@ -337,7 +337,7 @@ def check_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tu
 
 
 def parse_direction(direction: Direction, *, line: bool) -> float:
-    """Return a single direction in degrees from +x towards +y. On profiles, it must be along x."""
+    """Return a single direction in degrees from +x towards +y. For profiles, the direction must be along x."""
     model = ContactModel(direction=direction)
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be a single direction, got {direction!r}")
@@ -390,7 +390,7 @@ def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target: float, at_sliding: SlipState, near: SlipState | None
 ) -> SlipState:
-    """Return the state of slip at a displacement (µm). The load is found by root search."""
+    """Return the slip state at a displacement (µm). The load is found with a root finder."""
     from scipy.optimize import brentq
 
     far = at_sliding.displacement

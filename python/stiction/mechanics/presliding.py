@@ -118,7 +118,7 @@ class LuGre(TextRepr):
 
 
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
-    """Fit the Iwan model to a curve by minimising the squared errors of the loads."""
+    """Fit the Iwan model to a curve by minimising the squared load errors."""
     from scipy.optimize import least_squares
 
     _check_curve(displacement, load, MIN_FIT_POINTS)
@@ -138,7 +138,7 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
 
 
 def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuGre:
-    """Fit the LuGre model to a curve by minimising the squared errors of the loads."""
+    """Fit the LuGre model to a curve by minimising the squared load errors."""
     from scipy.optimize import least_squares
 
     _check_curve(displacement, load, 1)

@@ -35,7 +35,7 @@ View = Literal["table", "verbose", "report", "csv", "hatch"]
 
 @dataclass(frozen=True, kw_only=True)
 class ResultQuantity:
-    """Properties of a quantity in a result, of a coordinate, or of a dimension."""
+    """Properties of a result quantity, a coordinate or a dimension."""
 
     unit: str
     words: str  # phrase for axis labels and for the `long_name` of a variable
@@ -88,7 +88,7 @@ _MEASURED: frozenset[Source] = frozenset({"measured"})
 
 
 def _sum(name: str, *more: Source, **properties: Any) -> ResultQuantity:
-    """Return the table entry of a sum, with the unit and the description that the core declares."""
+    """Return the table entry of a contact sum, with the unit and the description that the core declares."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: Source = "asperities" if name in CORE_SUMS else "areal"
     of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP, "stored": frozenset({source, *more})}

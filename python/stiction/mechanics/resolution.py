@@ -182,7 +182,7 @@ def resolution(
 
 
 def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) -> xr.DataArray:
-    """Evaluate the friction coefficient of a `resolution` dataset for any mu0 and tau0.
+    """Evaluate the friction coefficient from a dataset that `resolution` returned, for any mu0 and tau0.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ MIN_RESPONSE = 1e-6
 
 
 def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
-    """Rotate the upper surface of a problem about its centre by slopes along y and x, or along x."""
+    """Tilt the upper surface of a problem about its centre by slopes along y and x or, for profiles, along x."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(problem, upper=problem.upper + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes)
 
@@ -41,7 +41,7 @@ def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
 def solve_balanced(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
-    """Find the tilt at which the resultant force acts at the centre, and return the contact, for each load (mN)."""
+    """For each load (mN), find the tilt at which the resultant force acts at the centre, and return the contact."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     arms, shape = lever_arms(problem), problem.gap.shape
