@@ -82,7 +82,7 @@ def _find_peaks_of_points(rank: NDArray[np.int64], order: _IndexArray) -> _Index
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the two hills and the rank of each saddle in the maximum spanning tree, in descending order of rank."""
+    """Return the two hills and the rank of each saddle in the maximum spanning tree, highest rank first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 

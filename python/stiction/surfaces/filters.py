@@ -113,7 +113,7 @@ def filtered(
 
 
 def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Return a cutoff (µm), after checking that it is from half a point to `longest` times the shortest side."""
+    """Return a cutoff (µm) after checking that it is between half a point and `longest` times the shortest side."""
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(sides)
@@ -176,7 +176,7 @@ def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
 
 
 def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Filter periodic heights along each axis; the cutoffs `lengths` are in points."""
+    """Filter periodic heights along each axis, with the cutoffs `lengths` given in points."""
     from scipy.fft import irfft, rfft, rfftfreq
 
     for axis, length in enumerate(lengths):
@@ -220,12 +220,12 @@ def _broadcast_along(values: Any, axis: int, ndim: int) -> Any:
 
 
 def _linear_exponents(ndim: int) -> list[Powers]:
-    """Return the exponents of the terms of a function that is linear in x and, for surfaces, in y."""
+    """Return the exponents of all terms that are at most linear in x and, for surfaces, at most linear in y."""
     return list(product(range(2), repeat=ndim))
 
 
 def _quadratic_exponents(ndim: int) -> list[Powers]:
-    """Return the exponents of the terms of a second-degree polynomial in x and, for surfaces, in y."""
+    """Return the exponents of all terms in a second-degree polynomial of x or, for surfaces, of x and y."""
     return [powers for powers in product(range(3), repeat=ndim) if sum(powers) <= 2]
 
 
@@ -270,7 +270,7 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
 
 
 def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
-    """Fit a local polynomial at each point with products of Gaussian weights and `weights`; return its value there."""
+    """Fit a local polynomial at each point, with Gaussian weights times `weights`; return its value at the point."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_Kernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]

@@ -15,7 +15,7 @@ _START_LEVEL = 0.3  # first trial level of the floor, as a fraction of the highe
 
 
 class BinnedSpectrum(NamedTuple):
-    """Spectrum in bins of the wave number."""
+    """Spectrum averaged in wave number bins."""
 
     log_q: Floats  # logarithm of the wave number
     density: Floats
@@ -24,7 +24,7 @@ class BinnedSpectrum(NamedTuple):
 
 
 class FloorFit(NamedTuple):
-    """Power laws with a noise floor: densities A q^-s + level * floor."""
+    """Fitted power laws with a common noise floor: the densities are A q^-s + level * floor."""
 
     level: float
     gain: float  # log-likelihood gain over the best power laws without a floor

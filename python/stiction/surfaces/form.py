@@ -58,7 +58,7 @@ def round_form(
 
 
 def _arc_heights(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Compute heights of an arc from the squared distances to its middle and the products of slope and distance."""
+    """Compute heights on an arc from the squared distance to its middle and the product of slope and distance."""
     rise = curvature * square + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))

@@ -93,7 +93,7 @@ def weierstrass_mandelbrot_family(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Floats:
-    r"""Compute Weierstrass-Mandelbrot profiles of several fractal dimensions from the same phases.
+    r"""Compute Weierstrass-Mandelbrot profiles with several fractal dimensions from the same phases.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def fill_profiles(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
     extent: float, convention: Convention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
-    """Compute the profiles of `weierstrass_mandelbrot_family`, and write them to the array `family`.
+    """Compute the profiles that `weierstrass_mandelbrot_family` returns, and write them to the array `family`.
 
     Returns the mean, minimum and maximum of each profile, (k, 3).
     """

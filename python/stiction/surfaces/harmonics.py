@@ -84,7 +84,7 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
 
 
 def _median_between_harmonics(padded: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density around each harmonic, up to halfway to its neighbours and without its own peak."""
+    """Return the median density around each harmonic up to halfway to the next one, excluding the harmonic's peak."""
     bins = np.arange(padded.size)
     levels = []
     for position in harmonics.tolist():

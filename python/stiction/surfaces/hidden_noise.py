@@ -76,7 +76,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
 
 
 def _shortest_waves_variance(surface: Surface, periodic: bool) -> float:
-    """Return the variance (µm²) of white noise that has the median density of a map at its shortest wavelengths.
+    """Return the variance (µm²) of white noise with the same median density as the shortest wavelengths of a map.
 
     The median is taken over the wavelengths below four points along both axes. The densities of noise are
     exponentially distributed, so their median is ln 2 of their mean.

@@ -75,7 +75,7 @@ class PowerLaw:
 
     @property
     def log_prefactor(self) -> float:
-        """Logarithm of C in the power law C q^-s."""
+        """Logarithm of the prefactor C in the power law C q^-s."""
         return self._log_level(self.exponent) + self.exponent * self._middle
 
     def interval(self, max_loss: float) -> tuple[float, float]:
@@ -135,7 +135,7 @@ class HurstEstimate(TableRepr):
 
     @property
     def fractal_dimension_classical(self) -> float:
-        """Classical fractal dimension D = 2 - H of a profile, or of sections of a surface."""
+        """Classical fractal dimension D = 2 - H of a profile, or of a section through a surface."""
         return 2 - self.value
 
     @property
@@ -287,7 +287,7 @@ def estimate_hurst_exponent(
 
 
 def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers and powers of a profile for the fit, and the scale (µm) that normalises its heights."""
+    """Return the wave numbers and powers to be fitted for a profile, and the scale (µm) that normalised the heights."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -306,7 +306,7 @@ def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
 
 
 def _fitted_wave_vectors(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return for the fit: wave numbers, products of density and wave number, and the scale (µm) of the heights."""
+    """Return the values to be fitted: wave numbers, products of density and wave number, and a height scale (µm)."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -342,14 +342,14 @@ class _SpectrumBins:
         return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
     def deviance(self, exponent: float, weight: Floats) -> float:
-        """Return the deviance per bin of a power law with a given exponent."""
+        """Return the deviance of a power law with a given exponent, divided by the number of degrees of freedom."""
         ratio = self.power * np.exp(exponent * (self.log_q - self.log_q.mean()))
         ratio /= np.average(ratio, weights=weight)
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
 
 
 def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
-    """Return the range of harmonics of the widest self-affine piece of a spectrum.
+    """Return the range of harmonics in the widest self-affine piece of a spectrum.
 
     Also returns the bins of this piece and its roll-off.
     """

@@ -19,7 +19,7 @@ STEP_TOLERANCE = 1e-6
 
 
 class ForeignHeights(NamedTuple):
-    """Heights, spacing and history of a profile or a surface."""
+    """Heights, spacing, history and missing points of a profile or a surface."""
 
     heights: Floats  # heights of shape (n,) or (rows, columns), µm
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm

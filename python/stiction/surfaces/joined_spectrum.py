@@ -90,7 +90,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def history(self) -> tuple[str, ...]:
-        """Description of the scans and of their bands of wavelengths."""
+        """Description of the scans and their wavelength bands."""
         scans = (
             f"{name} ({shortest:.4g} to {longest:.4g} µm)"
             for name, (shortest, longest) in zip(self.names, self.bands, strict=True)
@@ -100,7 +100,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio, with shape (scans,), of the density of each scan to that of all others at shared wavelengths.
+        """Mean ratio of each scan's density to the density of all other scans at shared wavelengths, shape (scans,).
 
         The ratio is NaN for a scan without overlap.
         """
@@ -121,7 +121,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation, with shape (scans,), that chance alone would cause in the logarithm of `disagreement`."""
+        """Standard deviation of ln(`disagreement`) that chance alone would cause, with shape (scans,)."""
         shared = (self.contribution > 0).sum(axis=0) > 1
         actual = self.contribution * self.count / _WAVE_VECTORS_PER_VALUE
         result = np.full(len(self.bands), np.nan)
@@ -150,7 +150,7 @@ class JoinedSpectrum(TextRepr):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian surface with this spectrum and no wavelengths beyond the spectrum.
+        """Generate a periodic Gaussian surface with this spectrum, without any wavelengths outside its range.
 
         Parameters
         ----------
@@ -278,7 +278,7 @@ def _check_length(name: str, values: Sequence[float | None] | None, size: int) -
 
 
 def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
-    """Return the band of usable wavelengths of a scan, and the reason for the lower limit of the band."""
+    """Return the usable wavelength band of a scan, and the reason for its lower limit."""
     spacing, side = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
         shortest, reason = limit, "given"

@@ -1,4 +1,4 @@
-"""Roughness of a measured surface along its rows or columns, like a stylus measurement."""
+"""Roughness of a measured surface along its rows or columns, as a stylus instrument measures it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formu
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextRepr):
-    """Roughness of the rows or columns of a surface. A least-squares straight line is subtracted from each of them.
+    """Roughness of the rows or columns of a surface, after subtracting a least-squares line from each of them.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class LineRoughness(TextRepr):
 
 
 def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] | None = None) -> LineRoughness:
-    """Compute the roughness of the lines of a surface along one axis.
+    """Compute the roughness of a surface along its rows or along its columns.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of the lines along x and along y, with exponents fitted in the same band.
+    """Compute the roughness of a surface along x and along y, with both exponents fitted in the same band.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor by which a binned spectrum deviates from a power law in a band, without random scatter.
+    """Return the rms factor by which a binned spectrum deviates from a power law in a band, beyond random scatter.
 
     `chance` is the variance of ln(density) for a single harmonic.
     """

@@ -1,4 +1,4 @@
-"""Material ratio curve (bearing curve) of a profile or a surface, with its heights, volumes and core parameters."""
+"""Material ratio curve (bearing curve) of a profile or a surface, and the parameters computed from this curve."""
 
 from __future__ import annotations
 

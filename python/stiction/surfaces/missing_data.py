@@ -1,4 +1,4 @@
-"""Missing data and outliers of a scan: interpolation and size of gaps, detection of outliers."""
+"""Missing data and outliers in scans: interpolation of gaps, the largest gap, and outlier detection."""
 
 from __future__ import annotations
 

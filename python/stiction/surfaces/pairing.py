@@ -1,4 +1,4 @@
-"""Pairs of surfaces from two scans: pairs of lines, pairs of pieces of maps, and pairs of surrogates.
+"""Pairs of surfaces from two scans: pairs of lines, of map pieces, and of surrogates.
 
 A pair depends only on the scans, the options and its index. It depends neither on the number of pairs nor on the
 process that computes it.
@@ -61,7 +61,7 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines of two scans, or of surrogates of these lines, as returned by `paired_lines`."""
+    """Pairs of lines from two scans, or pairs of surrogates of such lines, as returned by `paired_lines`."""
 
     upper: Profile | Surface
     lower: Profile | Surface
@@ -127,7 +127,7 @@ class LinePairs:
         return line(self._line_number(body, index, shifted=shifted))
 
     def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the number of the row or column that is line `index`. All are used once before one is used again."""
+        """Return the row or column number of line `index`. All rows or columns are used once before any is reused."""
         width = self._line_count(surface)
         start = max(width // 3, 1) if shifted else 0
         if self.count is not None:
@@ -249,7 +249,7 @@ def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profil
 
 @dataclass(frozen=True, eq=False)
 class MapPairs:
-    """Pairs of pieces of two maps at different relative shifts, or pairs of surrogates of these pieces.
+    """Pairs of pieces cut from two maps at different relative shifts, or cut from surrogates of the maps.
 
     All pieces have the same size.
 
@@ -267,13 +267,13 @@ class MapPairs:
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
-        """Spacings of rows and of columns (µm). For each axis, the spacing is the finer of the two maps' spacings."""
+        """Spacings (µm) of rows and columns. Along each axis, the finer spacing of the two maps is used."""
         (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
         return min(uy, ly), min(ux, lx)
 
     @cached_property
     def _points(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Numbers of points of both maps along y and x after resampling to the finer spacing."""
+        """Number of points along y and x on each map, after resampling to the finer spacing."""
         return tuple(  # type: ignore[return-value]
             tuple(
                 points if actual == step else math.floor((points - 1) * actual / step + 1e-9) + 1
@@ -337,7 +337,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of the upper piece and of the lower piece, in units of the finer spacing."""
+        """Return the first row and column of the upper and of the lower piece, counted on the finer grid."""
         if self.shifts is not None:
             first, size = self._overlap(self._steps[index])
             below = tuple(start + (n - m) // 2 for start, n, m in zip(first, size, self.shape, strict=True))
@@ -383,7 +383,7 @@ class MapPairs:
 
 
 class SquarePairs:
-    """Pairs of square pieces of random surfaces with the same spacing along both axes."""
+    """Pairs of square pieces cut from random surfaces with the same spacing along both axes."""
 
     _num_side_points: int
     _step: float
@@ -434,7 +434,7 @@ class IsotropicPairs(SquarePairs):
 
     @property
     def used(self) -> tuple[float, float]:
-        """Ratio of the side length of the surface to the length of the profile, for the upper and the lower body."""
+        """Ratio of the surface's side length to the profile's length, for the upper and the lower body."""
         upper, lower = (self._num_side_points / len(item) for item in self._resampled_profiles)
         return upper, lower
 
@@ -461,7 +461,7 @@ def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectr
 
 @dataclass(frozen=True, eq=False)
 class SpectrumPairs(SquarePairs):
-    """Pairs of pieces of random, periodic, isotropic surfaces generated from two spectra.
+    """Pairs of pieces cut from periodic, isotropic random surfaces, which are generated from two spectra.
 
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
@@ -494,7 +494,7 @@ class SpectrumPairs(SquarePairs):
 
     @property
     def used(self) -> tuple[float, float]:
-        """Ratio of the area of a piece to the area of the generated surface, for both bodies."""
+        """Fraction of the generated surface that a piece covers, for both bodies."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 

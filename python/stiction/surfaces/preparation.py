@@ -287,7 +287,7 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
 
 
 def _count_points(length: float, spacing: float) -> int:
-    """Return the number of grid points from 0 to a length (µm). Round-off does not exclude a point at the end."""
+    """Return the number of grid points from 0 to a length (µm). An end point is counted in spite of round-off."""
     return math.floor(length / spacing + GRID_TOLERANCE) + 1
 
 
@@ -312,7 +312,7 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
 def resample_piece(
     surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
 ) -> Surface:
-    """Resample a piece of a surface to spacings (µm) by natural splines. The piece starts at `origin` (row, column)."""
+    """Resample a surface piece to spacings (µm) by natural splines. The piece starts at `origin` (row, column)."""
     heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
         actual, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]

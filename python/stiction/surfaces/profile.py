@@ -39,7 +39,7 @@ class Body(PlotRepr):
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def _store(self, heights: Floats, spacing: Any) -> None:
-        """Store valid heights and a valid spacing, after checking the history and the mask."""
+        """Store heights and a spacing that are known to be valid, after checking the history and the mask."""
         # copy the array, because another object may still modify it
         if heights.flags.writeable or not heights.flags.owndata:
             heights = read_only(heights.copy())

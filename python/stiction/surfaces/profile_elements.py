@@ -13,7 +13,7 @@ DISCRIMINATION_FRACTION = 0.1
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
-    """Return the spacings (points) and heights of the profile elements about the mean line of a profile.
+    """Return the spacings (in points) and the heights of the profile elements about the mean line.
 
     A hill counts if it rises above a tenth of the peak height, and a dale counts if it falls below a tenth of the pit
     depth; both limits must be above 0. An element is a hill and the following dale, or a dale and the following hill.

@@ -219,19 +219,19 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _slopes(heights: Floats) -> list[Floats]:
-    """Return the height differences per point along each axis."""
+    """Return the slopes along each axis, in units of height per point."""
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the integer shift with the largest correlation, among shifts that overlap by more than half."""
+    """Return the integer shift with the largest correlation, considering only overlaps of more than half the points."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
     ones, others = ([rfftn(value, shape) for value in (np.ones(c.shape), c, c**2)] for c in (a, b))
 
     def sum_products(of_a: int, of_b: int) -> Floats:
-        """Sum the product of powers of the two scans' heights over their overlap, for every shift."""
+        """For every shift, sum products of the heights of both scans, raised to given powers, over the overlap."""
         return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)

@@ -113,7 +113,7 @@ def roughness_parameters(
 
 
 def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    """Compute height and slope parameters about the mean line. The names omit the letter of the profile."""
+    """Compute height and slope parameters about the mean line. Their names omit the profile letter (P, R or W)."""
     scale = float(np.abs(z).max()) or 1.0
     unit = z / scale  # scaling prevents overflow and underflow of the fourth power
     rms = float(np.sqrt(np.mean(unit**2)))
@@ -302,7 +302,7 @@ def rms_gradient(surface: Surface, derivative: Derivative) -> float:
 
 
 def _slopes_along(heights: Floats, axis: int, derivative: Derivative) -> Floats:
-    """Return the slopes along an axis, in heights per point."""
+    """Return the slopes along an axis, in units of height per point."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)
     lines = heights if axis == 1 else heights.T

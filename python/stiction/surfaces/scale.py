@@ -73,7 +73,7 @@ Spectrum = tuple[Floats, Floats, Floats, float]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScaleDependentRoughness(TextRepr):
-    """Root-mean-square slope and curvature of all wavelengths down to a shortest wavelength.
+    """Rms slope and curvature as functions of the shortest wavelength that they include.
 
     Attributes
     ----------
@@ -105,14 +105,14 @@ class ScaleDependentRoughness(TextRepr):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h'_rms of all wavelengths at or above given wavelengths (µm; an array of any shape).
+        """Return h'_rms for wavelengths down to each given wavelength (µm), as an array of the same shape.
 
         The result is constant below the shortest wavelength of the body.
         """
         return _interpolate_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """Return h''_rms (1/µm) of all wavelengths at or above given wavelengths (µm; an array of any shape)."""
+        """Return h''_rms (1/µm) for wavelengths down to each given wavelength (µm), as an array of the same shape."""
         return _interpolate_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
@@ -164,7 +164,7 @@ class ScaleDependentRoughness(TextRepr):
 
 
 def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and the power laws with the lowest and the highest exponent of its interval.
+    """Return the fitted power law, and the power laws with the exponents at both ends of the fitted interval.
 
     All three power laws agree at the centre of the band.
     """
@@ -177,7 +177,7 @@ def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEs
 
 
 def extrapolated_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope of a power law between a wavelength (µm) and the shortest wavelength of the band."""
+    """Return the mean square slope that a power law contributes between a wavelength (µm) and the fitted band."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
@@ -251,7 +251,7 @@ def scale_dependent_roughness(
 
 
 def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
-    """Return the wave numbers (1/µm) of a body and their mean square heights (µm²).
+    """Return the wave numbers (1/µm) of a body, and the mean square height (µm²) at each wave number.
 
     Bodies that are not periodic are levelled first.
     """
@@ -266,7 +266,7 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
 
 
 def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
-    """Interpolate values at other wavelengths, linearly in logarithms. Above the longest wavelength, they are zero."""
+    """Interpolate values linearly on logarithmic axes. Beyond the longest wavelength, the values are zero."""
     lengths = float_array("wavelength", targets)
     if not (lengths > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {targets!r}")
@@ -478,7 +478,7 @@ def equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper
 
 
 def line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
-    """Return the spectrum of a profile, or the mean spectra of the lines of a surface along x and along y."""
+    """Return the spectrum of a profile, or the mean line spectra of a surface along x and along y."""
     if isinstance(body, Profile):
         line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
         return [(line.wave_number, line.density, line.count, body.spacing)]
@@ -496,7 +496,7 @@ def line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
 
 
 def _independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
-    """Estimate the number of independent lines of a surface at each wave number along the lines.
+    """Estimate how many lines of a surface are independent at each wave number along the lines.
 
     The mean spectrum over the lines has the relative variance sum(P²)/sum(P)², where P are the powers of the wave
     vectors across the lines. Lines along straight grooves are copies of each other and count as one line. The factor 2
@@ -513,7 +513,7 @@ def _independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> 
 
 
 def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, float]:
-    """Compare the noise of lines along x with the noise of lines along y. At least one of them must have noise.
+    """Compare the noise of lines along x with the noise of lines along y. At least one axis must have noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -547,7 +547,7 @@ def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, fl
 
 
 class _Disturbance(NamedTuple):
-    """Part of the spectrum of lines that is not attributed to the surface."""
+    """Part of a line spectrum that is not attributed to the surface."""
 
     wave: float  # upper limit of the wavelengths in this part, µm; NaN if there is no such part
     kind: str
@@ -580,7 +580,7 @@ def _find_disturbance(
 
 
 def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
-    """Return the limit (µm) below which wavelengths contain noise, and the kind of noise. Harmonics must be absent.
+    """Return the limit (µm) below which wavelengths contain noise, and the noise type. Remove harmonics first.
 
     The limit is NaN if there is no noise.
     """
@@ -652,7 +652,7 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
-    """Yield, for each window of `octaves` octaves, its range of bins, and the exponent with its standard deviation.
+    """For each window of `octaves` octaves, yield the range of bins, the exponent and its standard deviation.
 
     Bins are given as the first bin and the bin after the last.
     """

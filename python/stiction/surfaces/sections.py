@@ -25,7 +25,7 @@ _HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios whose height difference is Rdc
 
 
 class SettingClass(NamedTuple):
-    """Setting class: default settings (µm), and limits of Ra and RSm."""
+    """Setting class with its default settings (µm) and its limits of Ra and RSm."""
 
     name: str
     section_length: float
@@ -54,7 +54,7 @@ class SectionError(ValueError):
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filters and section lengths for roughness and waviness parameters, and the reason for this choice.
+    """Filters and section lengths for roughness and waviness parameters, with the reason for choosing them.
 
     Attributes
     ----------

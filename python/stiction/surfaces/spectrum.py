@@ -277,7 +277,7 @@ def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RadialSpectrum(TextRepr):
-    """Spectrum of a surface, averaged over the directions of the wave vector.
+    """Surface spectrum averaged over the directions of the wave vector.
 
     Attributes
     ----------

@@ -253,7 +253,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 
 
 def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Return the edges of the rings, their fitted densities C2D, and their numbers of harmonics."""
+    """Return the ring edges, and the fitted density C2D and the number of harmonics of each ring."""
     check_bool("periodic", periodic)
     reject_flat(profile)
     reject_missing(profile, "an isotropic surrogate")

@@ -82,7 +82,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 def _tip_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """For each offset within the tip's reach, yield the points, their neighbours and the height of the tip surface."""
+    """For each offset within the tip's reach, yield slices of the points and their neighbours, and the tip height."""
     reach, limit = _tip_reach(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in limit)):
         offsets = np.subtract(steps, limit)

@@ -1,1 +1,1 @@
-"""Files of measured profiles and surfaces: readers of each format, interpretation of the content, and writers."""
+"""Files of measured profiles and surfaces: format readers, interpretation of the content, and writers."""

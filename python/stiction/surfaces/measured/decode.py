@@ -56,7 +56,7 @@ _KIND_TABLE = _CHARACTER_KINDS.tobytes()
 
 @dataclass(frozen=True)
 class Text:
-    """Text in UTF-8 with line feeds and ASCII minus signs, without spaces as thousands separators."""
+    """Text converted to UTF-8 with line feeds, ASCII minus signs, and no spaces as thousands separators."""
 
     data: bytes
     encoding: str
@@ -64,12 +64,12 @@ class Text:
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
-        """Byte offset of the start of each line, and of the end of the text."""
+        """Byte offsets at which the lines start and the text ends."""
         ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
         return np.concatenate([[0], ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
-        """Return whether the given lines contain characters that do not occur in numbers, such as letters of words."""
+        """Return whether the given lines contain characters that do not occur in numbers, such as letters."""
         return bool((self.bits[lines] & _NON_NUMERIC_BIT).any())
 
     def __len__(self) -> int:
@@ -113,12 +113,12 @@ class Text:
 
     @cached_property
     def bits(self) -> NDArray[np.uint8]:
-        """Bit mask of the kinds of characters in each line."""
+        """Bit mask of the character types that occur in each line."""
         return np.bitwise_or.reduceat(np.frombuffer(self.data.translate(_KIND_TABLE), np.uint8), self.starts[:-1])
 
     @cached_property
     def kinds(self) -> NDArray[np.uint8]:
-        """Kind of each line."""
+        """Kind of each line: blank, numbers or text."""
         bits = self.bits
         kinds = np.full(bits.size, NUMBERS, np.uint8)
         kinds[bits & (_DIGIT_BIT | _NON_NUMERIC_BIT | _MARK_BIT) == 0] = BLANK

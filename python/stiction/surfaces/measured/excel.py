@@ -1,4 +1,4 @@
-"""Reading of Excel workbooks (.xlsx) with openpyxl. The cells of each sheet with numbers are parsed as text."""
+"""Reading of Excel workbooks (.xlsx) with openpyxl. Every sheet that contains numbers is parsed as text."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
 
 
 def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> range:
-    """Return the longest run of rows with a number in one of the columns."""
+    """Return the longest run of rows that have a number in at least one of the columns."""
     has_number = [any(map(_is_number, _select_cells(row, columns))) for row in rows]
     runs = [list(run) for is_run, run in itertools.groupby(range(len(rows)), has_number.__getitem__) if is_run]
     longest = max(runs, key=len)
@@ -140,7 +140,7 @@ def _select_cells(row: Sequence[Any], columns: Sequence[int]) -> list[Any]:
 
 
 def _join_row(row: Sequence[Any], columns: Sequence[int]) -> str:
-    """Join the cells of a row by tabs. If the row contains numbers, only the columns of the table are joined."""
+    """Join the cells of a row with tabs. If the row contains numbers, only the columns of the table are joined."""
     selected = _select_cells(row, columns)
     if any(map(_is_number, selected)) or (selected and all(isinstance(cell, str) for cell in selected)):
         return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in selected)

@@ -258,7 +258,7 @@ def _last_line_of_names(lines: Sequence[str]) -> str | None:
 
 
 def _names_heights_alone(line: str) -> bool:
-    """Return whether a header line names heights with their unit, but neither positions nor other lengths."""
+    """Return whether a header line has the name and unit of heights, but neither positions nor other lengths."""
     return bool(
         len(_units_in(line)) == 1
         and not _has_value(line)
@@ -286,7 +286,7 @@ def _has_value(line: str) -> bool:
 
 
 def is_unit(word: str) -> bool:
-    """Return whether a word is a unit of length or of another quantity."""
+    """Return whether a word is a unit, either of length or of another quantity."""
     return length_unit(word) is not None or NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 

@@ -100,7 +100,7 @@ def read_options(
 
 
 def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Divide the markers of missing points into numbers and words."""
+    """Separate missing-point markers into numbers and words."""
     values_given = given.split(",") if isinstance(given, str) else () if given is None else given
     values_given = (values_given,) if isinstance(values_given, (int, float)) else values_given
     codes, words = [], []
@@ -115,7 +115,7 @@ def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
 
 
 def _remove_unit_axis(raw: Raw) -> Raw:
-    """Convert a matrix of one row or one column to a profile."""
+    """Convert a matrix with a single row or column to a profile."""
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
     along = int(raw.heights.shape[1] > 1)
@@ -127,7 +127,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 @dataclass(frozen=True)
 class InterpretedScan(Generic[_Body]):
-    """Profile or surface with the unit, the number of missing points and the caveats of its file."""
+    """Profile or surface, with the unit, the number of missing points and the caveats found in its file."""
 
     body: _Body
     unit: str  # unit of the heights in the file
@@ -265,7 +265,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
-    """Return the given unit of the positions, or None if the unit in the file overrides a single given unit."""
+    """Return the given position unit, or None if a single unit was given and the file states a position unit."""
     has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
     return None if has_own_unit else options.position_unit
 
@@ -309,7 +309,7 @@ def _convert_heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[
 
 
 def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the unit of the heights. The unit may be omitted if the file declares a factor and a unit."""
+    """Return the height unit, caveats and history. A given unit is ignored if the file declares a factor and a unit."""
     if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
     actual, caller_unit = str(length_unit(raw.unit)), str(length_unit(given))
@@ -325,7 +325,7 @@ _NO_MAP_SPACING = (
 
 
 def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
-    """Reject a file that contains neither units nor a spacing, with a single error message."""
+    """Raise a single error for a file that contains neither units nor a spacing."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
         value is None for value in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
@@ -458,7 +458,7 @@ def _declared_spacing(raw: Raw) -> tuple[float, float] | None:
 
 
 class _PositionDigits:
-    """Resolution of printed positions: the value (µm) of the last digit of each position, computed on first use."""
+    """Resolution of printed positions: the length (µm) of one unit in the last digit, computed on first use."""
 
     def __init__(self, raw: Raw, unit: str) -> None:
         self._raw, self._unit = raw, unit

@@ -1,4 +1,4 @@
-"""Named checks for implausible heights and spacings, for files and for bodies in memory."""
+"""Named checks for implausible heights and spacings, applied to files and to bodies in memory."""
 
 from __future__ import annotations
 

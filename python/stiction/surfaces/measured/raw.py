@@ -35,7 +35,7 @@ _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class FormatError(ValueError):
-    """Error for a file that cannot be read or written: damaged, incomplete, of another kind, or already existing.
+    """Error raised if a file is damaged, incomplete, of another kind, or already exists.
 
     Notes
     -----
@@ -92,7 +92,7 @@ class StatedLength:
 
 @dataclass(frozen=True)
 class Source:
-    """Location of the heights in a file: its layout, the part that was read, and the counts of all other lines."""
+    """Origin of the heights in a file: layout, column, encoding, separators and line numbers."""
 
     layout: str = ""
     column: str = ""  # column, channel or block of the heights
@@ -109,7 +109,7 @@ Digits = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class Raw:
-    """Numbers of a file before conversion, with their units if known. Missing heights are NaN."""
+    """Numbers read from a file before conversion, with their units if known. Missing heights are NaN."""
 
     heights: Floats  # (n,) or (rows, columns)
     unit: str | None = None
@@ -130,7 +130,7 @@ class Raw:
 
 @dataclass(frozen=True)
 class WordColumn:
-    """Column of words next to columns of numbers, such as a column of flags."""
+    """Column of words beside columns of numbers, for example a column of flags."""
 
     place: int  # column number
     words: str  # the most frequent words with their counts
@@ -159,7 +159,7 @@ class ColumnTable:
     word_columns: tuple[WordColumn, ...] = ()  # columns of words; their values are NaN
 
     def column_digits(self, column: int) -> Digits | None:
-        """Return a function that computes the value of the last printed digit of each number in a column."""
+        """Return a function that computes one unit in the last printed digit of each number in a column."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 

@@ -1,4 +1,4 @@
-"""Reading of measured profiles and surfaces: selection of the reader, and interpretation of the file."""
+"""Reading of measured profiles and surfaces: the choice of a reader and the interpretation of the file."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface)
 
 @dataclass(frozen=True)
 class Reading(Generic[_Body]):
-    """Profile or surface from a file, and the interpretation of the file."""
+    """Profile or surface read from a file, with a record of how the file was interpreted."""
 
     body: _Body
     file: str
@@ -107,7 +107,7 @@ class Reading(Generic[_Body]):
         return "; ".join(parts)
 
     def record(self) -> dict[str, Any]:
-        """Return the interpretation of the file as fields for JSON."""
+        """Return JSON fields that describe how the file was interpreted."""
         source = self.source
         return {
             "file": self.file, "layout": source.layout, "points": list(self.body.heights.shape),
@@ -339,7 +339,7 @@ def read_measurement(
 
 
 def load_reading(path: str | os.PathLike[str], **options: Any) -> Reading[Profile | Surface]:
-    """Read a profile or surface with the interpretation of its file. Options are those of `read_measurement`.
+    """Read a profile or surface, and record how its file was interpreted. Options are those of `read_measurement`.
 
     Caveats are returned in `caveats`, and no warning is issued.
     """
@@ -356,7 +356,7 @@ def _read_body(
     options: ReadOptions,
     convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],
 ) -> _Body:
-    """Return the body in a file, and issue its caveats as warnings."""
+    """Return the body in a file, and issue the caveats about the file as warnings."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
         # stack level 3 refers to the code that calls a public reader
@@ -392,7 +392,7 @@ def _interpret_file(
 
 
 def _read_content(path: Path, words: tuple[str, ...]) -> Content:
-    """Read the content of a file with the reader for its name and its first bytes."""
+    """Read the content of a file with the reader that matches its name and its first bytes."""
     suffix = path.suffix.lower()
     try:
         check_is_file(path)
@@ -430,7 +430,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
 
 
 def _read_binary(path: Path) -> Content:
-    """Read a binary file with SurfaceTopography, although its name ends like the name of a text file."""
+    """Read a binary file whose name ends like that of a text file, using SurfaceTopography."""
     if is_available():
         try:
             return read_instrument(path)

@@ -58,7 +58,7 @@ _Z = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).
 
 
 def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> Raw:
-    """Return the heights that the caller selected or, without a selection, that the shape of the table suggests."""
+    """Return the selected heights or, without a selection, the heights that the shape of the table suggests."""
     if isinstance(content, Channels):
         index = _select_channel(content, channel)
         raw = select_heights(content.read(index), None, columns)
@@ -88,7 +88,7 @@ def _select_channel(channels: Channels, selected: Selection | None) -> int:
 
 
 def _find_column(names: Sequence[str], selected: Selection, numbers: Sequence[int], kind: str) -> int:
-    """Return the index of a column or a channel from its name or its number in the file."""
+    """Return the index of a column or a channel, given its name or its number in the file."""
     text = str(selected).strip()
     for normalise in (lambda name: name, lambda name: name.casefold(), _remove_unit):
         matches = [index for index, name in enumerate(names) if normalise(name.strip()) == normalise(text) and text]
@@ -112,7 +112,7 @@ def _remove_unit(name: str) -> str:
 
 
 def list_names(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
-    """Format a list of the first names with their numbers."""
+    """List the first names, each with its number, as text for a message."""
     numbers = range(len(names)) if numbers is None else numbers
     pairs = list(zip(numbers, names, strict=True))
     shown = ", ".join(f"{index} ({printable(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
@@ -127,7 +127,7 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
 
 
 def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> Raw:
-    """Return the selected columns: only heights; positions and heights; or x, y and heights."""
+    """Return the data of the selected columns: heights only, positions and heights, or x, y and heights."""
     numbers = _column_numbers(table)
     indices = [_find_column(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
@@ -168,7 +168,7 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
 
 
 def _select_profile(table: ColumnTable, *places: int) -> Raw:
-    """Return the heights of one column, or the positions and heights in rows in which both columns have numbers."""
+    """Return the heights of one column, or the positions and heights of rows where both columns contain numbers."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
     raw = _to_raw(
@@ -220,7 +220,7 @@ def _height_unit(table: ColumnTable, place: int) -> str | None:
 
 
 def _remove_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Remove the first number of a column of heights if it is the count of the other numbers."""
+    """Remove the first number of a height column if it counts the numbers that follow."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         if heights[place] == heights.size - 1 - place:
             if place:
@@ -315,7 +315,7 @@ def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[i
 
 
 def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
-    """Remove a column of flags, and mark the heights that it declares invalid as missing.
+    """Remove a column of flags, and mark as missing the heights that these flags declare invalid.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
     """
@@ -348,7 +348,7 @@ def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> Col
 
 
 def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: Floats | None = None) -> ColumnTable:
-    """Return a table with a selection of its columns."""
+    """Return a table that contains only the selected columns."""
     digits, numbers = table.digits, _column_numbers(table)
     return replace(
         table, values=(table.values if values is None else values)[:, list(selection)],
@@ -383,7 +383,7 @@ def _read_by_shape(table: ColumnTable) -> Raw:
 
 
 def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Return a table without the row and column numbers that a program has added."""
+    """Return a table without row and column numbers that a program has added to the heights."""
     rows, columns = table.values.shape
     if columns > 1 and table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[0].strip()):
         first = table.values[0, 0]
@@ -446,7 +446,7 @@ def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 
 
 def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line contains positions. Lines that all rise alike are heights of a tilted surface."""
+    """Return whether the first line contains positions. Lines that all rise evenly are heights of a tilted surface."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _counts_evenly_as_printed(first, digits):
@@ -470,7 +470,7 @@ def _correlation(values: Floats) -> float:
 
 
 def counts_evenly(values: Floats, slack: float = 0.0) -> bool:
-    """Return whether values rise or fall in equal steps. The first value may be a corner and is ignored."""
+    """Return whether values change in equal steps. The first value is ignored, because it may be a table corner."""
     following = values[1:]
     if following.size < 4 or not np.isfinite(following).all():
         return False
@@ -583,7 +583,7 @@ def _reject_columns(table: ColumnTable) -> Raw:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return the end of a sentence, which lists the unit or spacing that a table lacks."""
+    """Return the end of a sentence that lists the unit or spacing missing from a table."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

@@ -1,4 +1,4 @@
-"""Files of spectra combined from several scans: one line for each scan, and a table (CSV) below."""
+"""Files that store a spectrum combined from several scans: a line for each scan, followed by a CSV table."""
 
 from __future__ import annotations
 

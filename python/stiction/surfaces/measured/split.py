@@ -105,7 +105,10 @@ class NumberBlock:
         return self.dialect.cells(self.text.line(int(self.lines[line])))
 
     def digits(self, column: int) -> Floats:
-        """Return the value of the last printed digit of each number in a column, from at most `MAX_SAMPLED` rows."""
+        """Return the value of one unit in the last printed digit of each number in a column.
+
+        The digits are counted in at most `MAX_SAMPLED` rows.
+        """
         decimals = digits = 0
         max_decimals = -1000
         count = self.lines.size
@@ -126,7 +129,7 @@ class NumberBlock:
         return digit_value(self.values[:, column], max_decimals, digits)
 
     def row_digits(self, line: int) -> Floats:
-        """Return the value of the last printed digit of each number in a row."""
+        """Return the value of one unit in the last printed digit of each number in a row."""
         matches = [match for cell in self.row(line) if (match := self.dialect.number.fullmatch(cell)) and match[0]]
         decimals = max((len(match[3] or "") - int(match[4] or 0) for match in matches), default=0)
         digits = max((len((match[2] + (match[3] or "")).lstrip("0")) for match in matches), default=0)
@@ -134,7 +137,7 @@ class NumberBlock:
 
 
 def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the value of the last printed digit of numbers with given counts of decimals and significant digits."""
+    """Return the value of one unit in the last printed digit, given the numbers of decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
     by_digits = np.where(np.isfinite(size), size, -400) + 1 - digits
@@ -189,7 +192,7 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
 
 
 def is_row(line: str, dialect: Dialect, text: Text) -> bool:
-    """Return whether all cells of a line are numbers or marks of missing points, with at least one number."""
+    """Return whether all cells of a line are numbers or missing-point markers, and at least one is a number."""
     any_number = False
     for cell in dialect.cells(line):
         if (kind := cell_kind(cell, dialect, text)) is None:

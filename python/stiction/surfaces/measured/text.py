@@ -125,7 +125,7 @@ def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence
 
 
 def describe_source(block: NumberBlock) -> Source:
-    """Return a description of the location and format of a block in its text."""
+    """Describe the location of a block in its text, and the format of the block."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     point = "." if block.dialect.pairs else block.dialect.point
     return Source(
@@ -167,7 +167,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
 
 
 def _repeats_words(text: Text, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
-    """Return whether another line has the same words, and numbers in the same cells, so that neither is a header."""
+    """Return whether line `other` has the same words and number positions as `cells`, so that neither is a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     others = dialect.cells(text.line(other))

@@ -89,7 +89,7 @@ class _WordTable:
 
 
 def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
-    """Find the rows of a table with columns of words: rows of equal width with numbers in the same columns."""
+    """Find the rows of a table with word columns: rows of equal width with numbers in the same columns."""
     rows = [split_cells(text.line(line), separator) for line in lines]
     is_number = [[_NUMBER_CELL.fullmatch(cell) is not None for cell in row] for row in rows]
     widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))

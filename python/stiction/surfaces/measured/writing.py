@@ -97,7 +97,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
 
 
 def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
-    """Write a body as text with the history below the head, if the name ends in .csv, or as arrays, if in .npy."""
+    """Write a body as text with its history below `head` (.csv), or as arrays (.npy), depending on the file name."""
     path = Path(path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")

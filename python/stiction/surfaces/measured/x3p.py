@@ -140,7 +140,7 @@ class _MainXml:
 
 
 class _StoredAxis:
-    """Storage of the positions along one axis."""
+    """Description of how the positions along one axis are stored."""
 
     def __init__(self, root: _MainXml, name: str) -> None:
         path = f"Record1/Axes/C{name}"
@@ -206,7 +206,7 @@ def _read_columns(
 
 
 def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
-    """Parse points listed as text. Semicolons separate axes, and empty strings are missing points."""
+    """Parse points that are listed as text. Semicolons separate axes, and empty strings mark missing points."""
     if len(rows) != points:
         raise FormatError(f"declares {points} points, but lists {len(rows)}")
     columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute}

@@ -1,4 +1,4 @@
-"""CSV export of Keyence VK and VR microscopes in any language. The header contains calibration, counts and unit.
+"""CSV export of Keyence VK and VR microscopes in any language. The header has the calibration, counts and unit.
 
 ::
 
@@ -48,7 +48,7 @@ def _rows(text: Text) -> list[list[str]]:
 
 
 def _calibration(rows: list[list[str]]) -> int | None:
-    """Return the index of the calibration row, which consists of a name, a length and the unit of this length."""
+    """Return the index of the calibration row, which consists of a name, a length and its unit."""
     for index, row in enumerate(rows):
         if len(row) == 3 and _UNSIGNED_NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
             return index

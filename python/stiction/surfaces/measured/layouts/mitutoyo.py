@@ -1,4 +1,4 @@
-"""Workbooks of Mitutoyo SurfTest. In sheet DATA, columns E and F contain positions and heights, column A parameters.
+"""Mitutoyo SurfTest workbooks: sheet DATA has parameters in column A, positions in column E, heights in column F.
 
 The parameters contain the unit of heights; the cutoff on the sheet Certificate contains the unit of positions.
 

@@ -1,4 +1,4 @@
-"""ASCII export of Wyko and Veeco interferometers in blocks. In the block of heights, each line is a column of the map.
+"""ASCII export of Wyko and Veeco interferometers, in blocks. Each line of the height block is a map column.
 
 Values in a line run from the bottom of the map to its top. The second number of the first line is 1 if heights are in
 nm, and otherwise they are in wavelengths. Pixel sizes are in mm, wavelengths in nm.
