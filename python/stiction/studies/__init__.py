@@ -1,1 +1,1 @@
-"""Studies: computation of friction for ensembles of surface pairs over ranges of parameters."""
+"""Studies, which compute the friction of ensembles of surface pairs over ranges of parameters."""

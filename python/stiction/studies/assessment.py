@@ -81,7 +81,7 @@ MAX_RELATIVE_HALF_WIDTH = 0.5  # A caveat is issued if the relative half width o
 
 @dataclass(frozen=True)
 class Caveat:
-    """Reason not to quote a value, or to quote it with care, and its remedy."""
+    """Reason not to quote a value or to quote it only with care, together with a remedy."""
 
     text: str
     remedy: str
@@ -99,7 +99,7 @@ class Caveat:
 
 
 class Check(NamedTuple):
-    """Upper limit of a number, with the caveat for points at which the number is larger.
+    """Upper limit of a checked number, and the caveat that is issued if the number exceeds the limit.
 
     The placeholder {} in the text stands for the number `about`.
     """
@@ -114,11 +114,11 @@ class Check(NamedTuple):
 
     @property
     def shown_name(self) -> str:
-        """Name of the number that the text of the caveat shows."""
+        """Name of the number that is printed in the text of the caveat."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
-        """Return the caveat, given the numbers of a point that fails the check."""
+        """Create the caveat for a point that fails the check, using the numbers of the point."""
         value, checked = (float(numbers[name]) for name in (self.shown_name, self.name))
         if self.shown in ("digits", "digit"):
             number_text = format_significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
@@ -254,7 +254,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Caveat]:
-    """Yield the caveats of a point, including a caveat for any status other than "ok"."""
+    """Yield the caveats about a point of a result, including a caveat for any status other than "ok"."""
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
         yield from _find_adhesion_caveats(point, study)
@@ -283,7 +283,7 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
 
 
 def find_smallest_limit(name: str) -> float | None:
-    """Return the smallest limit that the contact checks set for the named number, or None if they set no limit."""
+    """Return the smallest limit that any contact check sets for a number, or None if no check uses the number."""
     return min(
         (check.limit for group in (CONTACT_COUNT_CHECKS, *CONTACT_CHECKS) for check in group if check.name == name),
         default=None,
@@ -291,7 +291,7 @@ def find_smallest_limit(name: str) -> float | None:
 
 
 def apply_checks(checks: Checks, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
-    """Yield the first failed check of each group as a caveat.
+    """Yield a caveat for each group of checks that has a failed check. The first failed check determines the caveat.
 
     A check passes if its number is missing.
     """
@@ -304,7 +304,7 @@ def compute_value_numbers(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute the numbers that the checks compare with limits, given the coefficient and contact count of each point.
+    """Return the numbers that the checks compare with their limits, computed for each point of a result.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -356,7 +356,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
 
 
 def list_pressure_checks(study: Study, modulus: float) -> Checks:
-    """Return checks that compare the mean pressure with pressures at which elastic bodies would yield.
+    """Return checks that compare the mean contact pressure with the pressures at which the bodies would yield.
 
     The limits are the hardness of the softer body or, if it is unknown, typical fractions of E*. Returns no checks if
     the contact model limits the pressure, or if the effective modulus (GPa) is so small that the bodies are probably
@@ -390,7 +390,7 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
 def assess_ensemble(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any]
 ) -> tuple[list[list[Caveat | Check]], NDArray[np.intp]]:
-    """Assess many points of a result of generated bodies, given the status and the checked numbers of each point.
+    """Assess points of a result for generated bodies, using the status and the checked numbers of each point.
 
     The arrays have equal shapes. Returns the distinct lists of reasons, with faults first, and for each point the index
     of its list. A reason is a failed check, or a caveat about a status.
@@ -418,13 +418,13 @@ def assess_ensemble(
 
 
 def find_verdict(reasons: Iterable[Caveat | Check]) -> str:
-    """Return the assessment that follows from the most severe of the given caveats or failed checks."""
+    """Return the assessment for the given caveats or failed checks, which depends on the most severe of them."""
     severities = {reason.severity for reason in reasons}
     return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
 
 def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:
-    """Yield caveats about junction growth and seizure, and a caveat if the coefficient equals mu0."""
+    """Yield caveats about junction growth, about seizure, and about a friction coefficient that equals mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)
@@ -462,7 +462,7 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
 def _find_seizure_caveats(
     point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if samples of the inputs seize, or if the interface is nearly as strong as the bulk."""
+    """Yield a caveat if some input samples lead to seizure, or if the interface is nearly as strong as the bulk."""
     strength = hardness * growth.high**-0.5 if growth.high else math.inf
     seizing = value_of(point, "fraction_seizing")
     if seizing > 0:
@@ -481,7 +481,7 @@ def _find_seizure_caveats(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected adhesion, an unresolved adhesion range, and effects that the interval omits."""
+    """Yield caveats about neglected adhesion, an unresolved range of adhesion, and effects outside the interval."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load(point, study)
         min_added = MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0  # the asperity model has no adhesion
@@ -518,7 +518,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
 
 
 def estimate_adhesion_load(point: xarray.Dataset, study: Study) -> float:
-    """Estimate the load that a typical work of adhesion would add to the contacts, relative to the applied load.
+    """Estimate the load that typical adhesion would add to the contacts, as a fraction of the applied load.
 
     The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
     the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the fraction is
@@ -583,7 +583,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return the ratio of true to nominal area, or NaN for generated profiles, which have no nominal area."""
+    """Return the ratio of true to nominal area. It is NaN for generated profiles, which have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return value_of(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

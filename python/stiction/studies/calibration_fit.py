@@ -1,4 +1,4 @@
-"""Joint distribution of mu0 and tau0 from friction tests, by adaptive importance sampling over nuisance parameters.
+"""Joint distribution of mu0 and tau0, computed from friction tests by adaptive importance sampling.
 
 Nuisance parameters are uncertain quantities that the tests share: the gain of the force cell, the true areas of the
 surfaces, ranges of hardness, junction growth, creep and moduli, the spread between runs, and the size of the errors if
@@ -55,7 +55,7 @@ GAIN_NUISANCE, SPREAD_NUISANCE = "gain", "spread between runs"  # names of nuisa
 
 @dataclass(frozen=True)
 class _Best:
-    """Best fit of a calibration problem: mu0, tau0, nuisance parameters and residuals."""
+    """Best fit to the friction tests of a calibration, with mu0, tau0, nuisance parameters and residuals."""
 
     mu0: float
     tau0: float  # best tau0 (GPa)
@@ -68,7 +68,7 @@ class _Best:
 
 @dataclass(frozen=True)
 class _Cells:
-    """Limits of the grid of mu0 and tau0 for each nuisance point, which is a set of nuisance parameters."""
+    """Limits of the mu0-tau0 grids, one for each nuisance point, which is a set of nuisance-parameter values."""
 
     triangle: Floats  # triangular QR factors of the equations (points, 3, 3)
     depth: float
@@ -83,7 +83,7 @@ class _Cells:
 
 @dataclass(frozen=True)
 class _Grid:
-    """Grid of mu0 and tau0 for each nuisance point, with the logarithm of the probability in each cell."""
+    """Grids of mu0 and tau0, one for each nuisance point, with the logarithm of the probability in each grid cell."""
 
     cells: _Cells
     # logarithms of the probabilities (points, tau0, mu0), excluding the prior of the nuisance parameters
@@ -91,7 +91,7 @@ class _Grid:
 
 
 class CalibrationProblem:
-    """Equations rub · mu0 + stick · tau0 = right, one for each test, with errors and nuisance parameters.
+    """Linear equations rub · mu0 + stick · tau0 = right, one per friction test, with errors and nuisance parameters.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ class CalibrationProblem:
     def _columns(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the coefficients `rub`, `stick` and `right` of the equations for given nuisance scores.
+        """Compute the coefficients `rub`, `stick` and `right` of the test equations from the nuisance scores.
 
         The scores have the shape (points, nuisances), and the coefficients have the shape (points, tests). If mu0 and
         tau0 (GPa) of shape (points, ...) are given, `stick` has the shape (points, tests, ...) and includes the
@@ -195,7 +195,7 @@ class CalibrationProblem:
         return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
 
     def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return, for each run, the direction and norm of the vector by which an offset of the run shifts the tests.
+        """Return the direction and norm of the change in the test residuals that a common offset of each run causes.
 
         The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
         errors. Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would
@@ -220,16 +220,16 @@ class CalibrationProblem:
 
     @property
     def pivot(self) -> float:
-        """Weighted mean (1/GPa) of the area per load A/F over the tests."""
+        """Mean of A/F (true area per load, 1/GPa) over the tests that slid, weighted by the inverse squared errors."""
         return float(np.average(self.ratio, weights=self._weight))
 
     @property
     def variation(self) -> float:
-        """Weighted standard deviation of A/F over the tests, divided by the weighted mean."""
+        """Relative standard deviation of A/F between the tests that slid, weighted by the inverse squared errors."""
         return float(np.sqrt(np.average((self.ratio - self.pivot) ** 2, weights=self._weight)) / self.pivot)
 
     def _spread(self, scores: Floats) -> Floats:
-        """Return the relative standard deviation between runs, with shape (points,), for given nuisance scores."""
+        """Compute the relative standard deviation between runs, of shape (points,), from the nuisance scores."""
         from scipy.special import ndtr
 
         if SPREAD_NUISANCE not in self.nuisances:
@@ -238,7 +238,7 @@ class CalibrationProblem:
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return the equations of the tests with sliding, in units of the errors and decorrelated within runs.
+        """Return the equations of the tests that slid, divided by the errors and decorrelated within each run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -247,7 +247,7 @@ class CalibrationProblem:
         return self._independent(rows, scale, spread)
 
     def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Remove the correlation between tests of the same run from rows with shape (points, tests with sliding, k).
+        """Transform rows of shape (points, tests with sliding, k) so that tests of the same run are uncorrelated.
 
         Also returns the logarithms of the normalization factors (points,).
         """
@@ -263,7 +263,7 @@ class CalibrationProblem:
     def _residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of tests with sliding, in units of the errors, and the coefficients of the equations.
+        """Return the equation residuals of the tests that slid, divided by the errors, and the equation coefficients.
 
         The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -283,7 +283,7 @@ class CalibrationProblem:
 
     @cached_property
     def best(self) -> _Best:
-        """Best fit of mu0, tau0 and the nuisance parameters.
+        """Values of mu0, tau0 and the nuisance parameters that fit the tests best.
 
         Offsets of runs are free parameters, so that residuals contain only the scatter within runs. Outliers get
         smaller weights.
@@ -313,7 +313,7 @@ class CalibrationProblem:
             return strength
 
         def grown(points: Floats) -> Floats:
-            """Return the residuals, with shape (points, tests with sliding), including junction growth."""
+            """Return the residuals, including junction growth, as an array of shape (points, tests with sliding)."""
             mu0, tau0 = np.transpose([values(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._residuals(to_scores(points[:, len(free) :]), scales, 1e6 * scales, mu0, tau0)
@@ -360,7 +360,7 @@ class CalibrationProblem:
         return _Best(float(mu0), float(tau0), scores, misfit, slope, robust, scale)
 
     def fit(self) -> Fit:
-        """Return the joint distribution of mu0 and tau0, with the quality of the fit."""
+        """Compute the joint distribution of mu0 and tau0, and the quality of the fit."""
         from scipy.stats import chi2, linregress
 
         best = self.best
@@ -386,14 +386,14 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _mean_ratio(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return samples of the weighted mean of A/F (1/GPa) over the tests with sliding."""
+        """Return samples of the mean A/F (1/GPa) over the tests that slid, weighted by the inverse squared errors."""
         rub, stick, _ = self._columns(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
 
     @cached_property
     def growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests, or None if α differs between tests or has no effect on them."""
+        """Junction growth α, which all tests share, or None if α differs between tests or does not affect the tests."""
         grown = [equation.yields.growth for equation in self._friction if equation.yields and equation.yields.growth]
         if grown:
             return grown[0] if len({growth.text for growth in grown}) == 1 else None
@@ -401,7 +401,7 @@ class CalibrationProblem:
         return parse_input("junction_growth", 0.0) if any(depend) else None
 
     def _growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the α that all tests share, or NaN if α differs between tests or has no effect on them."""
+        """Return samples of the shared junction growth α, or NaN if α differs between tests or does not affect them."""
         from scipy.special import ndtr
 
         if self.growth is None or self.growth.is_exact:
@@ -415,14 +415,14 @@ class CalibrationProblem:
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """Hardness range that all tests share, or None if there is no such range."""
+        """Uncertain hardness that all tests share, or None if the tests do not share an uncertain hardness."""
         first = self._friction[0].yields
         yields = [equation.yields for equation in self._friction]
         names = {law.key("hardness") if law and "hardness" in law.known else "" for law in yields}
         return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
 
     def _hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the hardness (GPa) that all tests share, or NaN if the tests do not share one."""
+        """Return samples of the hardness (GPa) that all tests share, or NaN if the hardness differs between tests."""
         from scipy.special import ndtr
 
         first = self._friction[0]
@@ -434,7 +434,7 @@ class CalibrationProblem:
     # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
 
     def _grid(self, points: Floats) -> _Grid:
-        """Return the grids of mu0 and tau0 for all nuisance points.
+        """Return the grids of mu0 and tau0 for the given nuisance points.
 
         The last coordinate of a point is the logarithm of the scale of the errors.
         """
@@ -508,7 +508,7 @@ class CalibrationProblem:
     def _around_growth(
         self, cells: _Cells, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _Cells:
-        """Return the limits of the grids around the best mu0, which is computed with junction growth.
+        """Return grid limits that enclose the best mu0, which is computed with junction growth.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
@@ -543,7 +543,7 @@ class CalibrationProblem:
         return replace(cells, best=best, below=below, above=above)
 
     def _coefficients(self, cells: _Cells, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
-        """Return the lower limit and the cell width of the mu0 grid at each tau0."""
+        """Return the lower limit and the cell width of the mu0 grid for each tau0."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
         if cells.best is None:
@@ -564,7 +564,7 @@ class CalibrationProblem:
     # ---- Nuisance parameters ----------------------------------------------------------------------------------------
 
     def _sample(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
-        """Return samples of mu0, tau0 (GPa) and the scores of the nuisance parameters.
+        """Draw samples of mu0, tau0 (GPa) and the nuisance scores from their joint distribution.
 
         If `freedom` is given, all errors share an unknown factor.
         """
@@ -592,7 +592,7 @@ class CalibrationProblem:
         return self._resample(points, grid, log_weight)
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return mean and covariance of the first proposal for the nuisance scores and the log of the error scale."""
+        """Return mean and covariance of the first proposal distribution of nuisance scores and log error scale."""
         moved = [index for index, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
@@ -609,7 +609,7 @@ class CalibrationProblem:
     def _weigh(
         self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _Grid, Floats]:
-        """Draw nuisance points from the proposal, and return the points with their grids and logarithmic weights."""
+        """Draw nuisance points from the proposal distribution, and return them with their grids and log weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -628,7 +628,7 @@ class CalibrationProblem:
         return points, grid, np.where(np.isfinite(log), log, -np.inf)
 
     def _resample(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
-        """Draw samples of mu0, tau0 (GPa) and scores from all grid cells, in proportion to their weights."""
+        """Draw samples of mu0, tau0 (GPa) and nuisance scores from all grid cells in proportion to the cell weights."""
         random = np.random.default_rng(0)
         inside = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
@@ -650,7 +650,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def advice(self) -> tuple[tuple[str, float, float], ...]:
-        """Return plans of further tests that would separate mu0 and tau0, each with the expected standard errors.
+        """Return plans for further tests that would separate mu0 from tau0, each with the expected standard errors.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
@@ -678,7 +678,7 @@ class CalibrationProblem:
 
 
 def _concatenate(grids: Sequence[_Grid]) -> _Grid:
-    """Concatenate the grids of several batches of nuisance points."""
+    """Concatenate grids that were computed for several batches of nuisance points."""
     cells = [grid.cells for grid in grids]
     names = ("triangle", "low", "high", *(("best", "below", "above") if cells[0].best is not None else ()))
     joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in cells]) for name in names}
@@ -686,7 +686,7 @@ def _concatenate(grids: Sequence[_Grid]) -> _Grid:
 
 
 def _run_members(tests: Sequence[FrictionTest]) -> Floats:
-    """Return a matrix with shape (runs, tests) that is 1 where a test belongs to a run, and 0 elsewhere.
+    """Return a matrix of shape (runs, tests) whose elements are 1 if the test belongs to the run, and 0 otherwise.
 
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.
     """
@@ -698,7 +698,7 @@ def _run_members(tests: Sequence[FrictionTest]) -> Floats:
 
 
 def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
-    """Solve weighted equations, with shape (tests, 3), for nonnegative mu0 and tau0 (GPa) by least squares."""
+    """Compute the nonnegative mu0 and tau0 (GPa) that solve weighted equations of shape (tests, 3) by least squares."""
     from scipy.optimize import lsq_linear
 
     free = [value is None for value in known]
@@ -713,7 +713,7 @@ def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) ->
 
 
 def _triangle(rows: Floats) -> Floats:
-    """Return the triangular factors of the QR decompositions of the equations, with nonnegative diagonals.
+    """Compute QR decompositions of the equations, and return the triangular factors with nonnegative diagonals.
 
     The equations have the shape (points, tests, 3), and the factors have the shape (points, 3, 3).
     """
@@ -728,7 +728,7 @@ def _triangle(rows: Floats) -> Floats:
 
 
 def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density), minimized over mu0, is within `depth` of its minimum."""
+    """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 exceeds its minimum by at most `depth`."""
     first, second = triangle[:, 0], triangle[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
     centre, at_bound = (
@@ -754,7 +754,7 @@ def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
 
 
 def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density), at a fixed mu0, is within `depth` of its minimum."""
+    """Return the range of tau0 (GPa) in which -2 ln(density) at a fixed mu0 exceeds its minimum by at most `depth`."""
     first, second = triangle[:, 0], triangle[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2
     centre = (second[:, 1] * second[:, 2] + first[:, 1] * (first[:, 2] - first[:, 0] * mu0)) / curvature
@@ -764,6 +764,6 @@ def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Float
 
 
 def _effective(log_weight: Floats) -> float:
-    """Return the effective sample size of samples, given the logarithms of their weights."""
+    """Compute the effective sample size from the logarithms of the sample weights."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

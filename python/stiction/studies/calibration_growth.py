@@ -1,4 +1,4 @@
-"""Best mu0 and range of tau0 with junction growth, which makes friction tests nonlinear in mu0 and tau0."""
+"""Best mu0 and range of tau0 for friction tests in which junction growth makes the equations nonlinear."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Residuals are infinite at seizure.
 
 
 def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Compute the best nonnegative mu0 for each tau0 by the Gauss-Newton method.
+    """Compute the nonnegative mu0 that fits the tests best at each tau0, by the Gauss-Newton method.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tupl
 
 
 def range_of_strength(squares: Callable[[Floats], Floats], highest: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the sum of squared residuals is within `depth` of its minimum.
+    """Return the range of tau0 (GPa) in which the sum of squared residuals exceeds its minimum by at most `depth`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Individual contacts: the contact picture of a typical member, stored as a file, and a table of all contacts.
+"""Individual contacts: a stored picture of the contacts of a typical member, and a table of all contacts.
 
 A result stores only sums over contacts, so its members are computed again.
 """
@@ -61,7 +61,7 @@ _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um
 
 
 def contact_picture(result: Result | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Return heights, contacts and pressures of the member whose true area is nearest to the mean true area.
+    """Return heights, contacts and pressures of a typical member, whose true area is nearest to the mean.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
 
 
 def coming_and_going(result: Result) -> xarray.Dataset | None:
-    """Compute load, contact area and approach of an adhesive member during loading and unloading.
+    """Compute the load, contact area and approach of a typical adhesive member during loading and unloading.
 
     Returns None for bodies without adhesion, or if the solver fails.
     """
@@ -140,7 +140,7 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
 
 
 def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
-    """Read the contact picture stored alongside a result, or return None if no picture is stored.
+    """Read the contact picture stored with a result, or return None if no contact picture is stored.
 
     Raises a `StoreError` if the file is damaged.
     """
@@ -150,7 +150,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 
 
 def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:
-    """Return the first pair of measured profiles that touch at a load (mN), with their approach and offset (µm).
+    """Return the first pair of measured profiles that touch at a load (mN), with the approach and the offset (µm).
 
     Returns None if no pair touches.
     """
@@ -166,7 +166,7 @@ def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profil
 
 
 def find_typical_index(area: Floats) -> int:
-    """Return the index of the area that is nearest to the mean area, ignoring NaN."""
+    """Return the index of the area that is nearest to the mean of all areas, ignoring NaN."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
@@ -223,7 +223,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
 
 
 def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map of contact numbers on which each asperity contact is a disc of equal area."""
+    """Return a map of contact numbers. Each asperity contact is drawn as a disc that has the area of the contact."""
     numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         low, high = (
@@ -240,7 +240,7 @@ def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
 
 
 def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None) -> pandas.DataFrame:
-    """Return a table of all contacts of some members at elastic loads (mN); `Result.contacts` documents the columns."""
+    """Return a table of all contacts of some members at elastic loads (mN). See `Result.contacts` for the columns."""
     import pandas
 
     study = result.study
@@ -282,7 +282,7 @@ def _check_members(members: int | Sequence[int], available: list[int]) -> list[i
 
 
 def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] | None) -> Iterator[tuple[float, int]]:
-    """Yield pairs of a load and a member index. By default, the area of the member is nearest to the mean area."""
+    """Yield (load, member index) pairs. By default, each member is the one whose true area is nearest to the mean."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -1,4 +1,4 @@
-"""Table `[contact]` of a study, with a class for each combination of contact model and kind of surfaces."""
+"""Classes for the table `[contact]` of a study, one for each contact model and kind of surfaces."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio of successive loads at which are
 
 
 class HertzCylinderTable(Table):
-    """Parameters of the contact law for elastic cylinders of given width."""
+    """Table of the contact law for elastic cylinders, which specifies the width of the cylinders."""
 
     name: Literal["hertz-cylinder"]
     width: Length
@@ -67,7 +67,7 @@ class HertzCylinderTable(Table):
 
 
 class JacksonGreenTable(Table):
-    """Parameters of the contact law of Jackson and Green: yield strength and Poisson's ratio of the softer body."""
+    """Table of the Jackson-Green contact law, with the yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
     yield_strength: Modulus
@@ -124,7 +124,7 @@ PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]
 
 
 class OnsetTable(Table):
-    """Friction parameters for which the onset of sliding is computed, with friction at all contacts.
+    """Friction parameters used to compute the onset of sliding. Friction acts at all contacts.
 
     The result stores the onset for these parameters only.
     """
@@ -148,7 +148,7 @@ LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `fric
 
 
 class ContactTable(Case):
-    """Keys of the table `[contact]` that all contact models and all kinds of surfaces share."""
+    """Keys of the table `[contact]` that are common to all contact models and all kinds of surfaces."""
 
     effective_modulus: Modulus = Field(
         default=quantity("10 GPa", "pressure"), description="Effective modulus E* of both bodies."
@@ -156,15 +156,15 @@ class ContactTable(Case):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Name of the quantity that is prescribed at each loading step."""
+        """Name of the quantity that is prescribed at each loading step, "approach" or "load"."""
         return "load"
 
     def steps(self) -> Floats:
-        """Return the approaches (µm) or loads (mN) of all steps."""
+        """Return the approaches (µm) or loads (mN) of all loading steps."""
         raise NotImplementedError
 
     def rules(self) -> tuple[Sliding, ...]:
-        """Return all sliding rules."""
+        """Return all sliding rules that the table specifies."""
         raise NotImplementedError
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
@@ -176,7 +176,7 @@ class ContactTable(Case):
         return np.array([degrees_of(direction) for direction in self.directions_of_motion()])
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and the directions of motion (degrees) that form dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that become dimensions of a result."""
         return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
 
 
@@ -184,7 +184,7 @@ class ContactTable(Case):
 
 
 class GeneratedContact(ContactTable):
-    """Keys of the contact table that describe the motion of generated surfaces."""
+    """Keys of the contact table that specify the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
@@ -205,7 +205,7 @@ class GeneratedContact(ContactTable):
         return self
 
     def rules(self) -> tuple[Sliding, ...]:
-        """Return all sliding rules."""
+        """Return all sliding rules that the table specifies."""
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
@@ -220,7 +220,7 @@ class GeneratedContact(ContactTable):
 
 
 class GeneratedLoads(GeneratedContact):
-    """Keys of the contact table that describe the loads on generated surfaces."""
+    """Keys of the contact table that specify the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -230,7 +230,7 @@ class GeneratedLoads(GeneratedContact):
     )
 
     def steps(self) -> Floats:
-        """Return all loads (mN)."""
+        """Return the loads (mN) of all loading steps."""
         return array_of(self.load)
 
 
@@ -249,21 +249,21 @@ class MeasuredContact(ContactTable):
     )
 
     def steps(self) -> Floats:
-        """Return all loads (mN)."""
+        """Return the loads (mN) of all loading steps."""
         return array_of(self.load)
 
     def rules(self) -> tuple[Sliding, ...]:
-        """Return both sliding rules."""
+        """Return both sliding rules, "all" and "opposing"."""
         return "all", "opposing"
 
 
 class MeasuredLinesContact(MeasuredContact):
-    """Keys of the contact table for lines of measured bodies. Results contain both directions of motion."""
+    """Keys of the contact table for measured lines (profiles or map lines), which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return both directions of motion."""
+        """Return both directions of motion, "+x" and "-x"."""
         return "+x", "-x"
 
 
@@ -275,7 +275,7 @@ class MeasuredAreasContact(MeasuredContact):
     direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION_DESCRIPTION)
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return all directions of motion."""
+        """Return all directions of motion that the table specifies."""
         assert self.direction is not None
         return self.direction if isinstance(self.direction, tuple) else (self.direction,)
 
@@ -383,11 +383,11 @@ class AsperityContactTable(ContactTable):
     curvature: CurvatureKey = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of a contact model that set the direction of motion; the dict may be empty."""
+        """Return the contact-model arguments that set the direction of motion. The dict is empty if there are none."""
         return {}
 
     def model(self, sliding: Sliding | None = None) -> ContactModel:
-        """Return the contact model for a sliding rule, by default the first rule of the table."""
+        """Return the contact model with the given sliding rule, which is the first rule in the table by default."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -399,7 +399,7 @@ class AsperityContactTable(ContactTable):
 
 
 class GeneratedAsperities(AsperityContactTable, GeneratedContact):
-    """Keys of the contact table for generated surfaces that the asperity model presses to given approaches."""
+    """Keys of the contact table for generated surfaces that are pressed to given approaches with the asperity model."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
@@ -422,15 +422,15 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Name of the quantity that is prescribed at each loading step."""
+        """Name of the quantity that is prescribed at each loading step, "approach" or "load"."""
         return "approach"
 
     def steps(self) -> Floats:
-        """Return all approaches (µm)."""
+        """Return the approaches (µm) of all loading steps."""
         return array_of(self.approach)
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of a contact model that set the direction of motion."""
+        """Return the contact-model arguments that set the direction of motion."""
         return {"shear": self.shear, "direction": self.direction}
 
 
@@ -451,7 +451,7 @@ class AsperitiesOfGeneratedAreas(GeneratedAsperities):
 
 
 class AsperitiesOfMeasuredLines(AsperityContactTable, MeasuredLinesContact):
-    """Contact table of the asperity model for lines of measured bodies."""
+    """Contact table of the asperity model for measured lines."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
@@ -479,7 +479,7 @@ class HalfSpaceOfGeneratedAreas(HalfSpaceContactTable, GeneratedLoads):
 
 
 class HalfSpaceOfMeasuredLines(HalfSpaceContactTable, MeasuredLinesContact):
-    """Contact table of the half-plane model for lines of measured bodies."""
+    """Contact table of the half-plane model for measured lines."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
@@ -520,7 +520,7 @@ SHARED_CONTACT_TABLES: tuple[type[ContactTable], ...] = (
 def select_contact_case(
     surfaces: type[GeneratedSurfaces | MeasuredSurfaces], table: Mapping[str, Any]
 ) -> type[Contact]:
-    """Return the class of contact table for the given surfaces and the value of the key `mechanics`."""
+    """Return the contact-table class that matches the kind of surfaces and the key `mechanics`."""
     cases = CONTACT_CASES[surfaces.bodies]
     return cases[chosen("mechanics", table, cases)]
 
@@ -562,7 +562,7 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
 
 
 def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
-    """Extend the given loads (mN) by a geometric series of smaller and larger loads."""
+    """Add smaller and larger loads in a geometric series to the given loads (mN)."""
     curve = np.geomspace(requested.min() / ratio, requested.max() * ratio, steps)
     # Loads of the series that nearly equal a given load are dropped.
     is_new = np.abs(curve[:, np.newaxis] / requested - 1).min(axis=1) > 1e-6
@@ -570,7 +570,7 @@ def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
 
 
 def _fill_loads(requested: Floats) -> Floats:
-    """Insert loads (mN) between the given loads, so that successive ratios hardly exceed `MAX_AREAL_LOAD_RATIO`."""
+    """Insert loads (mN) between the given loads, so that successive ratios are at most about `MAX_AREAL_LOAD_RATIO`."""
     requested = np.unique(requested)
     steps = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
@@ -583,7 +583,7 @@ def _fill_loads(requested: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the given loads (mN) and the additional loads at which contacts of a measured pair are computed.
+    """Return the loads (mN) at which the contacts of a measured pair are computed: given loads and additional loads.
 
     All loads are below `max_load` (mN). For areas, `num_smaller` loads are below the given loads, and the ratio of
     successive loads is at most `MAX_AREAL_LOAD_RATIO`.

@@ -1,4 +1,4 @@
-"""Elasticity of a pair of bodies, from moduli or from the names of materials."""
+"""Elasticity of a pair of bodies, computed from their moduli or looked up by material names."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def find_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> Elasticity:  # fmt: skip
-    """Return the elasticity of a pair of bodies from E*, from Young's moduli and Poisson's ratios, or from materials.
+    """Determine the elasticity of a pair from E*, from Young's moduli and Poisson's ratios, or from material names.
 
     Raises a `ValueError` if none or several of these alternatives are given, or if a value is invalid.
     """
@@ -118,7 +118,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> Elasticity:
-    """Return the elasticity of a pair of materials, with the hardness of the softer material if it yields."""
+    """Return the elasticity of two materials, including the hardness of the softer material if it yields."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
     softer = softer_material(upper_body, lower_body) or min(
@@ -142,7 +142,7 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
 
 
 def _format_alias_note(names: Iterable[tuple[str, str]]) -> str:
-    """Return a note that lists the standard names of materials entered by alternative names."""
+    """Return a note that lists the standard names of materials that were entered under alternative names."""
     aliases = [f'"{alternative}"{{}} as {name}' for alternative, name in names if not is_name_of(alternative, name)]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
     return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text

@@ -1,4 +1,4 @@
-"""Executors for tasks, and the progress bar of a run."""
+"""Executors that run the tasks of a study, and a progress bar."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CONNECTION_TIMEOUT = "15s"
 
 @contextlib.contextmanager
 def enter_executor(executor: Executor | None) -> Iterator[Executor]:
-    """Enter the given executor, or a new executor of threads that is shut down at the end.
+    """Enter the given executor, or create a thread pool that is shut down at the end.
 
     Raises a `StudyError` if a worker process ends.
     """
@@ -41,7 +41,7 @@ def enter_executor(executor: Executor | None) -> Iterator[Executor]:
 
 @contextlib.contextmanager
 def thread_executor(workers: int | None = None) -> Iterator[Executor]:
-    """Enter an executor of threads, by default with one thread per core.
+    """Enter a thread pool, which has one thread per core by default.
 
     Raises a `RuntimeError` if no thread can start.
     """
@@ -59,7 +59,7 @@ def thread_executor(workers: int | None = None) -> Iterator[Executor]:
 def use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Wrap the function of a task so that idle threads help to compute its Fourier transforms.
+    """Wrap a task function so that it uses idle threads for its Fourier transforms.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.
@@ -108,7 +108,7 @@ class ClusterError(ValueError):
 
 @contextlib.contextmanager
 def _without_disconnect_log() -> Iterator[None]:
-    """Suppress Dask's log messages about a lost scheduler, because a `ClusterError` reports the loss."""
+    """Suppress Dask's log messages about a lost scheduler, which are redundant because a `ClusterError` is raised."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
     levels = [logger.level for logger in loggers]
     try:

@@ -46,7 +46,7 @@ def table_study(
     repetitions: int = 12,
     seed: int = 2016,
 ) -> Study:
-    """Create the study of a friction table: pairs of self-affine surfaces on periodic half-spaces.
+    """Create the study for a friction table, in which periodic half-spaces with self-affine surfaces are pressed.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def table_study(
 
 
 def _checked_values(name: str, values: ArrayLike) -> list[float]:
-    """Return numbers as a list after checking that all numbers are above 0."""
+    """Return the values as a list of numbers, after checking that all numbers are above 0."""
     array = np.atleast_1d(float_array(name, values))
     if array.ndim != 1 or not array.size or not (array > 0).all():
         raise ValueError(f"{name} must be numbers above 0, got {short_repr(values)}")

@@ -1,4 +1,4 @@
-"""Table `[surfaces]` of a study of generated surfaces: fractal profiles and two kinds of height maps."""
+"""Classes for the table `[surfaces]` of a study of generated surfaces: fractal profiles or two kinds of maps."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ MAX_HARMONICS = 1_000_000
 
 
 class GeneratedSurfaceKeys(Case):
-    """Keys of `[surfaces]` for all generated ensembles: fractal dimension and amplitude."""
+    """Keys of `[surfaces]` that all generated surfaces share: fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # name of the bodies in error messages
     is_areal: ClassVar[bool] = True
@@ -89,15 +89,15 @@ class GeneratedSurfaceKeys(Case):
         return float(self.length_scale)  # type: ignore[attr-defined]
 
     def fractal_dimensions(self) -> Floats:
-        """Return all values of the fractal dimension."""
+        """Return all fractal dimensions of the study."""
         return array_of(self.fractal_dimension)
 
     def amplitudes(self) -> Floats:
-        """Return all amplitudes (µm)."""
+        """Return all amplitudes (µm) of the study."""
         return array_of(self.amplitude)
 
     def cells(self) -> dict[str, Floats]:
-        """Return the fractal dimensions D and the amplitudes (µm) for which a result contains values."""
+        """Return the fractal dimensions D and the amplitudes (µm) for which a result is computed."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
@@ -131,7 +131,7 @@ class GeneratedProfiles(GeneratedSurfaceKeys):
 
 
 class GeneratedAreas(GeneratedSurfaceKeys):
-    """Keys of `[surfaces]` for all generated height maps: extent and shape of the grid."""
+    """Keys of `[surfaces]` that all generated height maps share: extent and shape of the grid."""
 
     kind: Literal["surface"] = Field(default="surface", description="Kind of surfaces: lines or areas.")
     extent: AreaExtent = (quantity("10 um", "length"), quantity("10 um", "length"))
@@ -149,7 +149,7 @@ class GeneratedAreas(GeneratedSurfaceKeys):
         return float(along_y), float(along_x)
 
     def spacings(self) -> tuple[float, float]:
-        """Return the distances (µm) between the rows and between the columns of a surface."""
+        """Return the grid spacings (µm) along y and x."""
         (along_y, along_x), (rows, columns) = self.extents(), self.shape
         return along_y / rows, along_x / columns
 
@@ -172,7 +172,7 @@ class WeierstrassMandelbrotSurfaces(GeneratedAreas):
 
 
 def _to_fractal_dimensions(exponents: Any) -> Any:
-    """Convert one or more Hurst exponents, or a range, to fractal dimensions D = 2 - H in ascending order."""
+    """Convert Hurst exponents H (a number, a list or a range) to fractal dimensions D = 2 - H in ascending order."""
     try:
         if isinstance(exponents, Mapping):
             limits = {"start": round(2 - exponents["stop"], 12), "stop": round(2 - exponents["start"], 12)}
@@ -219,7 +219,7 @@ class SelfAffineSurfaces(GeneratedAreas):
     @model_validator(mode="before")
     @classmethod
     def _translate_argument_names(cls, keys: Any) -> Any:
-        """Replace alternative keys, such as `rms`, with the standard keys."""
+        """Replace alternative keys such as `rms` with the standard keys."""
         if not isinstance(keys, Mapping) or not cls.other_keys.keys() & keys.keys():
             return keys
         table = {key: value for key, value in keys.items() if key not in cls.other_keys}

@@ -1,4 +1,4 @@
-"""Friction and true area of a measured pair whose heights are multiplied by a factor, to represent another finish.
+"""Friction and true area of a measured pair after its heights are multiplied by a factor to represent another finish.
 
 Each factor is computed as a separate study, which is stored in the folder of the result. Results for factors in between
 are interpolated.
@@ -65,7 +65,7 @@ _INTERPOLATED_VARIABLES = (
 
 
 class MissingFactorsError(ArgumentError):
-    """Error raised if results are requested at factors that have not been computed.
+    """Error raised if results are requested at height factors that have not been computed.
 
     Attributes
     ----------
@@ -130,14 +130,14 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _list_enclosing_powers(low: float, high: float) -> Floats:
-    """Return powers of 2 that enclose a range of factors, with exponents in steps of `FACTOR_STEP`."""
+    """Return powers of 2 that enclose a range of height factors. The exponents increase in steps of `FACTOR_STEP`."""
     first, last = math.floor(math.log2(low) / FACTOR_STEP), math.ceil(math.log2(high) / FACTOR_STEP)
     powers = np.exp2(FACTOR_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
     return np.unique([float(f"{power:.{FACTOR_DIGITS}g}") for power in powers.tolist()])
 
 
 def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
-    """Return the factors that must still be computed before results at the given factors can be interpolated."""
+    """Return the height factors that must be computed before results can be interpolated at the given factors."""
     missing = np.array([factor for factor in factors.tolist() if _find_neighbors(solved, factor) is None])
     if not missing.size:
         return missing
@@ -146,7 +146,7 @@ def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
 
 
 def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the nearest computed factors below and above a factor.
+    """Return the indices of the computed factors next to the given factor, one below and one above it.
 
     Both indices are equal if the factor itself was computed. Returns None if the neighboring factors are too far apart.
     """
@@ -158,7 +158,7 @@ def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
 
 
 def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Study:
-    """Return a copy of the study in which the heights of a measured pair are multiplied by a factor.
+    """Return a copy of a study in which the heights of the measured bodies are multiplied by a factor.
 
     Raises
     ------
@@ -176,12 +176,12 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Stu
 
 
 def find_factor_folder(path: Path, factor: float, scaled: ScaledSides) -> Path:
-    """Return the subfolder of a result folder that contains the results for a factor."""
+    """Return the subfolder of a result folder in which the results for a height factor are stored."""
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
 
 def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float, StoredResult]:
-    """Open the finished results for all stored height factors, in ascending order of the factor.
+    """Open all stored results that are finished, and return them by height factor in ascending order.
 
     The given result is included as factor 1. All results are opened with its friction parameters.
     """
@@ -203,7 +203,7 @@ def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float
 
 
 def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
-    """Return the height factors with stored results, for each choice of scaled surfaces.
+    """Return the stored height factors, listed separately for scaling both bodies, the upper body or the lower body.
 
     The dict is empty if factor 1 is the only factor.
     """
@@ -219,13 +219,13 @@ def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
 
 
 def _lacks_hardness(stored: StoredResult) -> bool:
-    """Return whether areas at other hardnesses or moduli are required but not stored yet."""
+    """Return whether true areas at other hardnesses or moduli are required but not stored."""
     needs_areas = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
     return needs_areas and load_areas_over_hardness(stored) is None
 
 
 def estimate_factor_time(study: Study, count: int) -> float:
-    """Estimate the time (s) that a single core takes to compute the results for a number of factors."""
+    """Estimate the time (s) that one core takes to compute the results at a given number of height factors."""
     time_of_nodes = count_solutions(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
     return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
 
@@ -234,7 +234,7 @@ def compute_factors(
     result: StoredResult, factors: Any, scaled: ScaledSides = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute the results that are missing for an evaluation at the given height factors.
+    """Compute the missing results that are required to evaluate a pair at the given height factors.
 
     Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
     is called with a line of text before each factor. Raises the errors of `evaluate_height_scale` and of
@@ -261,7 +261,7 @@ def compute_factors(
 def evaluate_height_scale(
     result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: ScaledSides = "both"
 ) -> xarray.Dataset:
-    """Evaluate friction, true area and stiffness of a measured pair whose heights are multiplied by given factors.
+    """Evaluate friction, true area and stiffness of a measured pair after its heights are multiplied by given factors.
 
     Parameters
     ----------
@@ -342,7 +342,7 @@ def evaluate_height_scale(
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the root-mean-square heights (µm) of both bodies of the first member, or {} if files are missing."""
+    """Return the rms heights (µm) of both bodies of the first member, or an empty dict if files are missing."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, first_pair(study), strict=True)}
     except (ValueError, OSError):
@@ -350,7 +350,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 
 
 def _interpolate_factors(values: Floats, solved: Floats, factor: float, neighbors: tuple[int, int]) -> Floats:
-    """Interpolate values between computed factors, along the first axis, with NaN next to missing values."""
+    """Interpolate values along the first axis between computed height factors. Values next to NaN become NaN."""
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors

@@ -1,4 +1,4 @@
-"""Caveats about inputs: implausible heights, form, spikes, noise, loads and coefficients."""
+"""Caveats about the inputs of a study: implausible heights, form, spikes, noise, loads and coefficients."""
 
 from __future__ import annotations
 
@@ -74,12 +74,12 @@ MAX_PRESSURE_OVER_MODULUS = 0.1
 
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
-    """Return caveats about two bodies that were read from files, about their study, and about loads (mN)."""
+    """Return caveats about two bodies read from files, about their study, and about the given loads (mN)."""
     bowed = study.surfaces.level == "quadratic"  # No caveat about form is issued if form is subtracted.
     vouched = bool(study.surfaces.vouched)
 
     def of_part(file: MeasuredFile, body: Body) -> list[Caveat]:
-        """Return, for each kind of caveat about the scans of a body, the caveat with the longest cutoff."""
+        """Return the caveats about the scans of a body, keeping the one with the longest cutoff for each kind."""
         kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
@@ -122,7 +122,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
 
 
 def _without_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or another remedy if it suggests a cutoff above the longest allowed one (µm)."""
+    """Return the remedy of a caveat, or a different remedy if its cutoff exceeds the longest allowed cutoff (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -140,12 +140,12 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _kind(caveat: Caveat) -> str:
-    """Return the text of a caveat with all numbers removed."""
+    """Return the text of a caveat without its numbers, which identifies the kind of caveat."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
 def _joined(upper: Caveat, lower: Caveat) -> str:
-    """Return the common text of two caveats of the same kind, with both numbers if the numbers differ."""
+    """Merge the texts of two caveats of the same kind. Where their numbers differ, both numbers are given."""
     others = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def number(own: re.Match[str]) -> str:
@@ -165,7 +165,7 @@ def find_scan_caveats(
     has_readings: bool = False,
     elastic: bool = False,
 ) -> list[Caveat]:
-    """Return caveats about a scan: heights, form, spikes, and wavelengths not attributed to the surface.
+    """Return caveats about the heights, form and spikes of a scan, and about wavelengths not attributed to the surface.
 
     If `textured` is true, the spectrum may have lines and humps. `has_readings` is true if the study also has the
     filtered scan, and `elastic` is true if the study has no hardness.
@@ -177,7 +177,7 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
-    """Return caveats about the files of a measured study, or no caveats if files are missing."""
+    """Return caveats about the scan files of a measured study, or an empty tuple if files are missing."""
     surfaces = study.surfaces
     if surfaces.kind != "measured":
         return ()
@@ -199,13 +199,13 @@ def _extent(body: Body) -> tuple[float, float]:
 
 
 def spectra_differ(joined: JoinedSpectrum) -> bool:
-    """Return whether the spectrum of a scan differs from the others significantly, and by more than a factor of two."""
+    """Return whether a scan has a spectrum that differs significantly, and by a factor of over 2, from the others."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
 
 def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield caveats if scans of a surface have contradictory spectra, or if no scan contains some wavelengths."""
+    """Yield a caveat if the spectra of scans contradict each other, and another if some wavelengths are in no scan."""
     if spectra_differ(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
@@ -216,7 +216,7 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 def _of_instrument(
     body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool, elastic: bool
 ) -> Iterator[Caveat]:
-    """Yield caveats about wavelengths that originate from the instrument, or that the tip does not resolve."""
+    """Yield caveats about wavelengths that come from the instrument or are not resolved by the tip."""
     try:
         limit = instrument_limit(body, texture=textured)
         blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
@@ -262,7 +262,7 @@ def _of_instrument(
 
 
 def _waves(limit: InstrumentLimit) -> str:
-    """Return a text about the fraction of the mean square slope that comes from unreliable wavelengths."""
+    """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
     # The fraction is rounded, so that caveats of similar scans are equal.
     fraction = f"{100 * limit.slope_fraction:.0f} %"
     along = f" along {limit.axis}" if limit.axis else ""
@@ -288,7 +288,7 @@ def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
 
 
 def _of_spikes(body: Profile | Surface) -> Iterator[Caveat]:
-    """Yield a caveat about spikes: sharp points of a profile, or points of a map far from their neighbours."""
+    """Yield a caveat about spikes, which are sharp points of a profile or points of a map far from their neighbours."""
     from scipy.ndimage import median_filter
 
     if isinstance(body, Profile):

@@ -1,4 +1,4 @@
-"""Parsing and sampling of uncertain inputs: numbers, ranges, or values with a standard uncertainty.
+"""Parsing and sampling of uncertain inputs, which are numbers, ranges, or values with a standard uncertainty.
 
 Distributions are propagated by sampling (JCGM 101, 2008). The range of a hardness, a modulus or a strength represents a
 log-normal distribution with 95 % of its probability within the range. The range of a coefficient, or a value with a
@@ -86,7 +86,7 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """Number with up to six digits, or the range as written by the user."""
+        """Number with up to six digits, or a range exactly as written by the user."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     def agrees_with(self, text: str) -> bool:
@@ -190,7 +190,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
 
 
 def _convert_rockwell(low: float, high: float, text: str) -> UncertainInput:
-    """Return the distribution of a hardness that was given in HRC, widened by the conversion error."""
+    """Return the distribution of a hardness given in HRC, widened to include the conversion error."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
@@ -237,7 +237,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Return two strings with units, taking a missing unit from the other string."""
+    """Add a missing unit to one of two strings by copying the unit of the other string."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text
@@ -248,7 +248,7 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
 
 @functools.lru_cache(maxsize=32)
 def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) -> Floats:
-    """Return points of a scrambled Sobol sequence in the unit cube, with shape (count, dimensions).
+    """Return points of a scrambled Sobol sequence in the unit cube, as an array of shape (count, dimensions).
 
     `count` must be a power of two.
     """
@@ -259,7 +259,7 @@ def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) ->
 
 
 def stratified_points(dimensions: int) -> Floats:
-    """Return `NUM_SAMPLES` points of a Sobol sequence in the unit cube, with shape (NUM_SAMPLES, dimensions)."""
+    """Return `NUM_SAMPLES` points of a Sobol sequence, as an array of shape (NUM_SAMPLES, dimensions)."""
     return sobol_points(dimensions, NUM_SAMPLES, seed=2016)
 
 
@@ -279,7 +279,7 @@ INPUT_KINDS: dict[str, InputKind] = {
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
-    """Parse a named input of a study.
+    """Parse the uncertain input of a study that has the given name.
 
     The name is a key of `INPUT_KINDS`. Error messages do not include the name.
     """
@@ -301,7 +301,7 @@ _BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1
 
 
 class UncertainInputsTable(Table):
-    """Ranges and uncertainties of the inputs of a study. Contacts are computed at the central values."""
+    """Ranges and uncertainties of the study inputs. Contacts are computed with the central values of the inputs."""
 
     mu0: _InputText | None = Field(
         default=None, description="Molecular friction coefficient as a range, or as value ± standard uncertainty."

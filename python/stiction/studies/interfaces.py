@@ -1,4 +1,4 @@
-"""Friction tests, and interface strengths from tests, files and published sources.
+"""Friction tests, and interface strengths inferred from tests, read from files or taken from publications.
 
 An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
 mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
@@ -82,7 +82,7 @@ Interval = tuple[float, float, float]  # value, lower limit and upper limit of t
 
 @dataclass(frozen=True)
 class Ball:
-    """Smooth elastic ball on a smooth flat, with the Hertzian contact area.
+    """Smooth elastic ball on a smooth flat, for which the true area is the Hertzian contact area.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class Ball:
         object.__setattr__(self, "moduli", moduli)
 
     def area_per_load(self, load: float) -> float:
-        """Return the true area per load A/F (1/GPa) at a load (mN) for the central values of the moduli."""
+        """Return the true area per load A/F (1/GPa) at a load (mN), computed with the central values of the moduli."""
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
         force, area = hertz_sphere(overlap, radius, modulus)
@@ -132,7 +132,7 @@ class Ball:
 
 @dataclass(frozen=True, kw_only=True)
 class _TestFriction(PerLoad):
-    """Forces per load and true area per load for a friction test."""
+    """Normal and tangential forces per load in a friction test, as functions of mu0 and tau0."""
 
     scatter: float = 0.0  # relative standard error of the adhesive sum `stick`
     surfaces: Hashable = None  # key of the surfaces; tests with equal keys share the area error
@@ -142,7 +142,7 @@ class _TestFriction(PerLoad):
 
 @dataclass(frozen=True)
 class ShearStrength:
-    """Samples of the interface strength: mu0 and tau0 (GPa), or a friction coefficient."""
+    """Samples of mu0 and tau0 (GPa), or of a friction coefficient, which determine the strength of an interface."""
 
     sliding: Sliding
     mu0: Floats
@@ -150,7 +150,7 @@ class ShearStrength:
     tau0: Floats | None = None
 
     def under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
-        """Return the pressure H' (GPa) in sliding plastic contacts for the hardness H (GPa)."""
+        """Return the pressure H' (GPa) in plastic contacts during sliding, computed from the hardness H (GPa)."""
         if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
             return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
         return hardness_under_shear(hardness, self.mu0, self.tau0, alpha)
@@ -158,13 +158,13 @@ class ShearStrength:
 
 @dataclass(frozen=True)
 class _AreaFactor:
-    """Ratio of the true area to the computed area as a function of uncertain inputs."""
+    """Area factor: ratio of the true area to the computed area, as a function of uncertain inputs."""
 
     # uncertain inputs by name: hardness, creep exponent, moduli and α of junction growth
     known: Mapping[str, UncertainInput]
 
     def key(self, name: str) -> str:
-        """Return the name of the nuisance parameter for an input. Equal inputs share the name."""
+        """Return the name of the nuisance parameter for an input. Tests with equal inputs share the parameter."""
         return f"{name} {self.known[name].text}"
 
     @property
@@ -173,7 +173,7 @@ class _AreaFactor:
         return [self.key(name) for name in self.known]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return the values of the inputs at given cumulative probabilities of the nuisance parameters."""
+        """Convert cumulative probabilities of the nuisance parameters to values of the inputs."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
@@ -182,11 +182,11 @@ class _AreaFactor:
         return None
 
     def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of true to computed area at given cumulative probabilities of the nuisance parameters."""
+        """Convert cumulative probabilities of the nuisance parameters to the ratio of true area to computed area."""
         return self.area_of(self.values(columns), strength)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area for given values of the inputs.
+        """Return the ratio of the true area to the computed area at the given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
         infinite at seizure.
@@ -196,18 +196,18 @@ class _AreaFactor:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(_AreaFactor):
-    """Area factor of a Hertzian point contact, whose area is proportional to E*^(-2/3)."""
+    """Area factor of a Hertzian point contact. The area is proportional to E*^(-2/3)."""
 
     moduli: Moduli
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the true area at the central moduli. The strength has no effect."""
+        """Return the true area divided by the true area at the central moduli, ignoring the interface strength."""
         return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
 
 @dataclass(frozen=True)
 class _ResultAreaFactor(_AreaFactor):
-    """Area factor for a result of measured bodies at a given load."""
+    """Area factor at a given load for a result of measured bodies."""
 
     areas: AreaInterpolator
     study: Study
@@ -216,7 +216,7 @@ class _ResultAreaFactor(_AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
-        """Return the area factor of a result, or None if uncertain inputs, creep and growth do not affect the area."""
+        """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
         known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
@@ -240,7 +240,7 @@ class _ResultAreaFactor(_AreaFactor):
         return [*super().names, *([] if self.error is None else [self.error])]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return the input values, and the normal score that determines the interpolation error of the area."""
+        """Return the input values, and the standard normal score that sets the interpolation error of the area."""
         from scipy.special import ndtri
 
         scores = {} if self.error is None else {_AREA_ERROR_NAME: ndtri(columns[self.error])}
@@ -252,7 +252,7 @@ class _ResultAreaFactor(_AreaFactor):
         return find_junction_growth(self.study)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area for given values of the inputs.
+        """Return the ratio of the true area to the computed area at the given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
         infinite at seizure.
@@ -278,7 +278,7 @@ MIN_COEFFICIENT_UNCERTAINTY = 1e-15
 
 @dataclass(frozen=True)
 class FrictionTest:
-    """Friction test: surfaces, load and measured coefficient.
+    """Friction test, described by its surfaces, load and measured coefficient.
 
     Attributes
     ----------
@@ -363,7 +363,7 @@ class FrictionTest:
 
     @cached_property
     def yields(self) -> _AreaFactor | None:
-        """Area factor of the test, or None if uncertain inputs, creep and growth do not affect the area."""
+        """Area factor of the test, or None if no uncertain input, creep or growth affects the area."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
         return _ResultAreaFactor.from_result(self.result, float(self.load), float(self.wait))
@@ -371,7 +371,7 @@ class FrictionTest:
 
 @dataclass(frozen=True)
 class Fit:
-    """Joint distribution of mu0 and tau0 for a sliding rule, with the quality of the fit."""
+    """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
 
     sliding: Sliding
     chi_squared: float  # chi-squared at the best fit, with the errors as given
@@ -389,7 +389,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Interface:
-    """Strength of an interface as a joint distribution of mu0 and tau0.
+    """Strength of an interface, expressed as a joint distribution of mu0 and tau0.
 
     Attributes
     ----------
@@ -427,7 +427,7 @@ class Interface:
     about: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """Describe the interface by the sum mu0 + tau0 A/F, and by mu0 and tau0 if the tests separate these values."""
+        """Describe the interface by the sum mu0 + tau0 A/F, and by mu0 and tau0 if the tests separate them."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             entries += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
@@ -440,7 +440,7 @@ class Interface:
 
     @property
     def identified(self) -> Interval:
-        """Sum mu0 + tau0 A/F with its 95 % interval, at the A/F of the tests."""
+        """Sum mu0 + tau0 A/F with its 95 % interval, evaluated at the A/F of the tests."""
         ratio = self.fits[0].area_per_load
         if not np.isfinite(ratio).all():
             return self.at(self.area_per_load)
@@ -448,22 +448,22 @@ class Interface:
 
     @property
     def mu0(self) -> Interval:
-        """Molecular friction coefficient with its interval, or NaN if mu0 and tau0 are not separated."""
+        """Molecular friction coefficient mu0 with its interval, or NaN if the tests do not separate mu0 and tau0."""
         return self.strength_intervals[0] if self.separated else (math.nan,) * 3
 
     @property
     def tau0(self) -> Interval:
-        """Adhesive shear strength (GPa) with its interval, or NaN if mu0 and tau0 are not separated."""
+        """Adhesive shear strength tau0 (GPa) with its interval, or NaN if the tests do not separate mu0 and tau0."""
         return self.strength_intervals[1] if self.separated else (math.nan,) * 3
 
     @cached_property
     def strength_intervals(self) -> tuple[Interval, Interval]:
-        """Intervals of mu0 and tau0 (GPa), even if the tests do not separate these values."""
+        """Intervals of mu0 and tau0 (GPa), computed even if the tests do not separate mu0 and tau0."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @cached_property
     def at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa), shifted to mu0 = 0 or tau0 = 0 if the interval includes 0.
+        """Samples of mu0 and tau0 (GPa) in which mu0 or tau0 is 0, for each of the two whose interval includes 0.
 
         The shift does not change the sum mu0 + tau0 A/F at the A/F of the tests.
         """
@@ -479,7 +479,7 @@ class Interface:
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> Interval:
-        """Return the median and the 95 % interval of a function of mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a coefficient that is a function of mu0 and tau0 (GPa).
 
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
@@ -491,12 +491,12 @@ class Interface:
         return value, low, high
 
     def at(self, area_per_load: float) -> Interval:
-        """Return the sum mu0 + tau0 A/F at a given A/F (1/GPa), with its 95 % interval."""
+        """Return the sum mu0 + tau0 A/F with its 95 % interval, evaluated at a given A/F (1/GPa)."""
         return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
     def excluded(self) -> tuple[Sliding, ...]:
-        """Sliding rules that the tests exclude, or an empty tuple if no rule fits the tests."""
+        """Sliding rules that the tests exclude. The tuple is empty if no sliding rule fits the tests."""
         likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY_PROBABILITY]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED_PROBABILITY and likely)
 
@@ -512,7 +512,7 @@ class Interface:
         return pandas.DataFrame({"mu0": fit.mu0, "tau0": fit.tau0, "hardness": fit.hardness})
 
     def predict(self, result: Any, load: float | str) -> Interval:
-        """Predict the coefficient of other surfaces at a load, with a 95 % interval.
+        """Predict the friction coefficient of other surfaces at a load, with its 95 % interval.
 
         Parameters
         ----------
@@ -572,14 +572,14 @@ class Interface:
 
     @property
     def growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests, or None if α differs between tests or has no effect on them."""
+        """Junction growth α of the tests, or None if α differs between tests or does not affect them."""
         if GROWTH_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
         return replace(parse_study_input("junction_growth", self.about[GROWTH_ENTRY]), value=median)
 
     def has_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether α has the same distribution in the tests and in `growth`, where None means α = 0."""
+        """Return whether the tests and `growth` have the same distribution of α. If `growth` is None, α is 0."""
         test_growth = self.growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
@@ -589,7 +589,7 @@ class Interface:
 
 
 def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
-    """Return the median of samples, and the limits of the interval that contains 95 % of the samples.
+    """Return the median of the samples, and the limits of the interval that contains 95 % of them.
 
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
     shortest interval is returned.
@@ -607,7 +607,7 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
 
 
 def depends_on_growth(friction: _TestFriction, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth with α = 27 (von Mises) would change a coefficient noticeably."""
+    """Return whether junction growth with α = 27 (von Mises) would noticeably change the friction coefficient."""
     if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     coefficient, coefficient_with_growth = tabor_friction(friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH])
@@ -615,7 +615,7 @@ def depends_on_growth(friction: _TestFriction, mu0: float, tau0: float) -> bool:
 
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
-    """Return the sliding rules that a result contains."""
+    """Return the sliding rules for which a result contains values."""
     if isinstance(result, Ball):  # A ball has a single contact, so both rules give the same friction.
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
@@ -624,7 +624,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
-    """Evaluate the forces and the true area per load in a friction test, for a given sliding rule."""
+    """Evaluate the forces per load in a friction test under a given sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of `pair` with a creep exponent")
@@ -636,7 +636,7 @@ def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
 
 
 def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
-    """Evaluate the forces and the true area per load at a given load on a load curve."""
+    """Interpolate the forces per load at a given load of a load curve."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         limits = f"{loads.min():g} to {loads.max():g} mN"
@@ -654,7 +654,7 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
 
 
 def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFriction:
-    """Evaluate the forces and the true area per load of a result, averaged over members and directions."""
+    """Evaluate the forces per load of a result at a given load, averaged over members and directions."""
     dataset = getattr(result, "dataset", result)
     sums = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
     six_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
@@ -731,7 +731,7 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
 
 
 def read_interface(path: str | Path) -> Interface:
-    """Read an interface from a file that `write_interface` wrote.
+    """Read an interface from a file written by `write_interface`.
 
     Parameters
     ----------
@@ -798,7 +798,7 @@ def _build_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Fit:
 
 @cache
 def interfaces() -> dict[str, dict[str, str]]:
-    """Return the published interfaces by name, with their entries as text.
+    """Return the published interfaces as a dict that maps names to entries such as kind, mu0 and tau0.
 
     Returns
     -------
@@ -820,7 +820,7 @@ def interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read an interface file, or all interface files in a folder, and return their entries in a dict by file name.
+    """Read one interface file or all interface files in a folder, and return their entries by file name.
 
     Other files in the folder are ignored.
     """
@@ -842,7 +842,7 @@ def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
 
 
 def interface(name_or_path: str | Path) -> Interface:
-    """Return a published interface, or read an interface from a file that `stiction calibrate` wrote.
+    """Return a published interface, or read an interface from a file written by `stiction calibrate`.
 
     Parameters
     ----------
@@ -889,7 +889,7 @@ def interface(name_or_path: str | Path) -> Interface:
 
 
 def find_interface(study: Study) -> Interface | None:
-    """Return the interface of a study, or None if it has none, or if its interface file is missing or changed."""
+    """Return the interface of a study, or None if none is given or if the interface file is missing or has changed."""
     text = study.known.interface
     if text is None:
         return None

@@ -1,4 +1,4 @@
-"""Layout of a result: an xarray dataset with units, long names and the study as an attribute.
+"""Layout of a result, which is an xarray dataset with units, long names and the study as an attribute.
 
 A result contains sums over the contacts of each member, at every step, sliding rule and direction. Its dimensions are
 the cells of the study (fractal dimension and amplitude of generated bodies, cutoff of measured bodies), the members
@@ -39,7 +39,7 @@ Arrays = dict[str, NDArray[Any]]
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """Dimensions, shape, data type and attributes of an array of a result."""
+    """Dimensions, shape, data type and attributes of one array in a result."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -55,7 +55,7 @@ class ArraySpec:
 def list_coordinates(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
-    """Return the coordinates of all or some repetitions of a result, in the order of the dimensions.
+    """Return the coordinates of a result for all or some repetitions, in the order of the dimensions.
 
     Each entry is a pair of the description of an array and its values.
     """
@@ -84,7 +84,7 @@ def list_coordinates(
 
 
 def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> dict[str, ArraySpec]:
-    """Return descriptions of the variables of all or some repetitions of a result."""
+    """Return the array specifications of all variables of a result, for all or some repetitions."""
     sizes = {name: values.size for name, (_, values) in list_coordinates(study, repetitions).items()}
     variables = {}
     for name in variable_names(study):
@@ -98,17 +98,17 @@ def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
 
 
 def member_bytes(study: Study) -> int:
-    """Return the total size of all arrays of a member in bytes."""
+    """Return the total size in bytes of all arrays of one member."""
     return sum(spec.size for spec in list_variables(study, [0]).values())
 
 
 def piece_length(size: int) -> int:
-    """Return the number of members in a piece, a power of two, if each member takes `size` bytes."""
+    """Return the number of members (a power of two) in a piece of a result, if each member takes `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
 def variable_names(study: Study) -> tuple[str, ...]:
-    """Return the names of the variables of a result: contact sums and, for measured bodies, contact statistics."""
+    """Return the variable names of a result: contact sums and, for measured bodies, also contact statistics."""
     if not study.is_measured:
         return study.sums()
     return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP)))
@@ -124,7 +124,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[Arrays]) -> Arrays:
-    """Stack the arrays of several members along a new axis that follows the axes of the cells."""
+    """Stack the arrays of several members along a new axis, which follows axes such as fractal dimension or cutoff."""
     axis = len(study.surfaces.cells())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATES else axis)
@@ -136,7 +136,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build the dataset of some repetitions from arrays returned by `stack_members`, after a check of their shapes."""
+    """Build a dataset for some repetitions from arrays returned by `stack_members`, after checking their shapes."""
     import xarray
 
     variables = list_variables(study, repetitions)
@@ -179,7 +179,7 @@ _DIVISORS = {
 def nondimensional(
     result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
 ) -> xarray.Dataset:
-    """Divide the quantities of a dataset by powers of E* and L to make them dimensionless.
+    """Make the quantities of a dataset dimensionless by dividing them by powers of E* and a length L.
 
     Parameters
     ----------

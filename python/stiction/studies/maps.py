@@ -1,4 +1,4 @@
-"""Ensemble means and intervals at given loads, interpolated between approach or load steps.
+"""Ensemble means and their intervals at given loads, interpolated between the steps of approach or load.
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios. Repetitions without contact
 count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds the load;
@@ -38,7 +38,7 @@ _NEEDED = {"friction_coefficient": ("contact_count", *friction.SIX_SUMS), "norma
 
 
 def _list_needed_variables(quantity: str) -> tuple[str, ...]:
-    """Return the names of the stored variables that a quantity requires."""
+    """Return the names of the stored variables from which a quantity is computed."""
     return _NEEDED.get(quantity, tuple(dict.fromkeys((*_LOADS, quantity))))
 
 
@@ -185,19 +185,19 @@ def stiffness_map(
 
 
 def cells_of(dataset: xarray.Dataset) -> list[str]:
-    """Return the names of the dimensions along which the cells of a dataset differ, such as amplitude."""
+    """Return the names of the cell dimensions of a dataset, such as fractal dimension, amplitude or cutoff."""
     return [name for name in CELLS if name in dataset.dims]
 
 
 def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return values with repetitions as the last axis, contiguous in memory for fast sums over repetitions."""
+    """Return an array with repetitions as the last axis, contiguous in memory for fast sums over repetitions."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
 def solved_pieces(
     result: Result, names: Iterable[str] | None = None, change: Change | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield the pieces of a result without the members for which the solver failed at a load."""
+    """Yield the pieces of a result after removing members for which the solver failed at any load."""
     for piece in result.pieces(names):
         elastic = piece["normal_elastic"]
         is_solved = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
@@ -210,7 +210,7 @@ def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate a quantity of the ensemble at given mean normal loads. `change` is first applied to each piece."""
+    """Evaluate an ensemble quantity at given mean normal loads, after applying `change` to each piece of the result."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
@@ -253,7 +253,7 @@ def ensemble_map(
 
 
 class _EnsembleQuantity:
-    """Quantity of an ensemble at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
+    """Ensemble quantity at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
 
     def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
         self.head, self.what, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
@@ -265,7 +265,7 @@ class _EnsembleQuantity:
         self.judged = all(name in head for name in SUMS)
 
     def names(self) -> tuple[str, ...]:
-        """Return the names of the variables to be read from the result."""
+        """Return the names of the variables that must be read from the result."""
         variables = _list_needed_variables(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
             variables = (*variables, "approach")  # The approach is needed for the derivative.
@@ -274,7 +274,7 @@ class _EnsembleQuantity:
     def curves(
         self, cell: tuple[int, ...], sums: Sums, others: Sums, selected_members: slice = slice(None)
     ) -> tuple[Floats, Floats]:
-        """Return normal loads and values of some members. The first axis combines all mu0 and tau0."""
+        """Return normal loads and values of some members. The first axis contains all combinations of mu0 and tau0."""
         pair, other_sums = (
             item.apply(operator.itemgetter((*cell, slice(None), selected_members))) for item in (sums, others)
         )
@@ -286,7 +286,7 @@ class _EnsembleQuantity:
     def build_dataset(
         self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
     ) -> xarray.Dataset:
-        """Build a dataset from the means and intervals of all cells."""
+        """Build a dataset from the means and intervals that were computed for all cells."""
         import xarray
 
         mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
@@ -331,12 +331,12 @@ class _EnsembleQuantity:
 
 
 def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape values with one row per curve and one column per load to the dimensions load, mu0 and tau0."""
+    """Reshape values with one row per curve and one column per load to an array over load, mu0 and tau0."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums, Sums]:
-    """Return the contact sums, and the sums on which a quantity depends linearly. Motions are the first axis."""
+    """Return the contact sums and the sums from which a quantity is computed. Their first axes are the motions."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 
@@ -370,7 +370,7 @@ def _compute_values(sums: Sums, quantity: str, mu0: Floats, tau0: Floats) -> Flo
 
 
 def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str) -> tuple[Sums, Sums, int]:
-    """Return the means over the members of both kinds of sums (see `_compute_sums`), and the number of members."""
+    """Average both kinds of sums from `_compute_sums` over the members, and return them with the number of members."""
     total: list[Sums] = []
     count = 0
     for piece in solved():
@@ -388,7 +388,7 @@ def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str,
 
 
 def material_of(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return the given mu0 and tau0 (GPa), or the values in the study by default."""
+    """Return the given mu0 and tau0 (GPa), with missing values replaced by the values in the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0

@@ -1,4 +1,4 @@
-"""Table `[surfaces]` of a study of measured bodies: files, reading options and members."""
+"""Classes for the table `[surfaces]` of a study of measured bodies: files, reading options and members."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _parse_column(value: object) -> Column:
 
 
 def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
-    """Parse the numbers and words that mark missing points."""
+    """Parse the numbers and words that mark missing points in a file."""
     if value is None:
         return None
     parts: Any = value.split(",") if isinstance(value, str) else value
@@ -95,7 +95,7 @@ def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
 
 
 def _parse_caveats(value: object) -> tuple[str, ...] | None:
-    """Parse the names of caveats."""
+    """Parse a list of caveat names."""
     if value is None:
         return None
     names = [entry.strip() for entry in value.split(",")] if isinstance(value, str) else value
@@ -131,7 +131,7 @@ MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # limits of `height_factor`
 
 
 class BodyInMemory:
-    """Wrapper around a body in memory.
+    """Wrapper for a measured body that is in memory rather than in a file.
 
     The class is not a dataclass, so that copies of a study share the body.
     """
@@ -141,7 +141,7 @@ class BodyInMemory:
 
 
 class MeasuredFile(Table):
-    """Measured profile, surface or joined spectrum: either a file with reading options, or a body in memory."""
+    """Entry for a measured profile, surface or joined spectrum, which is read from a file or held in memory."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
@@ -218,12 +218,12 @@ class MeasuredFile(Table):
 
     @property
     def scans(self) -> tuple[MeasuredFile, ...]:
-        """All scans of the body: this file, and the scans at other places."""
+        """All scans of the body: the scan in this file, followed by scans of other places."""
         return self, *(self.others or ())
 
     @property
     def name(self) -> str:
-        """File name without folder, with the number of further scans."""
+        """File name without its folder, followed by the number of further scans."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _map_scans(self, change: Callable[[MeasuredFile], MeasuredFile]) -> MeasuredFile:
@@ -231,7 +231,7 @@ class MeasuredFile(Table):
 
     @classmethod
     def from_body(cls, body: Any, name: str) -> MeasuredFile:
-        """Create an entry for a body in memory, which may be an object of another library.
+        """Create an entry for a body in memory, which may be an object from another library.
 
         Raises an `ArgumentError` if the body is invalid.
         """
@@ -248,7 +248,7 @@ class MeasuredFile(Table):
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def with_saved_bodies(self, folder: Path, side: str) -> MeasuredFile:
-        """Write bodies in memory to files in a folder, and return an entry with these files."""
+        """Write bodies that are in memory to files in a folder, and return an entry that refers to these files."""
         return self._map_scans(lambda scan: scan._save_body(folder, side))
 
     def _save_body(self, folder: Path, side: str) -> MeasuredFile:
@@ -276,7 +276,7 @@ class MeasuredFile(Table):
         return _scale_heights(self.height_factor, self._read())  # type: ignore[no-any-return]
 
     def _read(self) -> Body:
-        """Read the body without applying the height factor."""
+        """Read the body without multiplying its heights by the height factor."""
         if self.body is not None:
             return self.body.body  # type: ignore[no-any-return]
         if self.sha256 is not None and self.checksum() != self.sha256:
@@ -287,7 +287,7 @@ class MeasuredFile(Table):
         return _read_body(self.model_copy(update={"sha256": self.checksum(), "others": None, "height_factor": 1.0}))
 
     def with_height_factor(self, factor: float) -> MeasuredFile:
-        """Return the entry with all heights multiplied by a factor.
+        """Return a copy of the entry in which all heights are multiplied by a factor.
 
         Raises a `ValueError` if the product with the existing factor is out of range.
         """
@@ -299,15 +299,15 @@ class MeasuredFile(Table):
 
     @property
     def bodies(self) -> list[Profile | Surface]:
-        """Scans of the body that are profiles or surfaces, without spectra."""
+        """Scans of the body that are profiles or surfaces. Spectra are omitted."""
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def cut_off_at(self, wavelength: float) -> float:
-        """Return the cutoff wavelength (µm) of this scan for a given cutoff of the pair."""
+        """Return the cutoff wavelength (µm) at which this scan is filtered, given the cutoff of the pair."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated(self) -> Floats:
-        """Return the fraction of interpolated points and the size of the largest data gap.
+        """Return the fraction of points that were interpolated, and the size of the largest data gap.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
         """
@@ -320,14 +320,14 @@ class MeasuredFile(Table):
 
     @property
     def reading(self) -> Reading[Any] | None:
-        """Interpretation of the file, or None for a spectrum or a body in memory."""
+        """Interpretation of the file, such as its columns and units, or None for a spectrum or a body in memory."""
         if self.body is not None or is_spectrum(Path(self.file)):
             return None
         return _load_reading(self.model_copy(update={"sha256": self.checksum(), "others": None}))
 
     @property
     def caveats(self) -> tuple[FileCaveat, ...]:
-        """Caveats about the file, or about a body in memory."""
+        """Caveats about reading the file, or about the heights of a body in memory."""
         if (reading := self.reading) is not None:
             return tuple(reading.caveats)
         body = None if self.body is None else self.body.body
@@ -351,7 +351,7 @@ class MeasuredFile(Table):
             raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
 
     def find_stamp(self) -> tuple[int, int] | None:
-        """Return the modification time (ns) and size of the file, or None if there is no file."""
+        """Return the modification time (ns) and the size of the file, or None if the file does not exist."""
         try:
             status = None if self.body else Path(self.file).stat()
         except OSError:
@@ -359,7 +359,7 @@ class MeasuredFile(Table):
         return status and (status.st_mtime_ns, status.st_size)
 
     def with_absolute_paths(self, directory: Path) -> MeasuredFile:
-        """Return the entry with absolute paths, resolving relative paths against the directory."""
+        """Return a copy of the entry with absolute paths. Relative paths are resolved against the directory."""
         return self._map_scans(
             lambda scan: (
                 scan if scan.body else scan.model_copy(update={"file": str((directory / scan.file).absolute())})
@@ -367,14 +367,14 @@ class MeasuredFile(Table):
         )
 
     def with_checksums(self) -> MeasuredFile:
-        """Return the entry with the missing checksums added."""
+        """Return a copy of the entry in which missing checksums are added."""
         return self._map_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
 
 
 def _scale_heights(factor: float, body: Any) -> Any:
-    """Multiply the heights of a body by a factor."""
+    """Return a body whose heights are multiplied by a factor."""
     if factor == 1:
         return body
     if isinstance(body, JoinedSpectrum):
@@ -393,7 +393,7 @@ def _compute_checksum(body: Body) -> str:
 
 @functools.lru_cache(maxsize=16)
 def _read_body(file: MeasuredFile) -> Body:
-    """Read the body of a file.
+    """Read the body from a file.
 
     The argument includes the checksum, so that the cache holds each version of a file once.
     """
@@ -418,7 +418,7 @@ def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
 
 @dataclass(frozen=True)
 class Member:
-    """Pair of measured bodies, with the shift of the upper body (µm), the line index and a flag for surrogates."""
+    """Pair of measured bodies that forms a member, with its shift (µm), line index and surrogate flag."""
 
     pair: Pair
     x: float
@@ -429,7 +429,7 @@ class Member:
 
 @dataclass(frozen=True)
 class SharedProperties:
-    """Properties shared by all members of a study.
+    """Properties that all members of a study have in common.
 
     Lengths are in µm, one per axis: (x,) for profiles, (y, x) for surfaces.
     """
@@ -445,14 +445,14 @@ class SharedProperties:
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Metadata of the measured bodies of a result. All fields are empty if the bodies were generated."""
+    """Metadata of the measured bodies in a result. All fields are empty for generated bodies."""
 
     nominal_area: float | None = None  # nominal area of each member (µm²)
     attributes: dict[str, Any] = field(default_factory=dict)
 
 
 class Members(Protocol):
-    """Members of a study of two bodies; the index of a member determines its pair."""
+    """Members of a study of two bodies. The index of a member determines the pair of bodies."""
 
     def member(self, index: int) -> Member:
         """Return the member with the given index.
@@ -461,11 +461,11 @@ class Members(Protocol):
         """
 
     def find_shared_properties(self) -> SharedProperties:
-        """Return the properties that all members share."""
+        """Return the properties that all members have in common."""
 
 
 class MeasuredSurfaceKeys(Case):
-    """Keys of `[surfaces]` for all studies of measured surfaces."""
+    """Keys of `[surfaces]` that all studies of measured surfaces share."""
 
     bodies: ClassVar[str] = "measured areas"  # name of the bodies in error messages
     is_areal: ClassVar[bool] = True
@@ -495,29 +495,29 @@ class MeasuredSurfaceKeys(Case):
     )
 
     def cells(self) -> dict[str, Floats]:
-        """Return the cutoffs (µm) at which a result contains values."""
+        """Return the cutoffs (µm) for which a result is computed."""
         return {"cut_off": array_of(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
-        """Return the cutoff (µm) of the quoted result, which is the first cutoff in the study."""
+        """Return the cutoff (µm) for which the quoted result is computed, which is the first cutoff in the study."""
         return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
-        """Return the table with each file replaced by the value of `change(file, side)`."""
+        """Return a copy of the table in which each file is replaced by `change(file, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
     def first_scanned(self) -> int:
-        """Index of the first member that consists of scans rather than surrogates."""
+        """Index of the first member that is a pair of scans rather than a pair of surrogates."""
         return 0
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Numbers of scans of the upper and the lower body."""
+        """Number of scans of the upper body, and number of scans of the lower body."""
         return len(self.upper.scans), len(self.lower.scans)
 
     def scans_of(self, members: Any) -> tuple[Any, Any]:
-        """Return the indices of the upper and the lower scan of each member.
+        """Return the index of the upper scan and the index of the lower scan that form each member.
 
         Successive members use all pairs of scans in turn.
         """
@@ -526,14 +526,14 @@ class MeasuredSurfaceKeys(Case):
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
-        """Filter each scan with its own cutoff (µm, 0 for no filter), and return the members formed from both scans.
+        """Low-pass filter each scan with its own cutoff (µm, 0 for no filter), and form members from both scans.
 
         Raises a `ValueError` if there are no members.
         """
         raise NotImplementedError
 
     def filtered(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
-        """Yield both scans, each low-pass filtered at its own cutoff (µm, 0 for no filter)."""
+        """Yield both scans after low-pass filtering each of them with its own cutoff (µm, 0 for no filter)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
@@ -551,7 +551,7 @@ MAX_OFFSETS = 100_000  # largest number of positions for a pair of lines or maps
 
 
 class MeasuredLines(MeasuredSurfaceKeys):
-    """Keys of `[surfaces]` for lines of two measured files, where the upper line slides along the lower line."""
+    """Keys of `[surfaces]` for lines from two measured files. The upper line slides along the lower line."""
 
     place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Profiles"
@@ -597,7 +597,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
         return self
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMembers:
-        """Return the members: lines of both scans (or of their surrogates) at several relative positions."""
+        """Return members that consist of lines from both scans or their surrogates, at several relative positions."""
         upper, lower = self.filtered(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -609,7 +609,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
 
 @dataclass(frozen=True, eq=False)
 class LineMembers:
-    """Members of a study of profiles, or of lines of height maps."""
+    """Members of a study in which profiles, or lines of height maps, are pressed."""
 
     pairs: LinePairs
     scans: tuple[Body, Body]
@@ -618,7 +618,7 @@ class LineMembers:
     positions: tuple[float, ...] | None = None  # positions (µm) on each pair, or None for a quasi-random sequence
 
     def member(self, index: int) -> Member:
-        """Return a member: a slider and the section of the counterface below the slider."""
+        """Return a member, which consists of a slider and the section of the counterface below the slider."""
         pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, position = divmod(index, offsets) if pairs.several else (0, index)
         count = pairs.max_count()
@@ -645,19 +645,19 @@ class LineMembers:
         return self._member_at(slider, track, steps, line)
 
     def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> Member:
-        """Return the member with the slider `steps` points after the start of the counterface."""
+        """Return the member in which the slider starts `steps` points after the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(track, offset, slider)
         return Member(pair, offset, self.pairs.place(line), line=line, surrogate=self.pairs.surrogates != "none")
 
     def find_shared_properties(self) -> SharedProperties:
-        """Return the properties that all members share."""
+        """Return the properties that all members have in common."""
         slider, track = self.pairs.pair(0)
         return _describe_lines(slider, track, len(slider) / len(track), self.scans)
 
 
 def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedProperties:
-    """Return the properties that all members of a study of lines share.
+    """Return the properties that all members have in common in a study of lines.
 
     `used` is the fraction of the upper scan that the slider covers.
     """
@@ -701,11 +701,11 @@ class MeasuredAreas(MeasuredSurfaceKeys):
 
     @property
     def first_scanned(self) -> int:
-        """Index of the first member that consists of pieces of the maps, after all surrogates."""
+        """Index of the first member that consists of pieces of the measured maps. Surrogates precede this member."""
         return self.surrogates
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMember:
-        """Return the members: surrogates followed by pairs of pieces of both maps, or the gap."""
+        """Return the members, which are surrogates followed by pairs of map pieces, or a single measured gap."""
         upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
@@ -721,7 +721,7 @@ class MeasuredAreas(MeasuredSurfaceKeys):
 
 
 class MeasuredSurrogates(MeasuredSurfaceKeys):
-    """Keys of `[surfaces]` for surrogates: random height maps with the spectra of two scans."""
+    """Keys of `[surfaces]` for surrogates, which are random height maps with the spectra of two scans."""
 
     place: ClassVar[str] = "surrogates of measured files"
     pressed: ClassVar[str] = "Random height maps with the spectra of the two scans"
@@ -734,7 +734,7 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
     )
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers:
-        """Return the members: pairs of random height maps with the spectra of two scans."""
+        """Return the members, which are pairs of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
             finest = float(self.cells()["cut_off"].min())
@@ -759,7 +759,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Return the pairs of pieces into which two levelled maps are cut.
+    """Level two maps and cut them into pieces, which form pairs.
 
     The upper map is flipped, and rotated by an angle in degrees.
     """
@@ -775,7 +775,7 @@ def build_map_pairs(
 
 @dataclass(frozen=True, eq=False)
 class AreaMembers:
-    """Members of a study of height maps, or of surrogates."""
+    """Members of a study in which height maps, or surrogates of scans, are pressed."""
 
     pairs: MapPairs | IsotropicPairs | SpectrumPairs
     scans: tuple[Body, Body]
@@ -783,7 +783,7 @@ class AreaMembers:
     surrogates: int | None = None
 
     def member(self, index: int) -> Member:
-        """Return one member: two surrogates, or the overlapping pieces of both maps at one position."""
+        """Return a member, which is a pair of surrogates or of overlapping pieces of both maps at one position."""
         pairs, count = self.pairs, self.surrogates
         if count is None or index < count:
             return Member(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
@@ -796,7 +796,7 @@ class AreaMembers:
         return Member(pairs.pair(shift), *pairs.map_shift(shift))
 
     def find_shared_properties(self) -> SharedProperties:
-        """Return the properties that all members share."""
+        """Return the properties that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
         if isinstance(pairs, SpectrumPairs):  # surrogates have a spacing of half the shortest wavelength
@@ -807,19 +807,19 @@ class AreaMembers:
 
 @dataclass(frozen=True, eq=False)
 class GapMember:
-    """Single member of a measured gap: a flat face and a rough face at the measured distance."""
+    """Single member for a measured gap, which consists of a flat face and a rough face at the measured distance."""
 
     flat: Surface
     rough: Surface
 
     def member(self, index: int) -> Member:
-        """Return the pair of faces."""
+        """Return the flat face and the rough face as a member."""
         if index > 0:
             raise ValueError(f"a gap has only member 0, got member {index}")
         return Member((self.flat, self.rough), 0.0, 0.0)
 
     def find_shared_properties(self) -> SharedProperties:
-        """Return the properties that all members share."""
+        """Return the properties that all members have in common."""
         faces = self.flat, self.rough
         return SharedProperties(
             *faces, float(np.prod(self.rough.extent)), self.rough.heights.shape, self.rough.spacing, [1.0, 1.0], faces

@@ -1,4 +1,4 @@
-"""Contact computation for the members of a study: sums and statistics at all loads, or a pair at a single load."""
+"""Computation of contact sums and statistics for members at all loads, and of individual contacts at one load."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
 def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
 ) -> Arrays:
-    """Compute the contact sums of a pair at the elastic loads of its study, and statistics if the bodies are measured.
+    """Compute contact sums of a pair at the elastic loads of its study, and also statistics for measured bodies.
 
     Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
     loads for which the solver fails, values are NaN and the number of contacts is 0. The unloading stiffness takes
@@ -99,7 +99,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
-    """Return the values of a variable after a failure of the solver: NaN, 0 contacts, or the status "not-solved"."""
+    """Return values for loads at which the solver failed, which are NaN, 0 contacts, or the status "not-solved"."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
     shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
     if name == "status":
@@ -108,14 +108,14 @@ def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> N
 
 
 def _list_profile_directions(contact: ContactTable) -> list[Shear]:
-    """Return the directions of motion along profiles: "+x", "-x", or both."""
+    """Return the directions of motion along profiles, which are "+x", "-x" or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
 
 
 def _solve_half_space(
     contact: HalfSpaceContactTable, upper: Any, lower: Any, values: Arrays, slopes: PairSlopes | None, *, unloads: bool
 ) -> None:
-    """Compute the half-space contact at all loads.
+    """Compute the contact at all loads with the half-space model.
 
     A failure at one load does not affect the other loads.
     """
@@ -127,7 +127,7 @@ def _solve_half_space(
     sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
-        """Return the load curve for each sliding rule and direction, derived from the solved curve."""
+        """Derive the load curve for each sliding rule and direction from the curve that was solved."""
         ways = (
             [curve]
             if areal
@@ -176,7 +176,7 @@ def _solve_half_space(
 
 
 def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
-    """Compute independent Hertzian contacts at the approaches that correspond to the elastic loads.
+    """Compute independent Hertzian contacts at the approaches at which the elastic loads are reached.
 
     With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
     interpolated between the states just before and just after the jump.
@@ -231,7 +231,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
 
 
 def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
-    """Find the contact candidates up to an approach (µm), so that later calls need no search.
+    """Find the contact candidates up to an approach (µm) once, so that later calls need not search for them.
 
     Returns both bodies unchanged if contacts are not minima of the gap.
     """
@@ -245,7 +245,7 @@ def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactM
 
 @dataclass(frozen=True, eq=False)
 class PressedPair:
-    """Pair of bodies pressed together by a single elastic load."""
+    """Pair of bodies that are pressed together with a single elastic load."""
 
     upper: Any
     lower: Any
@@ -273,7 +273,7 @@ class PressedPair:
         return cls(upper, lower, pushed, model=model)
 
     def table(self) -> ContactList:
-        """Return the table of contacts."""
+        """Return a table of the contacts between the two bodies."""
         if isinstance(self.curve, HalfSpaceCurve):
             return list_contact_patches(self.curve.at(0))
         assert self.model is not None
@@ -322,7 +322,7 @@ _kept = threading.local()
 
 
 def member_sums(study: Study, index: int) -> Arrays:
-    """Compute all variables of a member of a study, as arrays without the dimension of members.
+    """Compute all variables of one member of a study, as arrays without a member axis.
 
     Measured bodies also have the `MEMBER_COORDINATES`. Values are NaN at loads for which the solver fails. Raises a
     `ValueError` if the bodies cannot be loaded.
@@ -338,7 +338,7 @@ def member_sums(study: Study, index: int) -> Arrays:
 
 @functools.lru_cache(maxsize=4)
 def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
-    """Return the shape and data type of each variable of a member."""
+    """Return the shape and data type of each variable of a single member."""
     cells = len(study.surfaces.cells())
     return {
         name: ((*spec.shape[:cells], *spec.shape[cells + 1 :]), spec.dtype)
@@ -347,7 +347,7 @@ def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[A
 
 
 def estimate_member_time(study: Study) -> float:
-    """Estimate the time (s) to compute a member on one core."""
+    """Estimate the time (s) that one core takes to compute a member."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
     points, areal = count_points(study), study.is_areal
@@ -366,7 +366,7 @@ def estimate_member_time(study: Study) -> float:
 
 
 def estimate_solution_time(study: Study) -> float:
-    """Estimate the time (s) of a half-space solution at a single load on one core."""
+    """Estimate the time (s) that one core takes to compute a half-space solution at a single load."""
     areal = study.is_areal
     besides = MEMBER_COSTS["half-space" if areal else "half-plane"]
     if study.contact.adheres:
@@ -382,7 +382,7 @@ def _cost_of_iteration(study: Study) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _estimate_relative_stiffness(study: Study) -> float:
-    """Return E* Sq Sdq / (4 w) of the gap of the first member, or 0 if files are missing.
+    """Return E* Sq Sdq / (4 w), computed from the gap of the first member, or 0 if files are missing.
 
     By the Cauchy-Schwarz inequality, this ratio is at least the elastic energy per area of complete contact, divided by
     w.
@@ -403,7 +403,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
 
 
 def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
-    """Yield the index of each cell (fractal dimension, amplitude), and the values of a repetition in this cell."""
+    """Yield indices and contact sums of one repetition for each combination of fractal dimension and amplitude."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return
@@ -422,7 +422,7 @@ def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Array
 
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
-    """Compute the contact sums of a pair at given approaches with the asperity model."""
+    """Compute the contact sums of a pair at the approaches of the study with the asperity model."""
     steps, models = _steps(study.contact), _models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -465,7 +465,7 @@ def _steps(contact: Any) -> Floats:
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
-    """Compute the contact sums of profiles of several fractal dimensions together, with the asperity model.
+    """Compute contact sums of profiles with the asperity model, for several fractal dimensions at the same time.
 
     The arrays have the shape (dimensions, amplitudes, rules, steps), with a single rule for quantities that do not
     depend on the motion.
@@ -493,7 +493,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _reuse_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that all tasks of a thread reuse, because memory allocation is slow.
+    """Return an uninitialised array that is reused by all tasks of a thread, because memory allocation is slow.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
@@ -509,7 +509,7 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
 
 def _solve_measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
-    """Yield the contact sums of a member at each cutoff, and write the coordinates of the member to `arrays`."""
+    """Yield the cutoff index and the contact sums at each cutoff, and write the member coordinates to `arrays`."""
     unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
     for cell_index, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))

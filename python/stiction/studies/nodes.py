@@ -1,4 +1,4 @@
-"""Results at nodes of mu0 and tau0. A report interpolates between the nodes with cubic polynomials.
+"""Results at nodes of mu0 and tau0, between which a report interpolates with cubic polynomials.
 
 The nodes are chosen so that interpolation errors are within the tolerances below. The remaining error is measured
 between nodes.
@@ -66,7 +66,7 @@ MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """Nodes of mu0 or of tau0 (GPa).
+    """Nodes along one axis, which is either mu0 or tau0 (GPa).
 
     Values are interpolated between `rising` nodes. `ranged` nodes are values in the study that have an uncertainty
     range. At all other values, mu0 or tau0 is assumed to be exact.
@@ -82,28 +82,28 @@ class Axis:
 
     @property
     def bounds(self) -> list[tuple[float, float]]:
-        """Interval around each ranged node. All values in the interval are treated as equal to the node."""
+        """Interval around each ranged node, in which all values are treated as equal to the node."""
         return [
             (float(node / (1 + SAME_INPUT_TOLERANCE)), float(node / (1 - SAME_INPUT_TOLERANCE))) for node in self.ranged
         ]
 
     def with_nodes(self, additional: Sequence[float]) -> Axis:
-        """Return the axis with additional rising nodes."""
+        """Return a copy of the axis with additional rising nodes."""
         return Axis(np.unique([*self.rising, *additional]), self.ranged)
 
     def middles(self) -> Floats:
-        """Return the midpoint of each panel between rising nodes, shifted if it is within bounds of a ranged node."""
+        """Return the midpoint of each panel between rising nodes, shifted if it is too close to a ranged node."""
         middles = (self.rising[1:] + self.rising[:-1]) / 2
         return np.where(self._is_ranged(middles), 0.5 * (middles + self.rising[1:]), middles)
 
     @property
     def panel_middles(self) -> Floats:
-        """For each node, the midpoint of the panel that starts there, or the node itself if no panel starts there."""
+        """Midpoint of the panel that starts at each node, or the node itself if no panel starts there."""
         return np.concatenate([self.middles(), self.rising[-1:], self.ranged])
 
     @property
     def panel_ends(self) -> NDArray[np.intp]:
-        """For each node, the index of the node at the end of its panel, or its own index if no panel starts there."""
+        """Index of the node at the far end of each node's panel, or the node's own index if no panel starts there."""
         indices = np.arange(self.values.size)
         return np.where(indices < self.rising.size - 1, indices + 1, indices)
 
@@ -113,7 +113,7 @@ class Axis:
         )
 
     def weights(self, value: float, *, cubic: bool = True) -> Floats:
-        """Return the weight of each node for the interpolation at a value."""
+        """Return the weight that each node has in the interpolation at a given value of mu0 or tau0."""
         weights = np.zeros(self.values.size)
         for index, (low, high) in enumerate(self.bounds):
             if low <= value <= high:
@@ -129,7 +129,7 @@ class Axis:
         return self._lagrange_weights(value, np.arange(first, first + number))
 
     def corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
-        """Return the changes of the weights if the preceding node, or the following node, is used too.
+        """Return how the weights change if the preceding node, or the following node, is included.
 
         A change is 0 at a node, and NaN if there is no such node.
         """
@@ -145,7 +145,7 @@ class Axis:
         ]
 
     def _lagrange_weights(self, value: float, indices: NDArray[np.intp]) -> Floats:
-        """Return the weight of each node in the polynomial through the rising nodes with the given indices."""
+        """Return the weights of the nodes in the interpolating polynomial through the rising nodes at `indices`."""
         weights = np.zeros(self.values.size)
         nodes = self.rising[indices]
         for index, node in zip(indices, nodes, strict=True):
@@ -155,7 +155,7 @@ class Axis:
 
 
 class Nodes:
-    """Values of a result at nodes of mu0 and tau0, for interpolation in a report.
+    """Values of a result at nodes of mu0 and tau0, between which a report interpolates.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ class Nodes:
 
     @cached_property
     def loads(self) -> Floats:
-        """Loads (mN) in a report, or an empty array if no pair touches."""
+        """Loads (mN) shown in a report. The array is empty if no pair of bodies touches."""
         if self.study.is_measured:
             return np.asarray(self.study.contact.steps())
         try:
@@ -195,7 +195,7 @@ class Nodes:
 
     @cached_property
     def kinds(self) -> list[Kind | None]:
-        """Kinds of members (shifts, surrogates), starting with the kind whose friction is quoted."""
+        """Kinds of members ("shifts", "surrogates"), starting with the kind from which friction is quoted."""
         head = self.result.head
         if "surrogate" not in head.coords:
             return [None]
@@ -204,7 +204,7 @@ class Nodes:
 
     @cached_property
     def axes(self) -> tuple[Axis, Axis]:
-        """Nodes of mu0 and tau0, chosen at a few loads."""
+        """Nodes of mu0 and tau0, which are chosen from the interpolation errors at a few loads."""
         if self.study.is_measured:
             loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:CHOICE_LOADS]
         else:
@@ -214,18 +214,18 @@ class Nodes:
 
     @cached_property
     def values(self) -> tuple[xarray.Dataset, ...]:
-        """Values and intervals of each kind of members at the loads and nodes."""
+        """Values and intervals at all loads and nodes, for each kind of members."""
         names = MEASURED_NAMES if self.study.is_measured else None
         return tuple(self._at(self.loads, self.axes, kind, names) for kind in self.kinds)
 
     @cached_property
     def of_load(self) -> tuple[xarray.Dataset, ...]:
-        """Quantities of measured bodies that depend only on the load, for each kind of members."""
+        """Quantities of measured bodies that depend only on the load, evaluated for each kind of members."""
         return tuple(at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], of=kind) for kind in self.kinds)
 
     @cached_property
     def error(self) -> tuple[float, float]:
-        """Largest errors of values and interval limits at a few points between nodes."""
+        """Largest interpolation errors of values and interval limits, evaluated at a few points between nodes."""
         loads = self.loads if self.study.is_measured else self._sample
         table = self._table(self.values[0].sel(load=loads))
         return largest_errors(self.axes, table, partial(self._friction, loads))
@@ -241,7 +241,7 @@ class Nodes:
     def _at(
         self, loads: Floats, axes: tuple[Axis, Axis], kind: Kind | None, names: Collection[str] | None
     ) -> xarray.Dataset:
-        """Evaluate the result at the nodes. The intervals are combined intervals if the bodies are measured.
+        """Evaluate the result at the nodes. For measured bodies, the intervals are combined intervals.
 
         Only the quoted kind of members has combined intervals. Surrogates in addition to maps do not.
         """
@@ -253,7 +253,7 @@ class Nodes:
         return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)
 
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return the friction coefficients with intervals at all combinations of mu0 and tau0."""
+        """Return the friction coefficients and their intervals for all combinations of mu0 and tau0."""
         names = ("contact_count",) if self.study.is_measured else ()
         return self._table(self._at(loads, (Axis(mu0), Axis(tau0)), self.kinds[0], names))
 
@@ -299,7 +299,7 @@ def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Axis:
 def refined(
     axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
 ) -> tuple[Axis, Axis]:
-    """Add nodes to each axis until interpolation errors along two lines parallel to the axis are within the tolerances.
+    """Add nodes to each axis until interpolation errors along two lines parallel to the axis are within tolerance.
 
     An axis has at most `max_nodes` rising nodes after refinement. Nodes are added first where the measured error, or
     the estimated error of `is_interpolated`, is largest relative to its tolerance.
@@ -340,7 +340,7 @@ def refined(
 
 
 def excess(estimated: Floats, exact: Floats) -> Floats:
-    """Return the ratio of error to tolerance for a value or for its interval limits, whichever ratio is larger."""
+    """Return the larger of two ratios of error to tolerance, one for the value and one for its interval limits."""
     value, width = np.abs(exact[..., 0]), exact[..., 2] - exact[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(estimated - exact)
@@ -352,7 +352,7 @@ def excess(estimated: Floats, exact: Floats) -> Floats:
 def largest_errors(
     axes: tuple[Axis, Axis], table: Floats, evaluate: Callable[[Floats, Floats], Floats]
 ) -> tuple[float, float]:
-    """Return the largest errors of values and interval limits at a few points between nodes.
+    """Return the largest interpolation errors of values and interval limits at a few points between the nodes.
 
     `axes` and `evaluate` are arguments of `refined`, and `table` (..., m, t, 3) contains the values at the nodes.
     Errors of values are relative to the value, and errors of limits are relative to the interval width. Panels that are
@@ -383,7 +383,7 @@ def largest_errors(
 
 
 def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float) -> Floats:
-    """Interpolate a table at mu0 and tau0 (GPa). The last two axes of the table are the nodes of mu0 and tau0.
+    """Interpolate a table at mu0 and tau0 (GPa). The nodes of mu0 and tau0 are the last two axes of the table.
 
     The interpolation is cubic, or bilinear if one of the 16 nodes has no value.
     """
@@ -395,7 +395,7 @@ def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float
 
 
 def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_]:
-    """Return a mask that is True for each panel in which values may be interpolated between the nodes.
+    """Return a mask that is True for each panel (rectangle between nodes) in which values may be interpolated.
 
     A panel has the indices of its first corner. Along a ranged node, only the other axis is interpolated. The error in
     the middle of a panel is estimated as the change due to one more node along mu0, plus the change due to one more
@@ -421,7 +421,7 @@ def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_
 
 
 def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
-    """Return interpolated values at the midpoints of panels, and their estimated errors. Undefined values are NaN."""
+    """Return interpolated values at the midpoints of the panels and their estimated errors, or NaN if undefined."""
     over_mu0, over_tau0 = (
         np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles]) for axis in axes
     )
@@ -434,13 +434,13 @@ def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple
 
 
 def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
-    """Return the geometric mean of two changes of an interpolated number. If one is NaN, return the other one."""
+    """Return the geometric mean of two changes of an interpolated number. If one change is NaN, return the other."""
     before, after = np.abs(by_node_before), np.abs(by_node_after)
     return np.where(np.isnan(before), after, np.where(np.isnan(after), before, np.sqrt(before * after)))
 
 
 def _weighted_sums(table: NDArray[Any], over_mu0: Floats, over_tau0: Floats) -> Floats:
-    """Return weighted sums of the values at the nodes.
+    """Compute weighted sums of the values at the nodes.
 
     Weights of mu0 with shape (k, m) and weights of tau0 with shape (l, t) give sums with shape (..., k, l). Weights of
     a single point, with shapes (m,) and (t,), give sums with shape (...).

@@ -1,4 +1,4 @@
-"""Onset of sliding of a measured pair: curve averaged over some members, stored with the result."""
+"""Onset of sliding of a measured pair. The curve is averaged over some members and stored with the result."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ _STATISTIC_NAMES = ["mean", "lower", "upper"]
 def compute_onset(
     study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
 ) -> xarray.Dataset | None:
-    """Compute the onset of sliding of the first members of a measured pair at a load (mN).
+    """Compute the onset of sliding for the first members of a measured pair at a load (mN).
 
     By default the load is the first load of the study. The dataset has the dimensions `fraction` (of the sliding load)
     and `statistic`. It also contains the slip map of the first member, and the parameters of Iwan and LuGre models of
@@ -89,7 +89,7 @@ def compute_onset(
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """Compute the onset curve of a member, including its index and position, or return None if the solver fails."""
+    """Compute the onset curve, index and position of a member, or return None if the solver fails."""
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
@@ -155,7 +155,7 @@ The parameters are attributes of the dataset, such as "iwan_chi".
 
 
 def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
-    """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return their parameters."""
+    """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return the model parameters."""
     curve = onset.sel(statistic="mean")
     displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
     sliding = float(curve["sliding_load"])
@@ -180,7 +180,7 @@ def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
 
 
 def load_onset(result: StoredResult) -> xarray.Dataset | None:
-    """Load the onset stored with a result.
+    """Load the onset of sliding that is stored with a result.
 
     Returns None if the onset is missing, or if its load, mu0 or tau0 differ from the study.
 
@@ -205,7 +205,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
 
 
 def format_backbone(onset: xarray.Dataset) -> str:
-    """Format the mean curve from zero load (the backbone of a Masing model) as CSV with units."""
+    """Format the mean curve, which is the backbone curve of a Masing model, as CSV with units."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
@@ -226,7 +226,7 @@ _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
-    """Compute the tangential load at which each point or asperity contact starts to slip, relative to the sliding load.
+    """Compute the fraction of the sliding load at which each grid point or asperity contact starts to slip.
 
     The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
     by the point that slips first. The dataset is empty for profiles.
@@ -260,7 +260,7 @@ def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
 
 
 def _find_block_minima(values: Floats, step: int) -> Floats:
-    """Return the minimum of each block of `step` rows and `step` columns. It is NaN if a block has no values."""
+    """Return the minimum of each block of `step` rows and `step` columns, or NaN if all values in a block are NaN."""
     rows, columns = (-(-size // step) * step for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

@@ -1,4 +1,4 @@
-"""Conversion of the options of a measured pair to a study."""
+"""Conversion of the options of a measured pair to a study of this pair."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ GAP_REMARK = (
 
 
 class Pair:
-    """Pair of bodies and its options, with values in core units.
+    """Pair of measured bodies and the options of their contact, with values in core units.
 
     Invalid options raise an `ArgumentError`.
     """
@@ -99,7 +99,7 @@ class Pair:
 
     @classmethod
     def from_values(cls, **values: object) -> Pair:
-        """Create a pair from unvalidated option values.
+        """Validate option values, and create a pair from them.
 
         The keywords are field names of `PairOptions`.
         """
@@ -111,7 +111,7 @@ class Pair:
         return kind
 
     def _parse_quantity(self, name: str, value: object) -> Quantity:
-        """Parse the value of an option as a quantity of its kind."""
+        """Parse the value of an option as the kind of quantity that the option expects."""
         return parse_quantity(name, value, self._find_kind(name))
 
     def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
@@ -121,7 +121,7 @@ class Pair:
 
     @cached_property
     def files(self) -> tuple[MeasuredFile, MeasuredFile]:
-        """Files of both bodies, with their reading options."""
+        """Entries for the files of both bodies, including their reading options."""
         files = []
         for index, side in enumerate(SIDES):
             scans = self.options.given(side) if self.options.gap is None else self.options.gap
@@ -131,7 +131,7 @@ class Pair:
         return files[0], files[1]
 
     def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredFile:
-        """Return the study entry of a body: a file with reading options, or a body in memory."""
+        """Create the study entry for a body, which is a file with reading options or a body in memory."""
         options = self.options
         properties: dict[str, Any] = {}
         if options.tip is not None:
@@ -166,7 +166,7 @@ class Pair:
             raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=reason) from None
 
     def _select_value(self, name: str, index: int) -> Any:
-        """Return the value of an option for a body. A single value applies to both bodies."""
+        """Return the value of an option for one body. A single value applies to both bodies."""
         option = self.options.given(name)
         values = option if isinstance(option, list) else [option]
         if len(values) > 2:
@@ -199,7 +199,7 @@ class Pair:
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """First scan of the slider and first scan of the counterface."""
+        """First scan of the slider, and first scan of the counterface."""
         upper, lower = (file.read() for file in self.files)
         return upper, lower
 
@@ -215,12 +215,12 @@ class Pair:
 
     @property
     def has_spectrum(self) -> bool:
-        """True if a body is given as a spectrum that joins several scans."""
+        """True if at least one body is given as a spectrum that joins several scans."""
         return any(isinstance(body, JoinedSpectrum) for body in self.bodies)
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Numbers of scans of the upper and the lower body."""
+        """Number of scans of the upper body, and number of scans of the lower body."""
         upper, lower = self.files
         return len(upper.scans), len(lower.scans)
 
@@ -228,19 +228,19 @@ class Pair:
 
     @property
     def has_missing(self) -> bool:
-        """True if a body has masked points."""
+        """True if at least one body has masked points."""
         return any(getattr(body, "missing", None) is not None for body in self.bodies)
 
     @property
     def press(self) -> str:
-        """Kind of the members: "areas", "lines" or "surrogates"."""
+        """Kind of members that are pressed: "areas", "lines" or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute, starting with the model of the result."""
+        """Contact models that are computed, starting with the model used for the result."""
         default: Mechanics = (
             "half-space" if self.press != "lines" or self.has_missing or self._uses_plastic_lines else "asperities"
         )
@@ -250,7 +250,7 @@ class Pair:
 
     @property
     def _uses_plastic_lines(self) -> bool:
-        """True if both bodies are profiles, their materials have a hardness, and no asperity option is given."""
+        """True if both bodies are profiles, the softer material has a hardness, and no asperity option is given."""
         asperity_options = (
             self.options.law,
             self.options.yield_strength,
@@ -263,23 +263,23 @@ class Pair:
 
     @property
     def contact_law(self) -> str:
-        """Name of the contact law of the asperity model."""
+        """Name of the contact law used by the asperity model."""
         return self.options.law or ("hertz-cylinder" if self.options.lay == "grooves" else DEFAULT_LAW)
 
     @property
     def has_surrogates(self) -> bool:
-        """True if the study has surrogates."""
+        """True if the study generates surrogates, which are random surfaces with the measured spectra."""
         return self.press == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property
     def elasticity(self) -> Elasticity:
-        """Elasticity of both bodies at the central values of uncertain inputs."""
+        """Elasticity of both bodies, computed from the central values of uncertain inputs."""
         modulus, young, poisson = (self._nominal_value(name) for name in ("effective_modulus", "young", "poisson"))
         return find_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
-        """Inputs that were given as ranges or with an uncertainty, by name."""
+        """Inputs given as a range or with an uncertainty, by name."""
         inputs: dict[str, list[UncertainInput]] = {}
         for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.given(name)) if text is not None]
@@ -302,7 +302,7 @@ class Pair:
 
     @cached_property
     def strength(self) -> Interface | None:
-        """Joint distribution of mu0 and tau0, or None if no interface is given."""
+        """Joint distribution of mu0 and tau0 given by the interface, or None if no interface is given."""
         if self.options.interface is None:
             return None
         if not isinstance(self.options.interface, (str, Path)):
@@ -313,7 +313,7 @@ class Pair:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
     def _nominal_value(self, name: str) -> Any:
-        """Return the value of an option, or the central value of an uncertain input rounded to four digits."""
+        """Return the value of an option. Uncertain inputs are replaced by central values, rounded to four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
             return round_median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -325,7 +325,7 @@ class Pair:
 
     @property
     def _uncertainty_table(self) -> dict[str, Any]:
-        """Table `known` of the study: the uncertain inputs. It contains all moduli if one of them is uncertain."""
+        """Table `known` of the study, with the uncertain inputs and, if any modulus is uncertain, all moduli."""
         names = set(self.uncertain_inputs) | {
             name for name in ("hardness", "creep") if self.options.given(name) is not None
         }
@@ -348,7 +348,7 @@ class Pair:
 
     @cached_property
     def loads(self) -> list[Quantity]:
-        """Requested loads (mN) in ascending order, with pressures multiplied by the nominal area."""
+        """Requested loads (mN) in ascending order. Pressures are converted with the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else THICKNESS / self._width
         # Products are rounded, so that the loads have no spurious last digits.
@@ -368,7 +368,7 @@ class Pair:
 
     @property
     def _cell_attraction(self) -> float:
-        """Largest attraction of a grid cell (mN), which is w/ρ times the area of the cell."""
+        """Largest attractive force on a grid cell (mN), which is w/ρ times the area of the cell."""
         points = int(np.prod(self._body_attributes.attributes["shape"]))
         steps = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work, study_range = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
@@ -377,7 +377,7 @@ class Pair:
 
     @property
     def _width(self) -> float:
-        """Width (µm) over which a force acts on a pair of profiles."""
+        """Width (µm) over which a load given as a force is distributed, for a pair of profiles."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -389,7 +389,7 @@ class Pair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Given loads: (value in mN, False) for a force, or (value in GPa, True) for a pressure."""
+        """Loads as given by the user: (value in mN, False) for a force, or (value in GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -399,19 +399,19 @@ class Pair:
 
     @property
     def study(self) -> Study:
-        """Study of the result."""
+        """Study from which the result is computed."""
         return self.studies[0]
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Study of the result, followed by the same study with the other contact model if a check is requested."""
+        """Study of the result, followed by the study with the other contact model if a check was requested."""
         contacts = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
         loads = [exact_text(load, "mN") for load in self._load_steps(contacts).tolist()]
         return [self._build_study(contact | {"load": loads}) for contact in contacts]
 
     @property
     def preview_study(self) -> Study | None:
-        """Return a study that previews the pair with the asperity model.
+        """Study that previews the pair with the asperity model.
 
         None if lines are pressed, if points are masked, or if the result itself uses the asperity model.
         """
@@ -421,7 +421,7 @@ class Pair:
 
     @property
     def remarks(self) -> list[str]:
-        """Remarks about the materials, and about a gap map."""
+        """Remarks to print about the materials and, if a gap is given, about the gap map."""
         elasticity, remarks = self.elasticity, []
         if elasticity.source and self.options.hardness is None:
             remarks.append(f"{elasticity.source}, {elasticity.hardness_source}")
@@ -482,7 +482,7 @@ class Pair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Filter keys of the table `[surfaces]`, set if some wavelengths of a scan may be noise.
+        """Keys of the table `[surfaces]` that filter the scans. They are set if some wavelengths may be noise.
 
         The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
         come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
@@ -530,7 +530,7 @@ class Pair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Given positions (µm) of the slider on the counterface, or None if no positions are given.
+        """Positions (µm) of the slider on the counterface, or None if no positions are given.
 
         Positions on maps are pairs (x, y).
         """
@@ -544,7 +544,7 @@ class Pair:
         return [list(pair) for pair in zip(values[::2], values[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
-        """Return the number of pairs of lines, and the number of positions on each pair."""
+        """Return the number of line pairs, and the number of relative positions of each line pair."""
         lines, offsets = self.options.lines or DEFAULT_LINES, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             listed = self._listed_positions
@@ -596,7 +596,7 @@ class Pair:
 
     @property
     def _adhesion(self) -> dict[str, Quantity]:
-        """Work of adhesion and its range, as table entries.
+        """Work of adhesion and range of adhesion, as entries of the contact table.
 
         Each must be a single value, because the contacts are computed for a single value.
         """
@@ -638,7 +638,7 @@ class Pair:
 
     @property
     def _hardness(self) -> Quantity | None:
-        """Given hardness, or the hardness of the softer material by default."""
+        """Hardness given by the user or, by default, the hardness of the softer material."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
             return None if value is None else quantity(exact_text(value, "GPa"), "pressure")
@@ -651,7 +651,7 @@ class Pair:
         return hardness
 
     def _build_law(self) -> Any:
-        """Return the contact law of the asperity model with its parameters, in the format of a study."""
+        """Return the contact law of the asperity model and its parameters, in the format of a study file."""
         if self.contact_law != JacksonGreen.name:
             return self.contact_law
         strength, ratio = self.options.yield_strength, self.elasticity.poisson_ratio
@@ -666,7 +666,7 @@ class Pair:
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
-        """Return the loads (mN) at which contacts are computed with all contact models."""
+        """Return the loads (mN) at which contacts are computed, which are the same for all contact models."""
         max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
@@ -711,7 +711,7 @@ class Pair:
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Validate the tables of a study.
+    """Validate the tables of a study that was created from options.
 
     If an option set the invalid key, the `ArgumentError` names the option.
     """
@@ -725,7 +725,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the option that sets a study key such as "friction.mu0[0]", or None if no option sets the key."""
+    """Return the name of the option that sets a study key such as "friction.mu0[0]", or None if no option sets it."""
     key = key.partition("[")[0]
     last = key.rpartition(".")[2]
     return next(
@@ -734,7 +734,7 @@ def _find_option(key: str) -> str | None:
 
 
 def study_from_options(options: PairOptions) -> Study:
-    """Return the study of two bodies, which are read from files or given in memory.
+    """Create the study of two bodies, which are read from files or given in memory.
 
     Raises a `ValueError` if the contact of the bodies cannot be computed.
     """
@@ -744,12 +744,12 @@ def study_from_options(options: PairOptions) -> Study:
 
 
 def _split_commas(value: Any) -> Any:
-    """Split a string at commas, and return other values unchanged."""
+    """Split a string at commas, and return values that are not strings unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a body, which may be given as a list, a folder, comma-separated names, or a single scan."""
+    """Return the scans of a body, given as a list, a folder, comma-separated file names, or a single scan."""
     if isinstance(given, (list, tuple)):
         scans = list(given)
     elif isinstance(given, str) and not given.strip():  # `Path` would interpret an empty string as the current folder
@@ -768,7 +768,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
-    """Find the wavelengths of a scan that may be instrument noise, or the noise that its spectrum may hide.
+    """Find wavelengths of a scan that may be instrument noise, or noise that the spectrum of the scan may hide.
 
     Returns None if they affect the slope only slightly.
     """

@@ -1,4 +1,4 @@
-"""Options of a measured pair with their types, units, defaults, help texts and conditions."""
+"""Declarations of the options of a measured pair: types, units, defaults, help texts and conditions."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ from stiction.surfaces.surface import Surface
 
 
 class HeightData(Protocol):
-    """Height data from another library such as surfalize or xarray, in the attribute `data`."""
+    """Height data from a library such as surfalize or xarray, which stores heights in the attribute `data`."""
 
     @property
     def data(self) -> object:
-        """Heights as an array."""
+        """Heights as a NumPy array or a similar object."""
 
 
 class Topography(Protocol):
-    """Topography from the library SurfaceTopography."""
+    """Topography object from the library SurfaceTopography."""
 
     def heights(self) -> object:
-        """Heights as an array."""
+        """Heights as a NumPy array or a similar object."""
 
 
 def _read_value(value: object) -> object:
@@ -86,7 +86,7 @@ def _read_degrees(value: object) -> float:
 
 
 def _read_positions(value: object) -> object:
-    """Parse a list of lengths, or a flat list of (x, y) pairs of lengths."""
+    """Parse a list of lengths, or a list of (x, y) pairs of lengths, and return a flat list."""
     value = scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
@@ -140,7 +140,7 @@ class PairFacts(Protocol):
 
     @property
     def options(self) -> PairOptions:
-        """All options."""
+        """All options of the pair."""
 
     @property
     def are_maps(self) -> bool:
@@ -152,43 +152,43 @@ class PairFacts(Protocol):
 
     @property
     def has_spectrum(self) -> bool:
-        """True if a body is given as a spectrum that joins several scans."""
+        """True if at least one body is given as a spectrum that joins several scans."""
 
     @property
     def has_missing(self) -> bool:
-        """True if a body has masked points."""
+        """True if at least one body has masked points."""
 
     @property
     def has_surrogates(self) -> bool:
-        """True if the study has surrogates."""
+        """True if the study generates surrogates, which are random surfaces with the measured spectra."""
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Numbers of scans of the upper and the lower body."""
+        """Number of scans of the upper body, and number of scans of the lower body."""
 
     @property
     def press(self) -> str:
-        """Kind of the members: "areas", "lines" or "surrogates"."""
+        """Kind of members that are pressed: "areas", "lines" or "surrogates"."""
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute, starting with the model of the result."""
+        """Contact models that are computed, starting with the model used for the result."""
 
     @property
     def contact_law(self) -> str:
-        """Name of the contact law of the asperity model."""
+        """Name of the contact law used by the asperity model."""
 
 
 @dataclass(frozen=True)
 class Condition:
-    """Condition for the use of an option, with the error message if the option does not apply."""
+    """Condition under which an option may be used, and the message of the error raised otherwise."""
 
     holds: Callable[[PairFacts], bool]
     message: str  # text after the option name; {name} stands for another option
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Condition]:
-    """Return a decorator that converts a function to a condition with the given message."""
+    """Return a decorator that converts a function to a condition with the given error message."""
 
     def decorate(holds: Callable[[PairFacts], bool]) -> Condition:
         return Condition(holds, message)
@@ -204,7 +204,7 @@ def is_one_map(pair: PairFacts) -> bool:
 
 @make_condition("must not be combined with {gap}, because the relative position of the two faces is fixed")
 def has_two_bodies(pair: PairFacts) -> bool:
-    """Return whether two bodies are given rather than the gap between them."""
+    """Return whether two bodies are given, rather than the gap between them."""
     return pair.options.gap is None
 
 
@@ -216,19 +216,19 @@ def has_two_profiles(pair: PairFacts) -> bool:
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairFacts) -> bool:
-    """Return whether the members are lines of two profiles."""
+    """Return whether two profiles are pressed as lines."""
     return pair.are_profiles and pair.press == "lines"
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def makes_surrogates_of_whole_scans(pair: PairFacts) -> bool:
-    """Return False if surrogates of scans with masked points were requested, otherwise True."""
+    """Return False if surrogates are requested and a scan has masked points, and True otherwise."""
     return not (pair.has_missing and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
-    """Return False if the asperity model was requested for scans with masked points, otherwise True."""
+    """Return False if the asperity model is used and a scan has masked points, and True otherwise."""
     return not pair.has_missing or "asperities" not in pair.contact_models
 
 
@@ -240,67 +240,67 @@ def has_whole_scans(pair: PairFacts) -> bool:
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
 def has_no_spectrum(pair: PairFacts) -> bool:
-    """Return whether no body is given as a spectrum that joins several scans."""
+    """Return True unless a body is given as a spectrum that joins several scans."""
     return not pair.has_spectrum
 
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_pairs_of_lines(pair: PairFacts) -> bool:
-    """Return whether there are several pairs of lines, from maps or from surrogates of profiles."""
+    """Return whether several pairs of lines can be formed, from maps or from surrogates of profiles."""
     return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
 
 
 @make_condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairFacts) -> bool:
-    """Return whether the members are lines."""
+    """Return whether the bodies are pressed as lines."""
     return pair.press == "lines"
 
 
 @make_condition("is for lines of surfaces")
 def presses_lines_of_surfaces(pair: PairFacts) -> bool:
-    """Return whether the members are lines of height maps."""
+    """Return whether lines of height maps are pressed."""
     return pair.press == "lines" and not pair.are_profiles
 
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairFacts) -> bool:
-    """Return whether the members are areas of two height maps."""
+    """Return whether the areas of two height maps are pressed."""
     return pair.press == "areas"
 
 
 @make_condition("is for areas; lines are always moved in both directions")
 def moves_areas(pair: PairFacts) -> bool:
-    """Return whether the members are areas of height maps or of surrogates."""
+    """Return whether areas are pressed, either of height maps or of surrogates."""
     return pair.press != "lines"
 
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairFacts) -> bool:
-    """Return whether the members are lines or areas of the scans."""
+    """Return whether lines or areas of the scans themselves, rather than areal surrogates, are pressed."""
     return pair.press != "surrogates"
 
 
 @make_condition("must not be given with {positions}")
 def has_no_positions(pair: PairFacts) -> bool:
-    """Return True unless the relative positions are listed."""
+    """Return True unless the relative positions of the bodies are listed."""
     return pair.options.positions is None
 
 
 @make_condition("is for {surrogates}")
 def presses_surrogates(pair: PairFacts) -> bool:
-    """Return whether some or all members are surrogates."""
+    """Return whether at least some members are surrogates of the scans."""
     return pair.has_surrogates
 
 
 @make_condition("must not be combined with {check}, which uses both contact models")
 def presses_by_one_model(pair: PairFacts) -> bool:
-    """Return whether a single contact model is used."""
+    """Return whether only one contact model is used."""
     return not pair.options.check
 
 
 @make_condition("is for {mechanics} half-space")
 def presses_half_space(pair: PairFacts) -> bool:
-    """Return whether the half-space model is used for the result or as a check."""
+    """Return whether the half-space model is used, either for the result or as a check."""
     return "half-space" in pair.contact_models
 
 
@@ -312,31 +312,31 @@ def has_result_by_half_space(pair: PairFacts) -> bool:
 
 @make_condition("is for {mechanics} half-space alone")
 def presses_half_space_alone(pair: PairFacts) -> bool:
-    """Return whether only the half-space model is used, without the asperity model as a check."""
+    """Return whether the half-space model is used without the asperity model as a check."""
     return pair.contact_models == ("half-space",)
 
 
 @make_condition("is for {mechanics} asperities")
 def presses_asperities(pair: PairFacts) -> bool:
-    """Return whether the asperity model is used for the result or as a check."""
+    """Return whether the asperity model is used, either for the result or as a check."""
     return "asperities" in pair.contact_models
 
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def suits_grooves(pair: PairFacts) -> bool:
-    """Return whether the contact law suits the lay; grooves require the law of cylinders."""
+    """Return whether the contact law suits the lay. A lay of grooves requires the contact law of cylinders."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
 @make_condition("is for {law} jackson-green")
 def has_law_with_yield(pair: PairFacts) -> bool:
-    """Return whether the contact law is the law of Jackson and Green, which requires a yield strength."""
+    """Return whether the Jackson-Green contact law is used, which requires a yield strength."""
     return pair.contact_law == JacksonGreen.name
 
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
-    """Return True unless a given hardness determines the yield strength of the asperities."""
+    """Return True unless the yield strength of the asperities follows from a given hardness."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
@@ -372,7 +372,7 @@ def has_no_interface(pair: PairFacts) -> bool:
 
 @make_condition("is for {young} and {law} jackson-green")
 def needs_poisson_ratio(pair: PairFacts) -> bool:
-    """Return whether Poisson's ratio is used with Young's modulus or in the law of Jackson and Green."""
+    """Return whether Poisson's ratio is needed, either with Young's modulus or for the Jackson-Green contact law."""
     return pair.options.young is not None or pair.contact_law == JacksonGreen.name
 
 
@@ -402,7 +402,7 @@ class FormField:
 
 @dataclass(frozen=True)
 class Option:
-    """Declaration of a pair option for the command line, Python, study files and the app."""
+    """Declaration of a pair option, which is used by the command line, Python, study files and the app."""
 
     value: str  # placeholder for the value on the command line, such as PRESSURE; empty for a switch
     help: str  # one or two sentences of help; {name} stands for another option
@@ -420,7 +420,7 @@ class Option:
 
 
 class OptionGroup(BaseModel):
-    """Group of options.
+    """Group of related options.
 
     The value None stands for the default.
     """
@@ -431,7 +431,7 @@ class OptionGroup(BaseModel):
 
 
 class SurfaceOptions(OptionGroup):
-    """Options for the two bodies and for the preparation of their scans."""
+    """Options that select the two bodies and prepare their scans."""
 
     title: ClassVar[str] = "Surfaces"
 
@@ -484,7 +484,7 @@ class SurfaceOptions(OptionGroup):
 
 
 class ReadingOptions(OptionGroup):
-    """Options for reading files. Each option has a single value for both files, or a value for each file."""
+    """Options for reading files. An option has one value for both files, or one value for each file."""
 
     title: ClassVar[str] = "Reading files"
 
@@ -551,7 +551,7 @@ class ReadingOptions(OptionGroup):
 
 
 class MaterialOptions(OptionGroup):
-    """Options for the materials.
+    """Options that describe the materials of the bodies.
 
     Either effective_modulus, young with poisson, or the names of materials are required.
     """
@@ -614,7 +614,7 @@ class MaterialOptions(OptionGroup):
 
 
 class FrictionOptions(OptionGroup):
-    """Options for the load, the interface and the motion."""
+    """Options that describe the load, the interface and the motion."""
 
     title: ClassVar[str] = "Load and friction"
 
@@ -649,7 +649,7 @@ class FrictionOptions(OptionGroup):
 
 
 class ContactOptions(OptionGroup):
-    """Options for the contact model."""
+    """Options that select the contact model and its parameters."""
 
     title: ClassVar[str] = "Contact model"
 
@@ -686,7 +686,7 @@ class ContactOptions(OptionGroup):
 
 
 class EnsembleOptions(OptionGroup):
-    """Options for the relative positions and the surrogates."""
+    """Options for the relative positions of the bodies and for the surrogates."""
 
     title: ClassVar[str] = "Ensemble"
 
@@ -732,7 +732,7 @@ class ComputingOptions(OptionGroup):
 class PairOptions(
     SurfaceOptions, ReadingOptions, MaterialOptions, FrictionOptions, ContactOptions, EnsembleOptions, ComputingOptions
 ):
-    """All options of a pair of two measured bodies."""
+    """All options for a pair of two measured bodies."""
 
     title: ClassVar[str] = "Options of a pair"
 
@@ -764,7 +764,7 @@ READING_OPTION_NAMES: tuple[str, ...] = tuple(
 
 
 def split_list(name: str, text: str) -> str | tuple[str, ...]:
-    """Split the text of an option at commas, or return it unchanged for an option with a single value."""
+    """Split the text of an option at commas. If the option has a single value, return the text unchanged."""
     return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
 
@@ -777,7 +777,7 @@ CHECK_ORDER: tuple[str, ...] = tuple(
 
 
 def list_choices(name: str) -> tuple[str, ...]:
-    """Return the allowed words of an option, or an empty tuple if its values are not words."""
+    """Return the words that an option accepts as values, or an empty tuple if the option accepts other values."""
     annotation = PairOptions.model_fields[name].annotation
     literal = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
     return tuple(argument for argument in get_args(literal) if isinstance(argument, str))
@@ -833,7 +833,7 @@ def argument_errors() -> Iterator[None]:
 
 
 def read_options(values: dict[str, object]) -> PairOptions:
-    """Create options from values by field name.
+    """Validate values given by field name, and create options from them.
 
     Raises an `ArgumentError` if a value is invalid.
     """

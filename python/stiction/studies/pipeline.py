@@ -1,4 +1,4 @@
-"""Completion of a result folder: missing blocks and, for a measured pair, companion files.
+"""Completion of a result folder, to which missing blocks and companion files of a measured pair are added.
 
 Companion files contain the contacts of a typical member, areas at other hardnesses, and the onset of sliding. The
 cutoff study is stored in a subfolder.
@@ -55,7 +55,7 @@ _COMPANION_FILES = {
 
 
 def _ignore_line(_: str) -> None:
-    """Ignore a line of text (for runs without output)."""
+    """Ignore a line of output, in runs that print nothing."""
 
 
 def complete_result(
@@ -64,7 +64,7 @@ def complete_result(
     print_remark: LinePrinter = _ignore_line, announce: LinePrinter = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of a part of the study.
+    """Compute the missing blocks of a study, or of one part of its members.
 
     Without a part, the companion files are computed too.
 
@@ -121,7 +121,7 @@ def complete_result(
 
 
 def _write_companion(stored: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a companion file, unless there are no data to write or files of the bodies are missing."""
+    """Compute and write a companion file. Nothing is written if there are no data, or if body files are missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored.path / name, replace=True)
@@ -131,7 +131,7 @@ def compute_companions(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
     announce: LinePrinter = _ignore_line, print_remark: LinePrinter = _ignore_line,
 ) -> None:  # fmt: skip
-    """Compute the cutoff study and the onset of sliding of a measured pair if they are missing."""
+    """Compute the cutoff study and the onset of sliding of a measured pair, if they are not stored yet."""
     stored = result.stored
     if stored is None or not stored.study.is_measured:
         return
@@ -162,7 +162,7 @@ def compute_companions(
 
 
 def remove_result(stored: StoredResult) -> None:
-    """Remove the study and the blocks of a result, but no other files in the folder."""
+    """Remove the files of a result (study, blocks, areas, onset), but no other files in the folder."""
     for block in stored.blocks:
         (stored.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
     areas = (AREAS_FILE,) if stored.study.is_measured else ()

@@ -1,4 +1,4 @@
-"""Values at a point (combination of cell, load, mu0 and tau0) of a dataset that `at_load` returned."""
+"""Values at one point of an `at_load` dataset: one combination of roughness or cutoff, load, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RuleValue:
-    """Coefficient of static friction at a point for a sliding rule."""
+    """Coefficient of static friction at a point, evaluated with one sliding rule."""
 
     rule: str  # "all" or "opposing"
     value: float  # mean coefficient over the directions
@@ -36,7 +36,7 @@ class RuleValue:
 
 
 def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
-    """Yield a dataset for each point (cell, load, mu0 and tau0) of a dataset that `at_load` returned."""
+    """Yield a dataset for each combination of roughness or cutoff, load, mu0 and tau0 in an `at_load` dataset."""
     cells = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     for indices in np.ndindex(*(at.sizes[name] for name in dims)):
@@ -54,18 +54,18 @@ MEAN_AND_ENDS = ("mean", "lower", "upper")  # labels of a mean and of the limits
 
 
 def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
-    """Return the symbol and the value of the roughness exponent: H for self-affine surfaces, otherwise D."""
+    """Return the name and value of the roughness exponent, which is H for self-affine surfaces and D otherwise."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
 
 def by_rule(table: Any, rule: str) -> Any:
-    """Select a sliding rule from an array, or return an array without sliding rules unchanged."""
+    """Select the values for a sliding rule from an array. An array without sliding rules is returned unchanged."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
 def value_of(point: xarray.Dataset, name: str) -> float:
-    """Return the mean of a quantity at a point over all directions, or NaN if the quantity is missing."""
+    """Return the value of a quantity at a point, averaged over all directions, or NaN if the quantity is missing."""
     if name not in point.variables:
         return math.nan
     table = point[name]
@@ -76,7 +76,7 @@ def value_of(point: xarray.Dataset, name: str) -> float:
 
 
 def contact_status_of(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the true area at a point: "ok", "complete", or "above-nominal" for asperities."""
+    """Return the status of the true area at a point: "ok", "complete", or "above-nominal" (asperity model only)."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     above = value_of(point, "contact_area_fraction") > 1
@@ -99,7 +99,7 @@ def rules_of(study: Study) -> list[str]:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the nominal area is meaningful.
+    """Return whether the nominal area is a meaningful quantity for the contact model.
 
     For spheres on a strip of arbitrary thickness, it is not.
     """
@@ -124,7 +124,7 @@ def modulus_of(point: xarray.Dataset, study: Study) -> float:
 
 
 def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the range of adhesion (µm) in the study, and the larger of this and the range that the grid resolves."""
+    """Return the range of adhesion (µm) in the study, and the range that is used so that the grid resolves it."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or ADHESION_RANGE)
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))
@@ -145,7 +145,7 @@ def hardness_of(study: Study) -> float:
 
 
 def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
-    """Return tau0/H', the adhesive friction of fully plastic contacts.
+    """Return tau0/H', which is the adhesive friction coefficient of fully plastic contacts.
 
     The value is NaN at seizure, or None without a hardness.
     """

@@ -1,4 +1,4 @@
-"""Adhesion without a load: pull-off force, pull-off pressure, and the friction of unloaded bodies."""
+"""Adhesion without an external load: pull-off force, pull-off pressure and friction of unloaded bodies."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ValueWithInterval = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Sticking:
-    """Pull-off force (mN), pull-off pressure (GPa) and friction without a load (mN), with 95 % intervals."""
+    """Pull-off force (mN), pull-off pressure (GPa) and friction force of unloaded bodies (mN), with 95 % intervals."""
 
     pull_off: ValueWithInterval
     pressure: ValueWithInterval
@@ -32,7 +32,7 @@ class Sticking:
 
     @property
     def sticks(self) -> Literal["yes", "no", "uncertain"]:
-        """Assessment of sticking: "yes", "no" or "uncertain".
+        """Assessment of whether the bodies stick together: "yes", "no" or "uncertain".
 
         The value is "yes" if the interval of the pull-off pressure is above `STICKING_PRESSURE`, "no" if it is below,
         and "uncertain" if it contains this pressure.
@@ -46,7 +46,7 @@ class Sticking:
 
 
 def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
-    """Return pull-off force and unloaded friction at a point, or None if the bodies do not adhere."""
+    """Return pull-off force, pull-off pressure and unloaded friction at a point, or None without adhesion."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (

@@ -47,7 +47,7 @@ MAX_RELATIVE_CUTOFF = 1 / 30  # largest ratio of a cutoff to the shortest side o
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return a copy of a study with several cutoffs, few members and the loads of the original study.
+    """Create a cutoff study, which has several cutoffs, fewer members and the loads of the original study.
 
     The first cutoff is the cutoff of the original study. The other cutoffs start at the shortest resolved wavelength
     and double successively. Returns None for generated bodies, for the asperity model, if the original study has
@@ -88,7 +88,7 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
-    """Evaluate a result at several cutoffs and at the loads of its study.
+    """Evaluate a measured pair at several cutoffs and at the loads of its study.
 
     The cutoffs are those of the result itself or of the cutoff study in its folder. Returns None if there is neither.
     """
@@ -118,7 +118,7 @@ def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap of a pair at resolved wavelengths, with its extrapolation to shorter wavelengths."""
+    """Roughness of the gap between two bodies at resolved wavelengths, and its extrapolation to shorter wavelengths."""
 
     shortest: float  # shortest resolved wavelength (two points or the cutoff), µm
     longest: float  # longest side of the pressed bodies, µm
@@ -127,11 +127,11 @@ class ResolvedRoughness:
     estimate: HurstEstimate | None  # Hurst exponent of the gap, or None without a self-affine band
 
     def fraction_below(self, wavelength: float) -> float:
-        """Return the fraction of the mean square gradient of the gap at wavelengths below a limit (µm)."""
+        """Return the fraction of the mean square gradient of the gap that comes from wavelengths below a limit (µm)."""
         return float(self.roughness.fraction_below(wavelength))
 
     def find_plastic_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Return the cutoff (µm) at which the elastic pressure reaches a multiple of its value at the scan resolution.
+        """Return the cutoff (µm) at which the elastic pressure is `ratio` times the pressure at the scan resolution.
 
         `ratio` is the multiple. The cutoff is returned with its interval.
         """
@@ -140,7 +140,7 @@ class ResolvedRoughness:
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, spread)
 
     def extrapolate(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Extrapolate the gradient and the area fraction of elastic bodies to finer scans.
+        """Extrapolate the gap gradient and the area fraction of elastic bodies to finer scans.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
         area fractions are triples of value, lower limit and upper limit.
@@ -155,7 +155,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Return the resolved roughness of the gap of a pair, or None if the bodies are generated or files are missing."""
+    """Return the resolved roughness of the gap of a pair, or None for generated bodies or missing files."""
     if not study.is_measured:
         return None
     try:
@@ -188,7 +188,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return lower bounds on mu_s and area fraction for finer scans, or None if the model is not a plastic half-space.
+    """Return lower bounds on mu_s and on the area fraction for finer scans, or None unless the half-space is plastic.
 
     The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
     is the nominal pressure.
@@ -201,7 +201,7 @@ def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | 
 
 @dataclass(frozen=True)
 class YieldEstimate:
-    """Estimate for a hardness H (GPa): wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
+    """Estimates for a hardness H (GPa): the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
     wavelength: float  # wavelength (µm), or NaN if the slope never becomes large enough
@@ -212,7 +212,7 @@ class YieldEstimate:
 
 @dataclass(frozen=True)
 class CutoffPoint:
-    """Values at a cutoff, load, mu0 and tau0."""
+    """Values computed at one combination of cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
     values: dict[str, float]  # friction by rule, gradient, area fraction and pressure
@@ -245,7 +245,7 @@ class Resolution:
 
 
 def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> Resolution | None:
-    """Return the effect of the scan resolution on a dataset, or None if roughness and cutoffs are unknown.
+    """Return the effect of the scan resolution on a dataset, or None if neither roughness nor cutoffs are known.
 
     `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
     """
@@ -277,7 +277,7 @@ def _cutoff_point(point: xarray.Dataset, study: Study) -> CutoffPoint:
 
 
 def yield_estimates(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> tuple[YieldEstimate, ...]:
-    """Estimate the wavelengths at which the pressure reaches typical hardnesses.
+    """Estimate the wavelengths at which the mean contact pressure reaches typical hardnesses.
 
     At this wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
     result.
@@ -295,7 +295,7 @@ def yield_estimates(point: xarray.Dataset, study: Study, scan: ResolvedRoughness
 
 
 def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return the limits of elastic and plastic contact for the figure of results against cutoff.
+    """Return the limits for elastic and plastic contact that are drawn in the figure of results against cutoff.
 
     `dataset` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``, the
     plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files are
@@ -329,7 +329,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
 
 
 def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Return the closed-form estimate for the spectra of both bodies, if at least one of them joins several scans."""
+    """Return the closed-form estimate from the spectra of both bodies, or None if no body joins several scans."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]

@@ -1,4 +1,4 @@
-"""Result of a study in memory or in a directory: contact sums, and values that are derived from the sums."""
+"""Result of a study, in memory or in a directory, with contact sums and values derived from the sums."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Result:
 
     @classmethod
     def of(cls, result: Result | xarray.Dataset | StoredResult) -> Result:
-        """Return a result unchanged, or create a result from a dataset of member sums or an open directory."""
+        """Return a result unchanged, or create one from a dataset of member sums or from an open directory."""
         import xarray
 
         if isinstance(result, Result):
@@ -77,7 +77,7 @@ class Result:
 
     @cached_property
     def study(self) -> Study:
-        """Study of the result."""
+        """Study from which the result was computed."""
         return self.source.study if isinstance(self.source, StoredResult) else study_of(self.source)
 
     @property
@@ -87,7 +87,7 @@ class Result:
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """Contact sums of all members in memory.
+        """Dataset with the contact sums of all members, held in memory.
 
         Raises a `StoreError` if the sums take more than 2 GiB.
         """
@@ -95,7 +95,7 @@ class Result:
 
     @cached_property
     def head(self) -> xarray.Dataset:
-        """Dataset with the coordinates and attributes of the result, and values of the first members.
+        """Dataset with the coordinates and attributes of the result, but with values of the first members only.
 
         Raises a `StoreError` if no member is finished.
         """
@@ -119,7 +119,7 @@ class Result:
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in pieces (groups of members) with some or all variables; one piece is in memory at a time.
+        """Yield the result in pieces (groups of members) with the named variables, one piece in memory at a time.
 
         The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
         """
@@ -133,7 +133,7 @@ class Result:
             yield selected.isel(repetition=slice(first, first + step))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
-        """Average variables over all members, with one piece of the result in memory at a time."""
+        """Average variables over all members, holding only one piece of the result in memory at a time."""
         import xarray
 
         names, total, count = list(names), dict[str, xarray.Variable](), 0
@@ -152,13 +152,13 @@ class Result:
 
     @cached_property
     def num_solved(self) -> int:
-        """Number of members that were computed at all loads or approaches."""
+        """Number of members that were solved at all loads or approaches."""
         from stiction.studies.maps import solved_pieces
 
         return sum(piece.sizes["repetition"] for piece in solved_pieces(self, ["normal_elastic"]))
 
     def alongside(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
-        """Call a function that reads from the directory of the result, and cache its value.
+        """Read data from the directory of the result with the given function, and cache the returned value.
 
         Returns None for results in memory.
 
@@ -175,7 +175,7 @@ class Result:
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """Onset of sliding of a measured pair at the first load, mu0 and tau0 in the study.
+        """Onset of sliding of a measured pair, computed for the first load, mu0 and tau0 in the study.
 
         None if the onset is not stored.
         """
@@ -185,7 +185,7 @@ class Result:
 
     @property
     def over_cut_offs(self) -> xarray.Dataset | None:
-        """Values of a few members at several cutoff wavelengths, or None if no cutoff study is stored."""
+        """Values at several cutoff wavelengths for a few members, or None if no cutoff study is stored."""
         from stiction.studies.resolution import evaluate_cutoffs
 
         return self.alongside(evaluate_cutoffs)
@@ -199,7 +199,7 @@ class Result:
 
     @cached_property
     def coming_and_going(self) -> xarray.Dataset | None:
-        """Load, area and approach of a typical adhesive member during loading and unloading.
+        """Load, contact area and approach of a typical adhesive member during loading and unloading.
 
         The values are computed on first use.
         """
@@ -208,7 +208,7 @@ class Result:
         return coming_and_going(self)
 
     def find_touching_profiles(self, load: float) -> tuple[Profile, Profile, float, float] | None:
-        """Return the first pair of measured profiles that touch at a load (mN), with their approach and offset (µm).
+        """Return the first pair of measured profiles that touch at a load (mN), with the approach and the offset (µm).
 
         Returns None if no pair touches.
         """
@@ -218,21 +218,21 @@ class Result:
 
     @property
     def height_factors(self) -> dict[ScaledSides, list[float]]:
-        """Height factors with stored results, for each choice of scaled surfaces."""
+        """Stored height factors, listed separately for scaling both bodies, the upper body or the lower body."""
         from stiction.studies.height_scale import list_stored_factors
 
         return {} if self.stored is None else list_stored_factors(self.stored)
 
     @cached_property
     def nodes(self) -> Nodes:
-        """Values at nodes of mu0 and tau0 for interpolation in a report."""
+        """Values at nodes of mu0 and tau0, between which a report interpolates."""
         from stiction.studies.nodes import Nodes
 
         return Nodes(self)
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the bodies that apply at all loads.
+        """Caveats about the measured bodies, which apply at all loads.
 
         The files are read on first use.
         """
@@ -243,7 +243,7 @@ class Result:
     # ---- Evaluation at a load ----------------------------------------------------------------------------------------
 
     def reached_loads(self, steps: int = 80) -> NDArray[np.float64]:
-        """Return a geometric series of loads (mN) up to the largest mean load.
+        """Return loads (mN) in a geometric series up to the largest mean load.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -253,7 +253,7 @@ class Result:
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study or, if the study has none, loads within the range of the result.
+        """Loads (mN) in the study or, if the study has none, a few loads within the range of the result.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -263,14 +263,14 @@ class Result:
 
     @cached_property
     def mean_areas(self) -> NDArray[np.float64]:
-        """Mean true area (µm²) of the members at the computed loads."""
+        """True area (µm²) at each computed load, averaged over the members."""
         from stiction.studies.evaluation import mean_areas
 
         return mean_areas(self)
 
     @cached_property
     def at_study_loads(self) -> xarray.Dataset:
-        """Values and intervals at the loads, mu0 and tau0 of the study, with the uncertainty budget.
+        """Values and intervals at the loads, mu0 and tau0 in the study, including the uncertainty budget.
 
         If the study has a range of fractal dimensions, only `NUM_OVERVIEW_DIMENSIONS` values are evaluated.
         """
@@ -291,7 +291,7 @@ class Result:
         height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
         compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Evaluate the result with intervals at any loads, mu0 and tau0.
+        """Evaluate the result and its intervals at any loads, mu0 and tau0.
 
         The contacts need no new computation.
 
@@ -397,7 +397,7 @@ class Result:
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Compute a table of all contacts of a typical member, or of the given members, with one row per contact.
+        """Compute a table with one row for each contact of a typical member or of the given members.
 
         Parameters
         ----------
@@ -439,7 +439,7 @@ class Result:
         return self.summary_of(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def summary_of(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset that `at` returned with a budget, or a selection from this dataset."""
+        """Summarize a dataset that was returned by `at` with `budget=True`, or a selection from such a dataset."""
         from stiction.studies.summary import summarize
 
         return summarize(at, self.study, input_caveats=self.input_caveats)
@@ -464,17 +464,17 @@ class Result:
 
     @property
     def of_positions(self) -> tuple[float, float]:
-        """Limits of the 95 % sampling interval of the mean over positions, with all inputs at their central values."""
+        """Limits of the 95 % sampling interval of the mean over positions, with central values of all inputs."""
         return self._first.rules[0].positions
 
     @property
     def next_test(self) -> tuple[float, float]:
-        """Limits of the 95 % prediction interval for a single test at one position in one direction."""
+        """Limits of the 95 % prediction interval for a single test at one position in one direction of motion."""
         return self._first.rules[0].next_test
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """Uncertainty budget: for each input, the interval that would remain if the input were exact.
+        """Uncertainty budget, with the interval that would remain if one input at a time were exact.
 
         The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
         and share (fraction of the width that would vanish).
@@ -501,12 +501,12 @@ class Result:
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
-        """Caveats of `value` with their remedies, starting with faults."""
+        """Caveats about `value` with their remedies. Faults come first."""
         return self._first.caveats
 
     @property
     def sentence(self) -> str:
-        """Sentence that states `value` with all conditions that it depends on."""
+        """Sentence that states `value` and all conditions on which it depends."""
         from stiction.views.sentence import sentence_text
 
         return sentence_text(self._first)
@@ -514,13 +514,13 @@ class Result:
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table of the CSV file, with one row per load, mu0, tau0, sliding rule and direction."""
+        """Return the table written to CSV files, with one row per load, mu0, tau0, sliding rule and direction."""
         from stiction.views.rows import summary_table
 
         return summary_table(self.summary())
 
     def figures(self) -> list[str]:
-        """Return the names that `figure` accepts."""
+        """Return the names of the figures that `figure` can draw."""
         return [name for name, _ in self._drawings()]
 
     def figure(self, name: str) -> Figure:
@@ -561,7 +561,7 @@ class Result:
         return Path(path)
 
     def to_netcdf(self, path: str | Path) -> None:
-        """Write all variables, coordinates and attributes of the dataset to a new netCDF file."""
+        """Write all variables, coordinates and attributes of the result to a new netCDF file."""
         export(self.dataset, path)
 
     def export(self, path: str | Path) -> None:
@@ -579,7 +579,7 @@ class Result:
     # ---- Display in a terminal or a notebook -------------------------------------------------------------------------
 
     def __repr__(self) -> str:
-        """Return the text that the terminal shows."""
+        """Return the text that is printed on a terminal."""
         try:
             return self._text().rstrip()
         except ValueError as error:  # There is no contact or no finished member.
@@ -592,14 +592,14 @@ class Result:
         return text.result_text(summary) if self.study.is_measured else text.overview_text(summary)
 
     def _repr_html_(self) -> str:
-        """Return the text that the terminal shows, with a figure, as HTML."""
+        """Return the text that is printed on a terminal, together with a figure, as HTML."""
         names = self.figures()
         name = next((each for each in ("contacts", "friction", *names) if each in names), None)
         return f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(name)) if name else ''}</div>"
 
 
 def open_result(directory: str | Path) -> Result:
-    """Open a finished or unfinished result in a directory that `run`, `pair` or a command wrote.
+    """Open a finished or unfinished result in a directory written by `run`, `pair` or a command.
 
     Parameters
     ----------

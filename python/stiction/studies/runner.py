@@ -1,4 +1,4 @@
-"""Execution of a study by an executor, with a task for each block of members."""
+"""Execution of a study by an executor, which runs one task for each block of members."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ MAX_BYTES_IN_MEMORY = 2**34  # largest size (bytes) of a result without a store
 
 
 def choose_block_size(study: Study) -> int:
-    """Return the number of members in a block."""
+    """Return the number of members to store in each block."""
     by_time = int(min(BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
     by_size = MAX_BLOCK_BYTES // member_bytes(study)
     total = study.ensemble.repetitions
@@ -60,7 +60,7 @@ def choose_block_size(study: Study) -> int:
 def run(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> Result:
-    """Run a study.
+    """Run a study, and return its result.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def compute_missing(
     study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
-    """Compute the missing blocks of a study in a folder.
+    """Compute the blocks of a study that are missing in a folder.
 
     The part (3, 16) is every 16th block, starting with the third.
 
@@ -128,7 +128,7 @@ def compute_missing(
 
 
 def prepare_folder(study: Study, folder: str | Path, part: tuple[int, int] | None = None) -> StoredResult:
-    """Create the folder of a study, or open an existing folder.
+    """Create the folder in which a study is stored, or open the existing folder.
 
     Raises the errors of `compute_missing`.
     """
@@ -147,7 +147,7 @@ def complete_blocks(
     stored: StoredResult, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
 ) -> StoredResult:  # fmt: skip
-    """Compute the missing blocks of a stored result, and return the complete result.
+    """Compute the blocks that a stored result lacks, and return the result with these blocks.
 
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
     was too low. Raises the errors of `compute_missing`.
@@ -171,7 +171,7 @@ def _compute_into(
     stored: StoredResult, missing: _MissingMembers, pool: Executor, advance: Callable[[int], None],
     announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
-    """Compute the missing blocks of a stored result.
+    """Compute the blocks that a stored result lacks, and write their files.
 
     Workers that can access the folder write the block files.
     """
@@ -203,7 +203,7 @@ def _compute_into(
 
 @contextlib.contextmanager
 def _create_token(path: Path) -> Iterator[SharedFolder]:
-    """Create a token file that exists during a run.
+    """Create a token file, which exists as long as the run is active.
 
     If a worker finds the token file, the worker can access the folder, and the run is still active.
     """
@@ -222,7 +222,7 @@ def _create_token(path: Path) -> Iterator[SharedFolder]:
 
 @contextlib.contextmanager
 def _count_finished_on_error(stored: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to errors about storage or about workers that died."""
+    """Add the number of finished members to the messages of errors about storage or workers that died."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -258,7 +258,7 @@ LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice on
 
 
 def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:
-    """Describe the work ahead in a line: run time, number and size of files, and a warning about a full disk."""
+    """Describe the remaining work in one line: run time, number and size of files, and a warning if space is short."""
     study = stored.study
     free = shutil.disk_usage(stored.path).free
     files = sum(1 for _ in missing)
@@ -282,7 +282,7 @@ MIN_REPORTED_TIME = 60.0  # remaining time (s) above which a new estimate of the
 
 
 def _new_estimate(missing: _MissingMembers, members: int, seconds: float, workers: int, cost: float) -> str:
-    """Return a line with a new estimate of the run time after the first block.
+    """Return a line with a better estimate of the run time, made after the first block.
 
     The line is empty if little time remains, or if the first estimate was right.
     """
@@ -294,7 +294,7 @@ def _new_estimate(missing: _MissingMembers, members: int, seconds: float, worker
 
 
 class _MissingMembers:
-    """Unfinished members of a study (or of a part of it), as ranges of members that do not cross blocks."""
+    """Unfinished members of a study, or of one part of it, in ranges that lie within single blocks."""
 
     def __init__(self, stored: StoredResult, part: tuple[int, int] | None) -> None:
         members = stored.study.ensemble.repetitions
@@ -308,7 +308,7 @@ class _MissingMembers:
         self.count = self.total - int(sum(np.count_nonzero(flag) for flag in flags))
 
     def __iter__(self) -> Iterator[range]:
-        """Yield the ranges of consecutive missing members, block by block."""
+        """Yield ranges of consecutive missing members, one block after the other."""
         for block in self._blocks:
             first = block * self.block
             is_finished = self._is_finished[first : first + self.block]
@@ -322,7 +322,7 @@ def _compute_ranges(
     missing: _MissingMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
-    """Submit a task for each range of missing members, and call `accept` with each result.
+    """Submit a task for each range of missing members, and pass the result of each task to `accept`.
 
     At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
     """
@@ -359,7 +359,7 @@ def _compute_ranges(
 
 @dataclass(frozen=True)
 class SharedFolder:
-    """Result folder into which workers on other machines write if they can access it."""
+    """Result folder into which workers on other machines write their blocks if they can access the folder."""
 
     path: Path
     token: str  # name of the token file, which exists in the blocks folder during a run
@@ -370,7 +370,7 @@ class SharedFolder:
 
 
 def compute_block(version: str, study: Study, folder: SharedFolder | None, members: range) -> bytes | None:
-    """Compute a block of members, and write its file, or return its bytes if the folder is not accessible."""
+    """Compute a block of members and write its file, or return the file content if the folder is not accessible."""
     from stiction.studies.store import encode_members
 
     is_visible = folder is not None and folder.is_visible()
@@ -382,7 +382,7 @@ def compute_block(version: str, study: Study, folder: SharedFolder | None, membe
 
 
 def compute_block_arrays(version: str, study: Study, members: range) -> Arrays:
-    """Compute the arrays of a block of members.
+    """Compute the arrays that contain the values of a block of members.
 
     Raises a `StudyError` if `version` is not the version of this process.
     """
@@ -400,7 +400,7 @@ NUM_PREVIEW_MEMBERS = 4
 
 
 def preview_result(study: Study) -> Result:
-    """Compute the result of the first members of a study.
+    """Compute a preview result, which contains only the first members of a study.
 
     Raises a `ValueError` if their contact cannot be computed.
 

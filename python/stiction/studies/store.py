@@ -1,4 +1,4 @@
-"""Results on disk: a folder with the study, and one file for each block of members.
+"""Results on disk, each in a folder with a study file and one file for each block of members.
 
     DIR/study.toml                               the study
     DIR/blocks/0000008-0000015-1b2c3d4e.nc       members 8 to 15; the last field is the CRC-32 of the file's bytes
@@ -73,7 +73,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class Block:
-    """Block of members, with the range of members and the checksum that its file name contains."""
+    """Block of members, with its range of members and its checksum, which are part of its file name."""
 
     first: int
     last: int
@@ -87,7 +87,7 @@ class Block:
 
 @dataclass(frozen=True)
 class StoreInfo:
-    """Contents of a result folder: study, progress, size and version."""
+    """Description of a result folder: study, progress, size and version."""
 
     study: Study
     finished: int  # number of finished repetitions out of study.ensemble.repetitions
@@ -97,7 +97,7 @@ class StoreInfo:
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Result in a folder.
+    """Result that is stored in a folder.
 
     Blocks are read on demand, and a result that fits into a single piece is cached.
     """
@@ -108,7 +108,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[Block, int, int]]:
-        """Blocks and the ranges of members to read from each block.
+        """List of blocks, each with the range of members to read from the block.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -127,37 +127,37 @@ class StoredResult:
 
     @cached_property
     def finished(self) -> NDArray[np.intp]:
-        """Numbers of the finished members, in ascending order."""
+        """Indices of the finished members, in ascending order."""
         return np.concatenate(
             [np.empty(0, np.intp), *(np.arange(first, last) for _, first, last in self._block_ranges)]
         )
 
     @cached_property
     def version(self) -> str:
-        """Version of stiction that created the first block, or the running version if there are no blocks."""
+        """Version of stiction that computed the first block, or the running version if there are no blocks."""
         return self.first_content.version if self.blocks else __version__
 
     @cached_property
     def size(self) -> int:
-        """Size of the block files in bytes."""
+        """Total size of the block files in bytes."""
         return sum((self.path / BLOCKS_FOLDER / block.name).lstat().st_size for block in self.blocks)
 
     @property
     def nbytes(self) -> int:
-        """Size of the result in memory, in bytes."""
+        """Size in bytes that the result has in memory."""
         return self.count * member_bytes(self.study)
 
     def reload(self) -> StoredResult:
-        """Return the result with the current blocks in its folder."""
+        """Return the result after listing the blocks in its folder again."""
         return StoredResult(self.path, self.study, _list_blocks(self.path))
 
     @cached_property
     def first_content(self) -> BlockContent:
-        """Contents of the first block, whose study may differ from the study in the folder."""
+        """Contents of the first block. The study in this block may differ from the study in the folder."""
         return self._read(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
-        """Return the dataset of all finished members.
+        """Return a dataset that contains all finished members.
 
         Raises a `StoreError` if the dataset exceeds 2 GiB, or if the result has no finished members, is damaged, or
         does not match its study.
@@ -176,7 +176,7 @@ class StoredResult:
         )
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in consecutive pieces, with one piece in memory at a time (see `Result.pieces`)."""
+        """Yield the result in consecutive pieces, holding only one piece in memory (see `Result.pieces`)."""
         selected, count = None if names is None else list(names), self.count
         for first in range(0, count, self._piece_length):
             piece = (
@@ -188,19 +188,19 @@ class StoredResult:
 
     @cached_property
     def _piece_length(self) -> int:
-        """Number of members in a piece."""
+        """Number of members in a piece of the result."""
         return piece_length(member_bytes(self.study))
 
     @cached_property
     def _single_piece(self) -> xarray.Dataset:
-        """Whole result as read-only arrays, which all tables and figures share."""
+        """Whole result as a dataset of read-only arrays, which all tables and figures share."""
         dataset = self._read_range(0, self.count)
         for variable in dataset.data_vars.values():
             variable.values.flags.writeable = False
         return dataset
 
     def _read_range(self, first: int, last: int) -> xarray.Dataset:
-        """Return the finished members from position `first` to position `last` - 1."""
+        """Return a dataset with the finished members at the positions from `first` to `last` - 1."""
         version, numbers = self.version, self.finished[first:last]
         axis = len(self.study.surfaces.cells())
         arrays: Arrays = {
@@ -230,7 +230,7 @@ class StoredResult:
         return build_dataset(self.study, numbers, arrays, bodies).assign_attrs(stiction_version=version)
 
     def _read(self, block: Block) -> BlockContent:
-        """Return the contents of a block, after comparing its checksum with the file name."""
+        """Read a block, check its checksum against the file name, and return its contents."""
         try:
             written = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
             if zlib.crc32(written) != block.checksum:
@@ -294,7 +294,7 @@ def read(path: str | Path) -> xarray.Dataset:
 
 
 def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
-    """Read a companion file of a result. The file must contain the given variables.
+    """Read a companion file of a result, and check that the file contains the given variables.
 
     Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
     """
@@ -321,7 +321,7 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
 
 
 def open_stored(path: str | Path) -> StoredResult:
-    """Open the result in a folder without reading its blocks.
+    """Open the result in a folder without reading the blocks of the result.
 
     Raises a `StoreError` if the folder has no result.
     """
@@ -378,7 +378,7 @@ def _study(path: Path) -> Study:
 
 
 def create_or_open(path: str | Path, study: Study) -> StoredResult:
-    """Create a result in a folder, or open a result of the same study to resume it.
+    """Create a result in a folder, or open an existing result of the same study to resume its computation.
 
     Stale partial files are removed. Raises a `StoreError` if the folder cannot be written, contains another study, or
     was created by another version.
@@ -407,7 +407,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
 
 
 def _check_resumable(stored: StoredResult) -> None:
-    """Raise a `StoreError` if a run of this study cannot resume from the existing blocks."""
+    """Raise a `StoreError` if the computation of this study cannot be resumed from the existing blocks."""
     path, content, total = stored.path, stored.first_content, stored.study.ensemble.repetitions
     if differ := find_member_differences(content.study, stored.study):
         raise OtherStudyError(path, content.study, differ)
@@ -433,7 +433,7 @@ def _check_resumable(stored: StoredResult) -> None:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` if the study file in a folder was not written by stiction and must not be replaced."""
+    """Raise a `StoreError` unless the study file in a folder was written by stiction and may be replaced."""
     try:
         if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_MARK.encode()):
             return
@@ -448,7 +448,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
 
 
 def _has_study(path: Path, study: Study) -> bool:
-    """Return whether the folder contains exactly this study."""
+    """Return whether the folder contains a study that is equal to the given study."""
     try:
         return _study(path) == study
     except (OSError, ValueError):
@@ -464,12 +464,12 @@ class OtherStudyError(StoreError):
         self.path, self.stored, self.differ = path, stored, differ
 
     def with_remedy(self, advice: str) -> OtherStudyError:
-        """Return a copy of the error with another remedy in its message."""
+        """Return a copy of the error whose message suggests another remedy."""
         return OtherStudyError(self.path, self.stored, self.differ, advice)
 
 
 def write_block(path: Path, first: int, written: bytes, count: int) -> None:
-    """Write the block file of `count` members, starting with the member `first`.
+    """Write a block file with `count` members, of which the first has the index `first`.
 
     Raises a `StoreError` if the file cannot be written.
     """
@@ -504,12 +504,12 @@ _template_lock = threading.Lock()  # lets concurrent threads create only one tem
 
 
 class DamageError(Exception):
-    """Error raised if a file is not a valid result, with the reason as its message."""
+    """Error raised if a file is not a valid result. The message describes the reason."""
 
 
 @dataclass(frozen=True)
 class BlockContent:
-    """Contents of a block file: some members of a result."""
+    """Contents of a block file, which stores some members of a result."""
 
     study: Study
     version: str  # version of stiction that computed the members
@@ -520,7 +520,7 @@ class BlockContent:
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return the bytes of a block file that contains the arrays returned by `stack_members`.
+    """Encode the arrays returned by `stack_members` as the bytes of a block file.
 
     Equal members give equal bytes.
     """
@@ -538,7 +538,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _template(study: Study, count: int) -> bytes:
-    """Return the bytes of a block file of `count` members with zeros for all values.
+    """Return the bytes of a block file with `count` members, in which all values are zero.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
@@ -552,7 +552,7 @@ def _template(study: Study, count: int) -> bytes:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file as xarray does, but without locks.
+    """Write a dataset to a netCDF file as xarray does, but without the locks that xarray uses.
 
     The locks of xarray would require a Dask scheduler in Dask workers.
     """
@@ -578,13 +578,13 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
 
 
 def append_seal(file: io.BytesIO) -> None:
-    """Append a seal to the file: the checksum of its previous content."""
+    """Append a seal to the file, which is the checksum of all bytes before the seal."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
 def decode_members(content: bytes) -> BlockContent:
-    """Decode the members from the bytes of a file.
+    """Decode the members from the bytes of a block file.
 
     Raises a `DamageError` if the arrays do not match the study in the file.
     """
@@ -634,7 +634,7 @@ def _parse_study(text: str) -> Study:
 
 
 def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    """Return the values of a variable, which must be stored in this file rather than in a linked file."""
+    """Return the values of a variable, which must be stored in the file itself rather than in a linked file."""
     import h5py
 
     variable = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None

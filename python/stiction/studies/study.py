@@ -1,4 +1,4 @@
-"""Studies: validated descriptions of a computation, from a TOML file or built in."""
+"""Studies, which are validated descriptions of a computation, read from a TOML file or built in."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ The first class is the default.
 
 
 def select_surface_case(table: Mapping[str, Any]) -> type[Surfaces]:
-    """Return the class of a surfaces table from its keys `kind`, `generator` and `press`."""
+    """Return the class for the table `[surfaces]` that its keys `kind`, `generator` and `press` select."""
     key, cases = _SURFACE_CASES[chosen("kind", table, _SURFACE_CASES)]
     return cases[chosen(key, table, cases)]
 
@@ -102,7 +102,7 @@ LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these 
 
 
 class GeneratedFriction(Case):
-    """Table `[friction]` for generated surfaces: the interface strengths for which figures are drawn."""
+    """Table `[friction]` for generated surfaces, with the interface strengths for which figures are drawn."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -112,14 +112,14 @@ class GeneratedFriction(Case):
 
 
 class FrictionOfAsperities(GeneratedFriction):
-    """Table `[friction]` for generated surfaces with the asperity model: interface strengths that the figures show."""
+    """Table `[friction]` for generated surfaces with the asperity model, with the interface strengths to be plotted."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class FrictionOfHalfSpace(GeneratedFriction):
-    """Table `[friction]` for generated surfaces with the half-space model: strengths and loads shown in figures."""
+    """Table `[friction]` for generated surfaces with the half-space model, with strengths and loads to be plotted."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -127,7 +127,7 @@ class FrictionOfHalfSpace(GeneratedFriction):
 
 
 class FrictionOfMeasured(Case):
-    """Table `[friction]` for measured surfaces: interface strengths, loads and dwell times."""
+    """Table `[friction]` for measured surfaces, with interface strengths, loads and dwell times."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -147,14 +147,14 @@ SHARED_FRICTION_TABLES: tuple[type[Case], ...] = (FrictionOfMeasured, GeneratedF
 
 
 def select_friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
-    """Return the class of the table `[friction]` for the given surfaces and contact model."""
+    """Return the class for the table `[friction]` that matches the surfaces and the contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaces)):
         return FrictionOfMeasured
     return FrictionOfHalfSpace if mechanics == "half-space" else FrictionOfAsperities
 
 
 class Ensemble(Table):
-    """Number of members and seed of their random numbers."""
+    """Number of members in the ensemble, and seed of the random numbers."""
 
     repetitions: int = Field(
         default=100, ge=1, le=100_000_000,
@@ -178,7 +178,7 @@ def _check_distinct(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class Figures(Table):
-    """Figures of a result of generated surfaces."""
+    """Figures to be drawn for a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_check_distinct)] = Field(
         default=("friction", "area"), description="Figures that `run` and `plot` draw."
@@ -221,18 +221,18 @@ def _add_bracketing_loads(
 
 
 def _nominal_area(surfaces: Mapping[str, Any]) -> float:
-    """Return the nominal area (µm²) of a table of generated surfaces."""
+    """Return the nominal area (µm²) of the generated surfaces described by a table."""
     table: Any = select_surface_case(surfaces).model_validate(surfaces)
     return math.prod(table.extents()) if table.is_areal else float(table.extent) * THICKNESS
 
 
 def _empty_table() -> Any:
-    """Return an empty table, which the validation later replaces with the class that matches the surfaces."""
+    """Return an empty table. The validation replaces it with the class that matches the surfaces."""
     return {}
 
 
 class Study(Table):
-    """Description of a computation: pairs of surfaces, contact model and parameters.
+    """Complete description of a computation, with pairs of surfaces, contact model and parameters.
 
     Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
     "10 GPa". In Python, a quantity may also be a number in core units (µm, GPa, mN). Some keys exist only for a single
@@ -256,7 +256,7 @@ class Study(Table):
     @model_validator(mode="before")
     @classmethod
     def _add_curve_loads(cls, given: Any) -> Any:
-        """Add loads below and above the requested loads for interpolation at the requested loads.
+        """Add loads below and above the requested loads, so that results can be interpolated at the requested loads.
 
         The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
         used if `friction.load` is missing.
@@ -280,7 +280,7 @@ class Study(Table):
     @field_validator("surfaces", mode="before")
     @classmethod
     def _read_surfaces(cls, value: object) -> Surfaces:
-        """Validate the surfaces table with the class that its keys select."""
+        """Validate the table `[surfaces]` with the class that its keys select."""
         if isinstance(value, SURFACE_CASES):
             return value
         if not isinstance(value, Mapping):
@@ -292,7 +292,7 @@ class Study(Table):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _read_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a table with the class for the surfaces, or return an empty table if the surfaces are invalid."""
+        """Validate a table with the class that matches the surfaces, or return an empty table if these are invalid."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfiles(), {}
@@ -359,11 +359,11 @@ class Study(Table):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Name of the quantity that is prescribed at each loading step."""
+        """Name of the quantity that is prescribed at each loading step, "approach" or "load"."""
         return self.contact.step
 
     def sums(self) -> tuple[str, ...]:
-        """Return the names of the contact sums that a result contains for each member and loading step."""
+        """Return the names of the contact sums that a result stores for each member and loading step."""
         if self.uses_half_space:
             return HALF_SPACE_SUMS + (ADHESION if self.contact.adheres else ())
         approach = ("approach",) if self.step == "load" else ()
@@ -371,11 +371,11 @@ class Study(Table):
         return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) for which a result contains values."""
+        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
         return self.contact.motions()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
-        """Return the study with absolute paths and checksums of all files.
+        """Return a copy of the study with absolute paths and with checksums of all files.
 
         Bodies in memory are written to the folder, if a folder is given. Raises a `ValueError` if a file cannot be
         read.
@@ -394,7 +394,7 @@ class Study(Table):
 
     @classmethod
     def named(cls, name: str) -> Study:
-        """Return a built-in study by its name, as listed by `study_names`.
+        """Return the built-in study with the given name, which `study_names` lists.
 
         Raises
         ------
@@ -409,7 +409,7 @@ class Study(Table):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Study:
-        """Read a study file.
+        """Read a study from a TOML file.
 
         Raises
         ------
@@ -432,7 +432,7 @@ class Study(Table):
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
-        """Return the study with the values of some dotted keys replaced.
+        """Return a copy of the study in which the values of some keys are replaced.
 
         Parameters
         ----------
@@ -458,7 +458,7 @@ class Study(Table):
         return validated(Study, data, "changes")
 
     def to_toml(self) -> str:
-        """Return the study as TOML text with all keys. `Study.from_toml` returns an equal study."""
+        """Return the study as TOML text with all keys, from which `Study.from_toml` creates an equal study."""
         tables = []
         for name, table in self._to_tables().items():
             if not table:
@@ -468,7 +468,7 @@ class Study(Table):
         return "\n".join(tables)
 
     def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the tables of the unchanged study, converted to the classes that the changes require."""
+        """Return the tables of the study before the changes, converted to the classes that the changes require."""
         data = self._to_tables()
         selectors = {
             key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -487,7 +487,7 @@ class Study(Table):
         return data
 
     def _reset_loads(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
-        """For generated surfaces, remove loads that the changes invalidate, or that depend on changed loads."""
+        """Remove loads of generated surfaces that the changes invalidate, or that depend on changed loads."""
         if "contact.load" in changes or not is_allowed:
             data["friction"].pop("load", None)
         elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
@@ -499,7 +499,7 @@ class Study(Table):
 
 
 def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
-    """Convert a table to another class, keeping values that differ from the defaults of the old class."""
+    """Convert a table to another class, keeping values that differ from the defaults of the original class."""
     table_class = type(table)
     changed = {key for key, value in table if value != table_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
@@ -508,7 +508,7 @@ def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
 
 
 def list_written_keys(table: Table) -> dict[str, Any]:
-    """Return the entries of a table that have a value, in the order of study files."""
+    """Return the entries of a table that are not None, in the order of study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredAreasContact):
@@ -538,12 +538,12 @@ def study_names() -> list[str]:
 
 
 def study_summary(name: str) -> str:
-    """Return a one-sentence description of a built-in study."""
+    """Return the one-sentence description of a built-in study."""
     return (_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
 def study_of(dataset: xarray.Dataset) -> Study:
-    """Return the study of a result.
+    """Return the study that is stored in the dataset of a result.
 
     Raises a `StudyError` if the dataset has no attribute 'study'.
     """
@@ -554,12 +554,12 @@ def study_of(dataset: xarray.Dataset) -> Study:
 
 
 def find_step_dimension(dataset: xarray.Dataset) -> str:
-    """Return the dimension of the loading steps: "load" for the half-space, or "approach"."""
+    """Return the dimension of the loading steps, which is "load" if loads are prescribed and "approach" otherwise."""
     return "load" if "load" in dataset.dims else "approach"
 
 
 def find_differences(first: Table, second: Table, prefix: str = "") -> list[StudyDifference]:
-    """Find the differences between two tables, in the order of study files."""
+    """List the differences between two tables, in the order of the keys in study files."""
     texts, result = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
@@ -576,7 +576,7 @@ def find_differences(first: Table, second: Table, prefix: str = "") -> list[Stud
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """Find differences between two studies that lead to different members.
+    """List the differences between two studies that would lead to different members.
 
     Members do not depend on the table `[friction]`, on figures, or on file paths.
     """
@@ -589,7 +589,7 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
 
 
 def format_differences(differ: list[StudyDifference]) -> str:
-    """Format the first few differences as lines of a message."""
+    """Format the first few differences between two studies as lines of a message."""
     lines = [
         f"{key} = {short_repr(stored)} there, {short_repr(new)} here"
         for key, stored, new in differ[:MAX_LISTED_DIFFERENCES]

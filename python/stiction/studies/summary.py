@@ -1,4 +1,4 @@
-"""Summary of a result: all values that may be quoted, which are computed once for all views.
+"""Summary of a result, with all values that may be quoted, which are computed once for all views.
 
 A summary has one point for each cell, load, mu0 and tau0. The terminal, JSON, CSV, figures, reports and notebooks show
 these points, and compute no further values.
@@ -45,7 +45,7 @@ MIN_NAMED_FRACTION = 0.1  # smallest fraction of the interval width that an inpu
 
 @dataclass(frozen=True)
 class RemainingInterval:
-    """Entry of the uncertainty budget: the interval that would remain if an input were exact."""
+    """Entry of the uncertainty budget, with the interval that would remain if an input were exact."""
 
     words: str
     lower: float
@@ -55,7 +55,7 @@ class RemainingInterval:
 
 @dataclass(frozen=True)
 class DwellTimeValue:
-    """Coefficient after a dwell time under load, with its combined 95 % interval."""
+    """Friction coefficient after a dwell time under load, with its combined 95 % interval."""
 
     seconds: float
     value: float
@@ -65,7 +65,7 @@ class DwellTimeValue:
 
 @dataclass(frozen=True, eq=False)
 class PointSummary:
-    """Values, intervals, caveats and assessment at a cell, load, mu0 and tau0.
+    """Values, intervals, caveats and assessment for one combination of roughness or cutoff, load, mu0 and tau0.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ class PointSummary:
 
     @property
     def scans(self) -> tuple[int, int]:
-        """Numbers of places at which the upper and the lower body were scanned."""
+        """Numbers of scanned places on the upper body and on the lower body."""
         return self.study.surfaces.scan_counts
 
     @property
@@ -134,7 +134,7 @@ class PointSummary:
 
     @property
     def contact_status(self) -> str:
-        """Status of the true area: "ok", "complete" or "above-nominal"."""
+        """Status of the true contact area: "ok", "complete" or "above-nominal"."""
         return contact_status_of(self.values, self.study)
 
     @property
@@ -143,7 +143,7 @@ class PointSummary:
         return is_unloaded(self.values)
 
     def quantity(self, name: str) -> tuple[float, float, float]:
-        """Return the mean of a quantity over directions and its 95 % interval, or NaN if the quantity is unknown."""
+        """Return a quantity averaged over directions, with its 95 % interval, or NaN if the quantity is unknown."""
         if name not in self.values:
             return math.nan, math.nan, math.nan
         table = by_rule(self.values[name], self.rules[0].rule)
@@ -154,7 +154,7 @@ class PointSummary:
 
     @property
     def value(self) -> float:
-        """Coefficient of static friction for the quoted sliding rule."""
+        """Coefficient of static friction, evaluated with the quoted sliding rule."""
         return self.rules[0].value
 
     @property
@@ -169,13 +169,13 @@ class PointSummary:
 
     @property
     def most(self) -> RemainingInterval | None:
-        """Input that dominates the width of the interval, if there is such an input."""
+        """Input that contributes most to the width of the interval, or None if no input dominates."""
         first, width = self.budget[:1], self.upper - self.lower
         return first[0] if first and first[0].width < (1 - MIN_NAMED_FRACTION) * width else None
 
     @property
     def ageing(self) -> float:
-        """Slope of the coefficient over the logarithm of the dwell time, or NaN if there are no dwell times."""
+        """Increase of the coefficient per unit ln(dwell time), or NaN if there are no dwell times."""
         last = self.waited[-1] if self.waited else DwellTimeValue(1.0, self.value, self.lower, self.upper)
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
@@ -186,13 +186,13 @@ class PointSummary:
 
     @property
     def verdict(self) -> str:
-        """Assessment: "Quote it", "Quote with care" or "Do not quote"."""
+        """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
         return find_verdict(self.caveats)
 
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Points of a result at some loads, mu0 and tau0, with data from companion files.
+    """Summary of a result at some loads, mu0 and tau0, with one entry per point and data from companion files.
 
     Attributes
     ----------
@@ -215,7 +215,7 @@ class Summary:
 
     @cached_property
     def resolution(self) -> Resolution | None:
-        """Effect of the scan resolution, or None for generated surfaces or missing files."""
+        """Effect of the scan resolution, or None for generated surfaces or if files are missing."""
         from stiction.studies.resolution import find_resolution
 
         has_cutoffs = self.over_cut_offs is None and self.at.sizes.get("cut_off", 0) > 1
@@ -223,7 +223,7 @@ class Summary:
 
     @property
     def headlines(self) -> list[PointSummary]:
-        """All points except points at a second cutoff, which the interval of another point covers."""
+        """All points except those at a second cutoff, which are covered by the interval of another point."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -233,7 +233,7 @@ class Summary:
 
 
 def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (), **alongside: Any) -> Summary:
-    """Summarize a dataset that `Result.at` returned for a study.
+    """Summarize a dataset returned by `Result.at` for a given study.
 
     Parameters
     ----------
@@ -250,7 +250,7 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 
 
 def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the quoted cutoff to cover the other cutoff, and list these points before the others."""
+    """Extend the intervals at the quoted cutoff to cover the other cutoff, whose points are listed last."""
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
     others = {_place(point): point for point in points if point.at["cut_off"] != cut_off}
     quoted = [point for point in points if point.at["cut_off"] == cut_off]
@@ -259,12 +259,12 @@ def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _place(point: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Return all coordinates of a point except the cutoff."""
+    """Return the coordinates of a point without its cutoff."""
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
 def _covering(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return the quoted point with intervals and caveats that take the point at the other cutoff into account.
+    """Return the quoted point with intervals and caveats that also cover the same point at the other cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
@@ -301,7 +301,7 @@ def _covering(point: PointSummary, other_point: PointSummary) -> PointSummary:
 
 
 def _over_both(value: RuleValue, other_value: RuleValue) -> RuleValue:
-    """Return a value with intervals extended to cover the intervals at another cutoff."""
+    """Extend the intervals of a value to cover the intervals of the same value at another cutoff."""
     lower, upper = float(np.fmin(value.lower, other_value.lower)), float(np.fmax(value.upper, other_value.upper))
     (low, high), (other_low, other_high) = value.next_test, other_value.next_test
     next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
@@ -309,7 +309,7 @@ def _over_both(value: RuleValue, other_value: RuleValue) -> RuleValue:
 
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
-    """Summarize a point of a dataset that `Result.at` returned, including caveats about the bodies."""
+    """Summarize a point of a dataset returned by `Result.at`, including caveats about the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
     statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
@@ -356,7 +356,7 @@ def _ends_of(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
 
 
 def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
-    """Return, for each input, the interval that would remain if the input were exact, in ascending order of width."""
+    """Return the intervals that would remain if one input at a time were exact, in ascending order of width."""
     if "friction_if_known" not in point:
         return ()
     budget, intervals = by_rule(point, rule), []
@@ -375,7 +375,7 @@ def _waited(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, tau0 and slopes to a coefficient with friction at all contacts."""
+    """Return the contributions of mu0, tau0 and slopes to the friction coefficient if friction acts at all contacts."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
@@ -387,7 +387,7 @@ def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float]
 
 
 def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
-    """Return the coordinates of a point, including the Hurst exponent of self-affine surfaces."""
+    """Return the coordinates of a point, including the Hurst exponent if the surfaces are self-affine."""
     coordinates = {
         name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
@@ -400,7 +400,7 @@ def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
 
 
 def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
-    """Return the contribution to the coefficient that depends on the scans, or None if it is unknown.
+    """Return the part of the friction coefficient that depends on the scans, or None if this part is unknown.
 
     Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
     contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans.
@@ -412,12 +412,12 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 
 def _spoils_bracket(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bracket, as every fault does except the fault of too few contacts."""
+    """Return whether a caveat invalidates the bracket. All faults do, except the caveat about too few contacts."""
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
-    """Return bounds on the coefficient of any finer scan, accurate to second order in the slopes.
+    """Return bounds on the friction coefficient that any finer scan would give, accurate to second order in slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. The bounds may be equal.

@@ -1,4 +1,4 @@
-"""Types of values in a study file: quantities with units, ascending lists, and ranges."""
+"""Types of the values in a study file: quantities with units, ascending lists, and ranges."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ read_length = _reader("length")
 
 
 def written(value: Any) -> Any:
-    """Format quantities (also in tuples) as text with six digits, and return other values unchanged."""
+    """Format quantities and floats, also in tuples, as text, and return other values unchanged."""
     if isinstance(value, tuple):
         return tuple(map(written, value))
     if isinstance(value, Quantity):
@@ -85,7 +85,7 @@ _Item = TypeVar("_Item")
 
 
 def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
-    """Return a tuple unchanged, or raise a `ValueError` if two elements are equal."""
+    """Return a tuple unchanged, or raise a `ValueError` if two of its elements are equal."""
     if len(set(values)) < len(values):
         raise ValueError("must differ from each other, but two values are equal")
     return values
@@ -113,7 +113,7 @@ Times = Annotated[tuple[Time, ...], *_none_or_few]
 
 
 def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]) -> PlainValidator:
-    """Return a validator that accepts a single value or a tuple of several different values."""
+    """Return a validator that accepts either a single value or a list of several different values."""
 
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -140,7 +140,7 @@ def _read_direction(value: object) -> Any:
 
 
 def degrees_of(direction: Direction) -> float:
-    """Convert a direction to degrees from +x towards +y (at least 0 and below 360)."""
+    """Convert a direction of motion to degrees from +x towards +y (at least 0 and below 360)."""
     return {"+x": 0.0, "-x": 180.0}[direction] if isinstance(direction, str) else direction % 360.0
 
 
@@ -157,19 +157,19 @@ Rules = Annotated[Sliding | tuple[Sliding, ...], _one_or_tuple("rule", _read_sli
 
 
 class Table(BaseModel):
-    """Immutable table of a study file, with declared keys and strict types."""
+    """Base class for the tables of a study file, which are immutable and have declared keys and strict types."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
 
 class Case(Table):
-    """Table of a study file for which several classes exist, each with its own keys."""
+    """Base class for a table of a study file for which several classes exist, each with different keys."""
 
     place: ClassVar[str]  # name of the class in messages
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys that select the class, with their values. These keys have a single possible value."""
+        """Return the keys that select this class of a table, with the only value that each key can have."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -177,12 +177,12 @@ class Case(Table):
 
 
 def fault_at(key: str, message: str) -> PydanticCustomError:
-    """Create a validation error about a key of a table."""
+    """Create a validation error for a key of a table."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
 def chosen(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key in a table. The default is the first name in `cases`.
+    """Return the value of a key in a table, which is the first name in `cases` by default.
 
     Raises an error if the value is not a name in `cases`.
     """
@@ -194,7 +194,7 @@ def chosen(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
 
 
 class _Range(Table):
-    """Range in equal steps, including both limits."""
+    """Range of equally spaced values, including both limits."""
 
     start: Any
     stop: Any
@@ -221,7 +221,7 @@ class DimensionRange(_Range):
 
 
 class _Steps(_Range):
-    """Range in equal steps (linear) or equal ratios (geometric)."""
+    """Range of values with equal differences (linear) or equal ratios (geometric)."""
 
     spacing: Literal["linear", "geometric"] = "geometric"
 
@@ -277,7 +277,7 @@ LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE_NAME)] | Annotated[Loads
 
 
 def array_of(values: _Range | tuple[float, ...]) -> Floats:
-    """Return all values of a range or a list."""
+    """Return all values of a range or a list as an array."""
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 
@@ -313,7 +313,7 @@ MAX_LISTED_FAULTS = 5  # largest number of errors in a message about a study
 
 
 class StudyError(ValueError):
-    """Error raised for an invalid study. Each line of its message describes one fault and names the key.
+    """Error raised for an invalid study. Each line of the message describes one fault and names its key.
 
     Attributes
     ----------
@@ -360,7 +360,7 @@ def toml(text: str) -> dict[str, Any]:
 
 
 def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
-    """Validate a table as an instance of a class.
+    """Validate a table and return it as an instance of the given class.
 
     Error messages start with the name of the source of the table.
     """
@@ -392,7 +392,7 @@ _ERROR_MESSAGES = {
 
 
 def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
-    """Convert a pydantic error to a key and a message."""
+    """Convert a pydantic error to the key that caused it and a message."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_NAME, LIST_NAME)]
     key = "".join(
         f"[{key_part}]" if isinstance(key_part, int) else f".{key_part}" for key_part in location
@@ -420,7 +420,7 @@ MAX_SUGGESTIONS = 3  # largest number of suggestions for an unknown key
 
 
 def _suggestion(kind: type[Table], location: list[int | str]) -> str:
-    """Return a hint with similar keys of all classes of the table, or with the command that lists the keys."""
+    """Return a hint that lists similar keys of the table, or the command that lists all keys."""
     tables = [kind]
     for parent_key in location[:-1]:
         fields = [table.model_fields[str(parent_key)] for table in tables if str(parent_key) in table.model_fields]
@@ -434,7 +434,7 @@ def _suggestion(kind: type[Table], location: list[int | str]) -> str:
 
 
 def tables_of(annotation: Any) -> list[type[Table]]:
-    """Return the table classes that a field with this annotation accepts."""
+    """Return the table classes that are accepted by a field with the given annotation."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, Table) else []
     return [table for argument in get_args(annotation) for table in tables_of(argument)]
