@@ -28,7 +28,7 @@ MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution i
 
 
 def calibration_text(interface: Interface) -> str:
-    """Format a calibration: mu0 + tau0 A/F, separate values of mu0 and tau0 if they are determined, and the fits."""
+    """Format a calibration: the sum mu0 + tau0 A/F, mu0 and tau0 if the tests separate them, and the fits."""
     first_fit = interface.fits[0]
     condition = f"at the A/F of the tests, {_area_per_load_text(interface)}, {RULE_DESCRIPTIONS[first_fit.sliding]}"
     lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hang="  ")]

@@ -1,4 +1,4 @@
-"""Characterisation of a profile or surface: rows of a table for text, JSON, CSV and the report."""
+"""Characterisation of a profile or surface: table rows for text, JSON, CSV and the report."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ class Characterisation:
 
     @cached_property
     def scale_limited(self) -> Profile | Surface:
-        """Body for the roughness parameters: the unfiltered profile, or the surface filtered at the given cutoffs."""
+        """Body from which roughness parameters are computed: the profile itself, or the surface after filtering."""
         body = self.body
         if isinstance(body, Profile):
             return body
@@ -222,7 +222,7 @@ class Characterisation:
 
     @cached_property
     def friction(self) -> tuple[float, ...]:
-        """Small-slope friction estimates for two such bodies: along x, or along x and y; empty for a flat body."""
+        """Small-slope friction estimates for two bodies like this one, along x (and along y); empty for a flat body."""
         # The mean square slope of the gap between two such bodies is twice the mean square slope of one body.
         # The slopes are reversed, so that the estimate along x comes first.
         squares = [2 * float(np.square(along).mean()) for along in compute_slopes(self.body)][::-1]
@@ -596,7 +596,7 @@ def _all_values(result: Characterisation) -> list[dict[str, Any]]:
 
 
 def characterisation_record(files: Files, readings: Sequence[dict[str, Any]] = ()) -> str:
-    """Return the characterisations of files as a JSON record, which also states how each file was read."""
+    """Return the characterisations of files as a JSON record, including a description of how each file was read."""
     values = [value | {"at": {"file": file}} for file, result in files for value in _all_values(result)]
     return record_json(
         "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)

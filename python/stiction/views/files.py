@@ -23,13 +23,13 @@ OUTPUT_FILE_MARKS = {
 
 
 def check_files(folder: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if an existing file lacks the bytes that identify replaceable files."""
+    """Raise a `ValueError` if a file exists and lacks the bytes that mark it as replaceable."""
     for name, file_mark in file_marks.items():
         check_replaceable(folder / name, file_mark, ValueError)
 
 
 def replace_text(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file. Replace an existing file only if it contains the mark; otherwise raise a `ValueError`."""
+    """Write a text file. Replace an existing file only if it contains `file_mark`; otherwise raise a `ValueError`."""
     with replaced_file(path, file_mark, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
 

@@ -38,14 +38,14 @@ def latex_table(summary: Summary) -> str:
 
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
-    """Return the coefficients of all rules, the area fraction and the assessment of a point."""
+    """Return the table cells of a point: coefficients of all sliding rules, area fraction and assessment."""
     cells = [format_estimate(rule.value, rule.lower, rule.upper) for rule in point.rules]
     cells += [format_percent(point.quantity("contact_area_fraction")[0])] if has_area else []
     return [cell.translate(_ESCAPES) for cell in (*cells, point.verdict)]
 
 
 def _column_heading(name: str) -> str:
-    """Return the heading of a coordinate with its unit."""
+    """Return the column heading of a coordinate, with its unit."""
     return _COORDINATE_HEADINGS.get(name, column_of(name)[0].translate(_ESCAPES))
 
 

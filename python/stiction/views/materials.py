@@ -16,7 +16,7 @@ _PROPERTIES = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GPa"}
 
 
 def materials_text(materials: Sequence[Material]) -> str:
-    """Format a table of ranges, grouped by kind of material, followed by the numbered sources."""
+    """Format a table of material property ranges, grouped by kind of material, followed by the numbered sources."""
     sources: dict[str, int] = {}
 
     def cell(value: MaterialValue | None) -> str:

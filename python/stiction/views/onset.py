@@ -140,7 +140,7 @@ def _format_cell(table: xarray.DataArray, factor: float = 1.0) -> str:
 
 
 def quantity_label(name: str, study: Study) -> str:
-    """Return the label of a quantity; labels for the onset of sliding include its mu0 and tau0."""
+    """Return the label of a quantity; labels for the onset of sliding include mu0 and tau0."""
     onset, text = study.contact.onset, QUANTITIES[name].short
     if name == "normal_stiffness" and study.contact.hardness is not None:
         return f"{text} while loading"

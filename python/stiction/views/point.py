@@ -22,7 +22,7 @@ RULE_DESCRIPTIONS = {
 
 
 def materials_text(study: Study) -> str:
-    """Return the materials, as in "mild steel on brass"; empty if the materials have no names."""
+    """Return the material names, as in "mild steel on brass"; empty if the materials have no names."""
     names = study.contact.materials
     return "" if names is None else " on ".join(names)
 

@@ -12,7 +12,7 @@ from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, ValueWithInte
 
 
 def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
-    """Return a sentence on adhesion without a load: pull-off force, pull-off pressure and friction.
+    """Return a sentence about adhesion at zero load: pull-off force, pull-off pressure and friction.
 
     `inputs` describes mu0 and tau0 of the friction if the result has several values of them.
     """
@@ -30,7 +30,7 @@ def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
 
 
 def pull_off_record(estimate: Sticking) -> dict[str, Any]:
-    """Return the pull-off force (mN), the pull-off pressure (GPa) and the friction at no load (mN) as JSON fields."""
+    """Return the pull-off force (mN), the pull-off pressure (GPa) and the friction at zero load (mN) as JSON fields."""
     intervals = {
         "pull_off": estimate.pull_off,
         "pull_off_pressure": estimate.pressure,

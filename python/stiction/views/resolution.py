@@ -20,7 +20,7 @@ RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 
 
 def wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return the range of resolved wavelengths, and the contribution of the shortest octave to h'²."""
+    """Return a sentence about the resolved wavelengths and the contribution of the shortest octave to h'²."""
     fraction = format_percent(scan.fraction_below(2 * scan.shortest))
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "

@@ -1,4 +1,4 @@
-"""Texts, records and figures of the joined spectrum of several scans, and of two scans of the same place."""
+"""Texts, records and figures for the joined spectrum of several scans, and for two scans of the same place."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ SLOPE_ESTIMATE_KAPPA = float(signature(gentle_friction).parameters["kappa"].defa
 
 
 def finer_text(point: PointSummary) -> str:
-    """Return the bounds of the coefficient for finer scans at the given hardness; empty if there are no bounds."""
+    """Return a phrase on the coefficients that a finer scan would give at the given hardness; empty if unknown."""
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
@@ -64,7 +64,7 @@ def sentence_text(point: PointSummary) -> str:
 
 
 def covers_text(point: PointSummary) -> str:
-    """Return the list of contributions to the 95 % interval of the quoted rule; empty if there is no interval."""
+    """Return a phrase that lists the inputs covered by the 95 % interval; empty if there is no interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.words for contribution in point.budget) or [
@@ -82,7 +82,7 @@ def assessment_text(point: PointSummary) -> str:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return the contribution of the roughness to the coefficient; empty if it is unknown."""
+    """Return text about the contribution of the roughness to the coefficient; empty if it is unknown."""
     if point.from_roughness is None or not math.isfinite(point.value):
         return ""
     return f"roughness contributes {round(point.from_roughness, 3) + 0.0:.3f} of {point.value:.3f}"
@@ -92,7 +92,7 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def inputs_text(point: PointSummary) -> str:
-    """Return the load, the materials and the resolution of a point."""
+    """Return text with the load, the materials and the resolution of a point."""
     values, study = point.values, point.study
     items = [load_text(values, study)]
     if "fractal_dimension" in values.coords:
@@ -126,7 +126,7 @@ def inputs_text(point: PointSummary) -> str:
 
 
 def _input_range_text(values: xarray.Dataset, study: Study, name: str) -> str:
-    """Return the range of mu0 or tau0 if the point is at the central value of this range."""
+    """Return the range of mu0 or tau0 in brackets if the point uses its central value; otherwise an empty string."""
     text = getattr(study.known, name)
     return f" ({text})" if text is not None and _is_central_value(values, study, name) else ""
 
@@ -136,7 +136,7 @@ def _is_central_value(values: xarray.Dataset, study: Study, name: str) -> bool:
 
 
 def _interface_words(study: Study) -> str:
-    """Return the name, the kind and the conditions of the interface that defines mu0 and tau0."""
+    """Return text with the name, the kind and the conditions of the interface that defines mu0 and tau0."""
     interface, name = find_interface(study), Path(str(study.known.interface)).name
     if interface is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
@@ -182,7 +182,7 @@ def note_text(point: PointSummary) -> str:
 
 
 def _averaging_text(point: PointSummary) -> str:
-    """Return the number and kind of the averaged members."""
+    """Return text with the number and kind of the averaged members."""
     study = point.study
     kind = "pairs" if not study.is_measured else "positions"
     kind = "pairs of random surfaces with these spectra" if study.surfaces.press == "surrogates" else kind
@@ -229,7 +229,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scans_text(study: Study) -> str:
-    """Return the number of scans of each part, with a remark if the interval excludes the spread between places."""
+    """Return the number of scans of each part as text, and state which spread between places the interval excludes."""
     counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"

@@ -136,7 +136,7 @@ def study_keys_text() -> str:
 
 
 def _key_row(key: str, default_value: Any, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
-    """Return the row of a key: key, default, allowed values and meaning.
+    """Return the table row of a key in study files: key, default, allowed values and meaning.
 
     A key that selects a model class has a single row for all classes.
     """
@@ -210,7 +210,7 @@ _BOUND_WORDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
 def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:
-    """Return all constraints, including those within a `Field`."""
+    """Return all constraints, including the constraints within a `Field`."""
     return [part for item in metadata for part in (item, *getattr(item, "metadata", ()))]
 
 

@@ -106,7 +106,7 @@ def direction_text(degrees: float) -> str:
 
 
 def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float | None = None) -> str:
-    """Return the friction parameters (tau0 in GPa) and the modulus for the heading of a figure."""
+    """Return text with the modulus and the friction parameters (tau0 in GPa) for a figure heading."""
     modulus = "" if effective_modulus is None else rf"$E^*$ = {effective_modulus:.4g} GPa, "
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 

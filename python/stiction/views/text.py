@@ -127,7 +127,7 @@ def _join_cells(cells: Sequence[str], sizes: Sequence[int]) -> str:
 def result_text(
     summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE_OUTPUT
 ) -> str:
-    """Return a summary as text for the terminal: values, assessment and a table.
+    """Return a summary as terminal text: values, assessment and a table.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def result_text(
 
 
 def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
-    """Return a line that lists mu0 and tau0 if the study has several values; otherwise an empty string."""
+    """Return a line with the mu0 and tau0 of the study if there are several values, or an empty string."""
     friction = study.friction
     assignments = []
     if mu0 and len(friction.mu0) > 1:
@@ -200,7 +200,7 @@ def values_text(
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return the onset of sliding and, with `verbose`, the cutoff study as text. Missing parts are left out."""
+    """Return text on the onset of sliding and, with `verbose`, on the cutoff study; absent results are left out."""
     onset = summary.onset
     paragraphs = []
     if any(math.isfinite(point.value) for point in summary.points):
@@ -303,7 +303,7 @@ NEGLIGIBLE_FRACTION = 0.05  # roughness that contributes less than this fraction
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return the contribution of roughness to the coefficient, and the inputs that determine the remainder.
+    """Return text with the roughness contribution to the coefficient, and the inputs that determine the remainder.
 
     The text is empty if the contribution is unknown.
     """
@@ -316,7 +316,7 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def contributions_text(point: PointSummary) -> str:
-    """Return the contributions of mu0, of adhesion and of slopes to the coefficient; empty if unknown."""
+    """Return text with the contributions of mu0, adhesion and slopes to the coefficient; empty if unknown."""
     if point.parts is None:
         return ""
     mu0, adhesion, slopes = (round(contribution, 3) + 0.0 for contribution in point.parts)
@@ -326,7 +326,7 @@ def contributions_text(point: PointSummary) -> str:
 
 
 def budget_text(point: PointSummary) -> str:
-    """Return the measurement that would reduce the uncertainty most, and the resulting interval."""
+    """Return text that names the measurement that would reduce the uncertainty most, and the resulting interval."""
     largest = point.most
     if largest is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
         return ""
@@ -350,7 +350,7 @@ _REMEDY_TEXTS = {
 
 
 def single_test_text(point: PointSummary) -> str:
-    """Return the prediction interval of a single test, and the sampling interval of the mean."""
+    """Return text with the prediction interval of a single test and the sampling interval of the mean."""
     estimate = point.rules[0]
     if not math.isfinite(estimate.next_test[0]) or estimate.next_test == (estimate.lower, estimate.upper):
         return ""
@@ -364,7 +364,7 @@ def single_test_text(point: PointSummary) -> str:
 
 
 def dwell_time_text(point: PointSummary) -> str:
-    """Return the coefficients after the dwell times of the study; empty if the study has no dwell times."""
+    """Return text with the coefficients after the dwell times of the study; empty if there are no dwell times."""
     entries = [
         f"{format_time(aged.seconds)} {format_estimate(aged.value, aged.lower, aged.upper)}" for aged in point.waited
     ]
@@ -418,7 +418,7 @@ _NUMBER_WITH_UNIT = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?
 
 
 def _count_within(texts: Sequence[str], lines: int) -> int:
-    """Return how many texts, counted from the first one, fit on a given number of lines."""
+    """Return how many of the first texts fit on a given number of lines."""
     return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
 
@@ -443,7 +443,7 @@ _UNIT_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
 
 
 def _first_cell(headlines: Sequence[PointSummary]) -> str:
-    """Return the coordinates of the first of several cells, as in "H = 0.9"; empty for a single cell."""
+    """Return text with the coordinates of the first of several cells, as in "H = 0.9"; empty for a single cell."""
     hidden = {"load", "mu0", "tau0", *(["fractal_dimension"] if "hurst_exponent" in headlines[0].at else [])}
     names = [
         name for name in headlines[0].at if name not in hidden and len({point.at[name] for point in headlines}) > 1
@@ -508,13 +508,13 @@ MAX_HEADING_WIDTH = 20  # maximum width of a heading above a column of numbers, 
 
 
 def is_bound_on_pull_off(name: str, dataset: xarray.Dataset) -> bool:
-    """Return whether a quantity is a pull-off force or pressure with lower bounds for some members."""
+    """Return whether a quantity is a pull-off force or pressure for which some members give only lower bounds."""
     bound_fraction = QUANTITIES[name].bound_fraction
     return bool(bound_fraction) and float(dataset[bound_fraction].sel(statistic="mean").max()) > 0
 
 
 def _row(name: str, label: str, estimates: Sequence[xarray.DataArray]) -> list[list[str]]:
-    """Return a row with name, unit and one cell per load, or no row if no load has a value."""
+    """Return a list with the table row of a quantity (name, unit, one cell per load), empty if no load has a value."""
     unit = QUANTITIES[name].unit
     if unit in ("um", "GPa", "mN"):
         values = [value for value in map(_largest, estimates) if math.isfinite(value)]
@@ -551,7 +551,7 @@ def _cell(estimate: xarray.DataArray, factor: float) -> str:
 
 
 def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
-    """Return a sentence if friction shows grooves; with `verbose`, return values along each axis and the sentence."""
+    """Return a sentence about grooves if friction reveals any; `verbose` adds the values along each axis."""
     if "friction_by_axis" not in values or values.sizes.get("axis", 0) < 2:
         return ""
     table = values["friction_by_axis"]
@@ -578,7 +578,7 @@ def _axis_name(degrees: float) -> str:
 
 
 def lay_text(table: xarray.DataArray) -> str:
-    """Return a sentence about grooves, which are present if the intervals of two axes do not overlap."""
+    """Return a sentence about grooves, which are reported if the intervals along two axes do not overlap."""
     mean, lower, upper = (table.sel(statistic=statistic) for statistic in MEAN_AND_ENDS)
     if not np.isfinite(lower.values).all():
         return "Grooves: unknown, because the coefficients along the axes have no intervals."
@@ -598,7 +598,7 @@ def directions_text(values: xarray.Dataset) -> str:
 
 
 def resolution_text(summary: Summary) -> str:
-    """Format resolved wavelengths, the cutoff study of the first point, and yield estimates if there is no hardness."""
+    """Format resolved wavelengths, the cutoff study of the first point and, without a hardness, yield estimates."""
     paragraphs: list[str] = []
     if (resolution := summary.resolution) is None:
         return ""
@@ -613,7 +613,7 @@ def resolution_text(summary: Summary) -> str:
 
 
 def history_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Return the preparation of the surfaces and the contact model."""
+    """Return text that describes the preparation of the surfaces and the contact model."""
     steps = {name: str(dataset.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in dataset.attrs}
     mechanics = {"half-space": "the elastic half-space", "asperities": "asperities without interaction"}
     model = [mechanics[study.contact.mechanics]]
@@ -626,7 +626,7 @@ def history_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def preview_text(summary: Summary) -> str:
-    """Return a line with the coefficient of the first members as a preview of a study."""
+    """Return a line that previews a study by the friction coefficient of its first members."""
     point = summary.points[0]
     return (
         f"preliminary, with asperities: μ_s = {format_estimate(point.value)}  {RULE_DESCRIPTIONS[point.rules[0].rule]}"
@@ -637,7 +637,7 @@ def preview_text(summary: Summary) -> str:
 
 
 def overview_text(summary: Summary, max_lines: int | None = None, *, complete: str = COMPLETE_OUTPUT) -> str:
-    """Format tables of mu_s of generated surfaces, one table per sliding rule and amplitude.
+    """Format the mu_s values of generated surfaces as tables, one per sliding rule and amplitude.
 
     A table has one row per cell of the study and one column per load, and columns for mu0 and tau0 if the study has
     several values of them. Caveats follow in at most `max_lines` lines; `complete` names the option that shows all

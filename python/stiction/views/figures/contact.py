@@ -195,7 +195,7 @@ _MAX_MARKER_AREA = 60.0  # area of the largest marker (square points), for the c
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
-    """Return a mask of the contacts that oppose a motion of the upper body in a direction (degrees)."""
+    """Return a mask of the contacts that oppose motion of the upper body in a given direction (degrees)."""
     x, y = (picture[f"contact_slope_{axis}"].values for axis in "xy")
     return np.asarray(x * np.cos(np.radians(direction)) + y * np.sin(np.radians(direction)) > 0)
 
@@ -297,7 +297,7 @@ def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardnes
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw contacts of maps or profiles; colours show opposing contacts and contacts cut by the edge.
+    """Draw the contacts of two maps or profiles, coloured by whether they oppose the motion or are cut by an edge.
 
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees). The figure is
     80 mm wide.

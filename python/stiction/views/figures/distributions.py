@@ -82,7 +82,7 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) -> Floats:
-    """Interpolate values over directions by a periodic cubic spline; negative results become 0."""
+    """Interpolate values over directions by a periodic cubic spline. Negative results are set to 0."""
     from scipy.interpolate import CubicSpline
 
     closed_degrees = np.append(degrees, degrees[0] + 360)
@@ -142,7 +142,7 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
 
 
 def _is_single_traverse(values: xarray.DataArray) -> bool:
-    """Return whether the members are one pair of profiles at several offsets."""
+    """Return whether all members are the same pair of profiles at different offsets."""
     if "x" not in values.coords or "line" not in values.coords:
         return False
     lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)

@@ -103,7 +103,7 @@ def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Datas
 
 
 def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines: model and motion if they differ from the paper's, and the number of missing repetitions."""
+    """Return heading lines: model and motion if they differ from the paper, and the number of missing repetitions."""
     contact = study.contact
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
@@ -223,7 +223,7 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
 
 
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw curves with intervals for the lowest and the highest strength, dotted where the model is invalid."""
+    """Draw curves with intervals for the lowest and the highest shear strength, dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # axes: fractal dimension, shear strength
     value, lower, upper = (curves["friction_coefficient"].sel(statistic=each).values for each in MEAN_AND_ENDS)
@@ -282,7 +282,7 @@ def _colour_bar(figure: Figure, position: tuple[float, float, float, float], nor
 
 
 def _colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale for the valid values, or for all values if few are valid."""
+    """Return a logarithmic colour scale that covers the valid values, or all values if few are valid."""
     values = maps["friction_coefficient"].sel(statistic="mean").values
     finite = np.isfinite(values) & (values > 0)
     is_valid = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
@@ -479,7 +479,7 @@ def _area_curves(
 
 
 def profiles_figure(study: Study) -> Figure:
-    """Draw profiles with equal phases for several fractal dimensions, at full length and over one length scale."""
+    """Draw profiles with equal phases for several fractal dimensions, at full length and within one length scale."""
     surfaces: Any = study.surfaces
     dimensions = surfaces.fractal_dimensions()
     dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_PROFILES)]

@@ -152,7 +152,7 @@ MIN_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated values, rel
 
 
 def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any], x: Floats) -> None:
-    """Draw the limits and the extrapolated values behind the computed curves."""
+    """Draw the plastic limit and the extrapolated values behind the computed curves."""
     if limits.get("friction") is not None:
         friction_axes.axhline(
             limits["friction"], color=RULE_COLOURS["all"], linewidth=0.8, linestyle=":", label="plastic limit"
@@ -267,7 +267,7 @@ def _mark_incomplete(axes: Axes, points: xarray.Dataset, dimension: str, x: Floa
 
 
 def plain_log(axis: Any) -> None:
-    """Label an axis with plain numbers instead of powers of ten, several per decade."""
+    """Label an axis with plain numbers instead of powers of ten, with several labels per decade."""
     low, high = axis.get_view_interval()
     spans_decade = high >= 10 * low
     axis.set_major_locator(

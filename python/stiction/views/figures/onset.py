@@ -111,7 +111,7 @@ def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) ->
 
 
 def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return a cycle between plus and minus a load by Masing's rule: each branch is the loading curve times two."""
+    """Return a cycle between a load and its negative: each branch is the loading curve doubled (Masing's rule)."""
     loading = _interpolate_loading(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
@@ -182,7 +182,7 @@ def _draw_slip(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm: Bo
 
 
 def _busiest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the rows and columns of the part of the map with the most contact, and its extent (µm)."""
+    """Return the rows, the columns and the extent (µm) of the part of the map where contact points are densest."""
     from scipy.ndimage import gaussian_filter
 
     is_contact = np.isfinite(onset["slip"].values)

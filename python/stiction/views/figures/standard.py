@@ -1,4 +1,4 @@
-"""Selection of the figures of a result: the figures of its study, or the standard figures of measured surfaces."""
+"""Choice of figures for a result: the figures of its study, or the standard figures for measured surfaces."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ def draw_height_scale(
 
 
 def draw_positions(result: Result, dataset: xarray.Dataset, *, title: str) -> Figure:
-    """Draw the friction of each member of a result at a point of a dataset that `at_load` returned."""
+    """Draw the friction of each member of a result at one point of a dataset returned by `at_load`."""
     load, mu0, tau0 = (float(dataset[name]) for name in ("load", "mu0", "tau0"))
     members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)
     values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)

@@ -43,7 +43,7 @@ SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
 def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
-    """Return the report on a result of generated surfaces. The default title is the name of its study.
+    """Return the report on a result of generated surfaces. The default title is the name of the study.
 
     Raises a `ReportError` if it is too large for a page or has no members.
     """
@@ -219,7 +219,10 @@ def _relative_width(points: Floats) -> Floats:
 
 
 def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[str]:
-    """Add colour ranges to tables with the axes amplitude, rule, motion, mu0 and tau0; return quantity names."""
+    """Add colour ranges of quantities with positive values to the tables, and return the names of these quantities.
+
+    The axes of a range are amplitude, rule, motion, mu0 and tau0.
+    """
     names = []
     for name, values in quantities.items():
         positive = np.where(values > 0, values, np.nan)
@@ -235,7 +238,7 @@ def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[st
 
 
 def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], study: Study) -> dict[str, int]:
-    """Return the cell and load of the valid value with the narrowest interval, at the study's mu0 and tau0."""
+    """Return the cell and load where the valid value at the study's mu0 and tau0 has the narrowest interval."""
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
     index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *nodes)
@@ -267,7 +270,7 @@ def _checked_numbers(
 
 
 def _reason_record(reason: Caveat | Check) -> dict[str, Any]:
-    """Return the record of a caveat or check for a page: text, remedy, severity and the number in the text."""
+    """Return the page record of a caveat or check: text, remedy, severity and the number in the text."""
     number = _number_format(reason) if isinstance(reason, Check) and "{}" in reason.text else None
     return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number}
 
@@ -301,7 +304,7 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
 
 
 def _study_name(study: Study) -> str:
-    """Return the name of the built-in study that differs at most in the number of repetitions, or "study"."""
+    """Return the name of the built-in study that equals this study apart from the repetitions, or "study"."""
     changes = {"ensemble.repetitions": study.ensemble.repetitions}
     return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
 

@@ -55,7 +55,7 @@ _UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units 
 
 
 def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
-    """Return the report on a result of measured bodies. Its title is a given name, or the file names.
+    """Return the report on a result of measured bodies. The title consists of the file names and, if given, `name`.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if
     the result is too large.
@@ -265,7 +265,7 @@ MAX_READINGS = 4  # maximum number of scans per part for which the report shows 
 
 
 def _reading_table(scan: MeasuredFile) -> str:
-    """Return a table on how a file was read; empty for a surface in memory and for a missing file."""
+    """Return a table that shows how a file was read; empty for a surface in memory and for a missing file."""
     with contextlib.suppress(ValueError, OSError):
         if (reading := scan.reading) is not None:
             return reading_table(reading, {name: getattr(scan, name) for name in READING_OPTIONS})

@@ -1,4 +1,4 @@
-"""Frame of an HTML page in a single file, and encoding of its numbers.
+"""Template of a self-contained HTML page, and the encoding of the numbers on the page.
 
 `result.py` and `surface.py` define the content of a page. Markup, style sheet and scripts are in this directory:
 `nodes.js` decodes and interpolates numbers, `plots.js` draws, `common.js` contains controls and file output, and
@@ -40,7 +40,7 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class Page:
-    """Page: title, lines below the title, main part (markup), scripts, and the version that computed the result."""
+    """HTML page: title, lines below the title, main part, scripts, and the version that computed the result."""
 
     name: str
     head: list[str]
@@ -72,7 +72,7 @@ def part(name: str) -> str:
 
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
-    """Return markup with the scripts of a page, the facts about a result, and its packed numbers."""
+    """Return markup with the scripts of a page, and with the facts and packed numbers of a result."""
     # Escaping "<" ensures that the JSON text cannot close its HTML element or open another one.
     facts_json = to_json(facts).replace("<", "\\u003c")
     element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
@@ -131,7 +131,7 @@ class PageResult:
     pictures: str = ""
 
     def unfinished(self) -> str:
-        """Return notices about missing and unsolved members as markup; empty for a complete result."""
+        """Return markup with notices about missing and unsolved members; empty for a complete result."""
         total, notices = self.study.ensemble.repetitions, []
         if self.num_members < total:
             notices.append(f"{self.name} is unfinished: {self.num_members} of {total} repetitions.")
@@ -140,7 +140,7 @@ class PageResult:
         return "".join(f'<p class="notice">{escaped(line)}</p>' for line in notices)
 
     def described(self) -> str:
-        """Return the study as markup: its differences from the defaults, and all its keys."""
+        """Return markup that describes the study: its differences from the defaults, and all its keys."""
         study_file = (
             "<details><summary>The whole study file (TOML)</summary>"
             f'<pre tabindex="0">{html.escape(_without_folders(self.study).to_toml())}</pre></details>'
@@ -169,7 +169,7 @@ def motions_of(study: Study) -> tuple[list[str], list[float]]:
 
 
 def axes_facts(axes: tuple[Axis, Axis], study: Study) -> dict[str, Any]:
-    """Return the nodes of mu0 and tau0 (MPa) for a page, with steps and initial values of the sliders."""
+    """Return the nodes of mu0 and tau0 (MPa) for a page, with the steps and initial values of their sliders."""
     initial = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),

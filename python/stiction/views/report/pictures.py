@@ -1,4 +1,4 @@
-"""Static figures of a page: profiles in contact, contacts of maps, and the onset of sliding."""
+"""Static figures of a page: profiles in contact, contacts between maps, and the onset of sliding."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from stiction.views.style import MATPLOTLIB_STYLE
 
 
 def profiles_panel(study: Study, approach: float) -> str:
-    """Return the panel of two generated profiles at an approach (µm) as markup."""
+    """Return the panel (markup) that shows two generated profiles at an approach (µm)."""
     cells, contact = study.surfaces.cells(), study.contact
     dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
     middle_dimension = dimensions[dimensions.size // 2 :][:1]
@@ -49,7 +49,7 @@ def profiles_panel(study: Study, approach: float) -> str:
 
 
 def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
-    """Return the panel on loading and unloading as markup, or an empty string if the bodies do not adhere."""
+    """Return the panel (markup) that shows loading and unloading, or an empty string if the bodies do not adhere."""
     if branches is None:
         return ""
     return _panel(
@@ -62,7 +62,7 @@ def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
 
 
 def height_scale_panels(result: Result, title: str) -> str:
-    """Return panels (markup) of the results for all stored height factors; empty if no factors are stored.
+    """Return panels (markup) that show the results for all stored height factors; empty if no factors are stored.
 
     The panels show the first load, mu0 and tau0.
     """
@@ -80,7 +80,7 @@ def height_scale_panels(result: Result, title: str) -> str:
 
 
 def touching_panel(picture: xarray.Dataset, direction: float) -> str:
-    """Return the panel of the contacts for a direction of motion (degrees) as markup."""
+    """Return the panel (markup) that shows the contacts for a direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     num_opposing = int(find_opposing_contacts(picture, direction).sum())
     text = (
@@ -97,7 +97,7 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
 
 
 def positions_panel(result: Result, load: float, title: str) -> str:
-    """Return the panel with the friction at single positions under a load (mN), as markup."""
+    """Return the panel (markup) that shows the friction at single positions under a load (mN)."""
     values = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
     return _panel(
         "Single positions",
@@ -108,7 +108,7 @@ def positions_panel(result: Result, load: float, title: str) -> str:
 
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:
-    """Return the panel of the onset curve and, for maps, the panel of the onset map, as markup."""
+    """Return the panel (markup) with the onset curve and, for maps, the panel with the onset map."""
     curve = _panel(
         "Onset of sliding",
         "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",
@@ -132,7 +132,7 @@ def onset_panels(onset: xarray.Dataset, title: str) -> str:
 
 
 def dimension_panel(dataset: xarray.Dataset) -> str:
-    """Return the panel on the onset of sliding of generated pairs as markup."""
+    """Return the panel (markup) that shows the onset of sliding of generated pairs."""
     return _panel(
         "How the pairs begin to slide",
         "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "

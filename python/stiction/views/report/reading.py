@@ -1,4 +1,4 @@
-"""Table on how a file was read: layout, points, columns, units, spacing, missing points and caveats."""
+"""Table that shows how a file was read: layout, points, columns, units, spacing, missing points and caveats."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ READING_OPTIONS = ("unit", "spacing", "columns", "channel", "missing_value", "mi
 
 
 def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
-    """Return a table (markup) on how a file was read, with its reading options."""
+    """Return a table (markup) that shows how a file was read, with its reading options."""
     rows = "".join(
         f'<tr><th scope="row">{escaped(name)}</th><td>{escaped(value)}</td></tr>'
         for name, value in reading_rows(reading, options)

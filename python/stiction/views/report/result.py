@@ -137,7 +137,7 @@ def _status_reason(status: str) -> str:
 
 
 def _error_text(error: tuple[float, float] | None) -> str:
-    """Return the measured interpolation error as text."""
+    """Return a clause that states the measured interpolation error, or an empty string if there is none."""
     if error is None:
         return ""
     values, ends = (format_percent(item) for item in error)

@@ -32,7 +32,7 @@ READING_SECTION = Template(
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> Page:
-    """Return the page of a levelled profile or surface, with its command and the table on how its file was read.
+    """Return the page of a levelled profile or surface, with its command and a table on the reading of its file.
 
     `options` are the options of `characterisation_text`.
     """
@@ -47,7 +47,7 @@ def surface_page(
 
 
 def _meaning(characterisation: Characterisation) -> str:
-    """Return caveats, the small-slope estimate, and the effect of a finer scan as markup."""
+    """Return markup with caveats, the small-slope estimate, and the effect of a finer scan."""
     caveats = "".join(
         f"<li>{escaped(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats

@@ -1,4 +1,4 @@
-"""Tables of numbers on a report page, each with its number of decimals."""
+"""Tables of numbers on a report page, each stored with the number of decimals to print."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Tables:
 
 
 def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return the decimals that `format_estimate` prints for the mean and lower end, and for the upper end.
+    """Return how many decimals `format_estimate` prints for the mean and lower end, and for the upper end.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are `NO_INTERVAL`
     if `format_estimate` prints no interval.
