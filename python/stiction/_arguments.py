@@ -16,7 +16,7 @@ _CORE_UNITS = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "w
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split a comma-separated string or a nested list into its values. Any other value is returned in a list."""
+    """Split a comma-separated string or a nested list into a flat list. Any other value becomes a list of one item."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and np.ndim(value) == 1
@@ -31,7 +31,7 @@ def _split_required(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Return a quantity of the given kind from a string with a unit, or from a number in core units."""
+    """Convert a string with a unit, or a number in core units, to a quantity of the given kind."""
     try:
         return quantity(value if isinstance(value, str) else exact_text(number("", value), _CORE_UNITS[kind]), kind)
     except ValueError as error:
@@ -60,7 +60,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or more numbers, or a string of numbers. If `integers` is True, the comma in "0,90" is a separator."""
+    """Parse one or more numbers. If `integers` is True, a comma as in "0,90" always separates two numbers."""
     if not integers:
         reject_decimal_commas(name, value)
     try:
@@ -97,7 +97,7 @@ def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load. Return the load, and True if it is a pressure or False if it is a force.
+    """Parse a load. Return the load, and True for a pressure or False for a force.
 
     A number without a unit is a force in mN. A pressure acts on the slider.
     The load must be above 0 or, if `or_zero` is True, at least 0.

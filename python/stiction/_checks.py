@@ -101,13 +101,13 @@ def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise a `ValueError` unless the value is an instance of a class; `words` describe the class in the message."""
+    """Raise a `ValueError` unless the value is an instance of `kind`, which the message describes by `words`."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 
 
 def check_choice(name: str, value: Any, literal: Any) -> None:
-    """Raise a `ValueError` unless the value is one of the strings of a `Literal` type."""
+    """Raise a `ValueError` unless the value is one of the strings that a `Literal` type allows."""
     allowed = get_args(literal)
     value = scalar(value)
     if not (isinstance(value, str) and value in allowed):

@@ -35,7 +35,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
 
 
 def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
-    """Draw a height map with y upwards. Each point is the centre of its cell."""
+    """Draw a height map with the y axis pointing upwards. Each point lies at the centre of its pixel."""
     heights, unit = to_readable_unit(heights)
     image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_MAP)
     add_colour_bar(ax, image, f"height ({unit})")
@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw the spectral density of all harmonics, and its means in bins, against wave number on logarithmic axes."""
+    """Draw the spectral density of all harmonics, and its bin averages, against wave number on logarithmic axes."""
     wave_number, density = harmonics
     positive = density > 0
     if not positive.any():
@@ -65,7 +65,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
-    """Draw the rms height per octave of wavelength, for heights that two scans share and for the noise of one scan."""
+    """Draw, for each octave of wavelength, the rms height that two scans share and the rms noise of one scan."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -80,7 +80,7 @@ def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar of a round length in the lower right corner of a map of the given extent (µm)."""
+    """Draw a scale bar with a round length in the lower right corner of a map with the given extent (µm)."""
     from matplotlib.patheffects import withStroke
 
     left, right, bottom, top = box
@@ -96,7 +96,7 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
 
 
 def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Return the left, right, bottom and top edges (µm) of a map whose points are the centres of cells."""
+    """Return the left, right, bottom and top edges (µm) of a map whose cells are centred on the points."""
     return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
 
 
@@ -107,7 +107,7 @@ def to_wavelength(wave_number: Any) -> Any:
 
 
 def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
-    """Add a colour bar of the same height as its map."""
+    """Add a colour bar that is as high as the map."""
     figure = ax.get_figure()
     assert figure is not None
     figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=text)
@@ -148,7 +148,7 @@ def draw_area(ax: Axes, load: Floats, area: Floats) -> Axes:
 def draw_friction(
     ax: Axes, load: Floats, coefficient: Floats, *, mu0: ArrayLike, tau0: ArrayLike, direction: ArrayLike
 ) -> Axes:
-    """Draw friction coefficients against load (mN): one line for each set of direction (degrees), mu0 and tau0."""
+    """Draw friction coefficients against load (mN), with one curve for each combination of direction, mu0 and tau0."""
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
@@ -167,7 +167,7 @@ def draw_friction(
 
 
 def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return a list that contains the list of labels, one label per pair of mu0 and tau0; empty for scalars."""
+    """Return a nested list with one label per pair of mu0 and tau0, or an empty list if both are scalars."""
     materials = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if materials[0].ndim == 0:
         return []
@@ -207,7 +207,7 @@ def _draw_line_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: flo
 def draw_onset(
     ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
 ) -> Axes:
-    """Draw the tangential load against the displacement or, if it is not finite, the slipped fraction of the area."""
+    """Draw tangential load against displacement, or against slipped area fraction if a displacement is not finite."""
     has_displacement = bool(np.isfinite(displacement).all())
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"

@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _MessageValues(dict[str, Any]):
-    """Mapping of message placeholders to values. Unknown placeholders are argument names."""
+    """Mapping from message placeholders to values. An unknown placeholder is the name of an argument."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)
@@ -18,7 +18,7 @@ class _MessageValues(dict[str, Any]):
 
 
 class ArgumentError(ValueError):
-    """Error for an invalid argument. Placeholders in its message stand for values or, like `{name}`, for arguments."""
+    """Error for an invalid argument. Placeholders in its message are replaced by values or by argument names."""
 
     def __init__(self, message: str, **values: Any) -> None:
         super().__init__(message.format_map(_MessageValues(values, str)))

@@ -32,7 +32,7 @@ _NUM_SEARCHED_BYTES = 2**16  # number of bytes at the beginning and end of a fil
 
 @contextmanager
 def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a partial file that gets its final name when complete; raise `failure` if the name already exists."""
+    """Yield a temporary file that is renamed to `path` when it is complete; raise `failure` if `path` exists."""
     with _translate_errors(path, failure):
         if os.path.lexists(path):
             raise FileExistsError
@@ -42,14 +42,20 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
 
 @contextmanager
 def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a partial file that replaces `path` when complete; raise `failure` if an existing file lacks the mark."""
+    """Yield a temporary file that replaces `path` when complete; raise `failure` if `path` exists but lacks `mark`.
+
+    A file without the bytes `mark` near its start or its end was not written by this package.
+    """
     check_replaceable(path, mark, failure)
     with _translate_errors(path, failure), _partial(path, Path.replace) as partial:
         yield partial
 
 
 def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> None:
-    """Raise `failure` if the path exists, unless it is a file with the mark. A dangling link counts as existing."""
+    """Raise `failure` if the path exists, unless it is a file that contains `mark`.
+
+    A dangling link counts as existing.
+    """
     with _translate_errors(path, failure):
         if os.path.lexists(path) and not _has_mark(path, mark):
             raise failure(
@@ -66,7 +72,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 @contextmanager
 def _partial(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
-    """Yield an empty file next to `path`. It is moved to `path` on success, and removed otherwise."""
+    """Yield an empty file in the folder of `path`. Rename it to `path` on success, and remove it otherwise."""
     partial = path.parent / new_partial_name()
     try:  # create the file inside `try`, because Ctrl-C may arrive immediately afterwards
         os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
@@ -83,7 +89,7 @@ def new_partial_name() -> str:
 
 
 def remove_stale_partials(folder: Path) -> None:
-    """Remove partial files of dead processes. Directories that are not writable are left unchanged."""
+    """Remove partial files left by processes that have died. Errors, such as missing permissions, are ignored."""
     with suppress(OSError):
         for entry in os.scandir(folder):
             match = PARTIAL_NAME.fullmatch(entry.name)
@@ -161,5 +167,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason of a system error without the file name, which may be internal."""
+    """Return the reason for a system error, leaving out the file name, which may be internal."""
     return os.strerror(error.errno) if error.errno else str(error)

@@ -1,4 +1,4 @@
-"""Formatting of numbers: the interval sets the number of digits, and the unit is chosen to avoid zeros."""
+"""Formatting of numbers with as many digits as their intervals justify, in units that need few zeros."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PREFIXES = {
 
 
 def format_with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
-    """Format a value with its interval, as in "0.157 [0.102, 0.216]". The half-width has `digits` significant digits.
+    """Format a value and its interval, rounded to `digits` digits of the half-width, as in "0.157 [0.102, 0.216]".
 
     The value has two to four significant digits. The text is "none" for a missing value, and ends with "no interval"
     for a missing interval. The interval is omitted if both ends are equal to four digits.
@@ -42,7 +42,7 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
 
 
 def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number and its interval to one digit of the half-width. A number without an interval has two digits."""
+    """Format a number with its interval to one digit of the half-width, or without an interval to two digits."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
@@ -51,7 +51,7 @@ def format_estimate(mean: float, lower: float = math.nan, upper: float = math.na
 
 
 def format_limits(low: float, high: float) -> str:
-    """Format the ends of a range to one digit of its half-width, but to at least two significant digits."""
+    """Format the ends of a range, rounded to one digit of the half-width but to at least two significant digits."""
     if math.isinf(high):
         return f"{format_significant(low)} to {UNBOUNDED_END}"
     decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
@@ -60,7 +60,7 @@ def format_limits(low: float, high: float) -> str:
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number to significant digits, without trailing zeros. Exponents appear only outside 1e-6 to 1e6."""
+    """Format a number to `digits` significant digits. Exponents appear only below 1e-6 and from 1e6 upwards."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -71,7 +71,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Return the number of decimals that shows `digits` digits of the half-width, but two to four of the value."""
+    """Return the number of decimals to print: `digits` digits of the half-width, but two to four of the value."""
     size = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
         return size + MAX_DIGITS - 1
@@ -91,7 +91,7 @@ def format_with_unit(value: float, unit: str) -> str:
 
 
 def choose_prefix(value: float, unit: str) -> tuple[float, str]:
-    """Return the factor and the name of the prefixed unit in which a value has the fewest zeros."""
+    """Return the conversion factor and the name of the prefixed unit in which a value has the fewest zeros."""
     if value == 0:
         return 1.0, unit.replace("um", "µm")
     # Round the value to the printed digits first, so that 0.99996 mN is printed as 1 mN.
@@ -127,7 +127,7 @@ def _format_decimals(value: float, digits: int) -> str:
 
 
 def to_json(record: Any, **options: Any) -> str:
-    """Return a number for JSON, with None for NaN, for infinity and for None itself."""
+    """Convert a number for JSON. NaN, infinity and None become None."""
     return json.dumps(_with_null(record), allow_nan=False, **options)
 
 

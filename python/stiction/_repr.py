@@ -60,7 +60,7 @@ class TableRepr(TextRepr):
 
 
 def field_units(cls: Any) -> dict[str, str]:
-    """Return the units of the fields of a dataclass by field name, omitting fields without a unit."""
+    """Return the units of dataclass fields by field name, omitting fields without a unit."""
     return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
 
 
@@ -80,7 +80,7 @@ def format_with_unit(value: float, unit: str) -> str:
 
 
 def format_range(values: Any, unit: str = "") -> str:
-    """Format the range of the finite values of an array, and the number of missing values."""
+    """Format the range of the finite values in an array, and the number of missing values."""
     finite = values[np.isfinite(values)] if values.dtype.kind == "f" else values
     if not finite.size:
         return "none"
@@ -136,7 +136,7 @@ def table_html(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def plot_html(draw: Callable[[Axes], object]) -> str:
-    """Return the plot that a function draws as an inline image, or the error message if there is nothing to draw."""
+    """Call a plotting function and return its plot as an inline image, or its error message as preformatted text."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=NOTEBOOK_SIZE, layout="constrained")
@@ -155,7 +155,7 @@ def figure_html(figure: Any) -> str:
 
 
 def describe_axes(figure: Any) -> str:
-    """Describe a Matplotlib figure by the labels of its axes, without mathematical markup."""
+    """Describe a Matplotlib figure by its axis labels, without mathematical markup."""
     labels = [(ax.get_ylabel(), ax.get_xlabel()) for ax in figure.axes]
     plots = "; ".join(f"{y} against {x}" for y, x in labels if y and x)
     return re.sub(r"\$|\\mathrm|[{}\\]", "", f"Plot of {plots}" if plots else "Plot")

@@ -15,7 +15,7 @@ _UNPRINTABLE = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def printable(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
-    r"""Return text on one line, with control characters escaped, and the middle of a long text replaced by dots.
+    r"""Return text as one line, with control characters escaped and the middle of a long text replaced by dots.
 
     Examples
     --------
@@ -34,7 +34,7 @@ def printable(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
 
 
 def printable_path(path: str | os.PathLike[str]) -> str:
-    """Return the name of a file or directory for a message."""
+    """Return a path as one printable line of limited length, for use in a message."""
     return printable(os.fspath(path), MAX_PATH_LENGTH)
 
 

@@ -55,7 +55,7 @@ class Quantity(float):
 
 
 def quantity(text: object, kind: str) -> Quantity:
-    """Parse "number unit", such as "200 MPa", for a kind such as "length" or "work of adhesion".
+    """Parse a number with a unit, such as "200 MPa", as a quantity of a kind such as "pressure".
 
     Raises a `ValueError` if the text is not a number with a unit of that kind.
     """
@@ -104,7 +104,7 @@ def to_core_units(name: str, value: Any, kind: str) -> Any:
 
 
 def loads_to_core_units(name: str, value: Any, area: float) -> Any:
-    """Convert strings such as "10 mN" or "10 MPa" to loads in mN on an area (µm²). Numbers remain unchanged.
+    """Convert loads such as "10 mN" or "10 MPa" to mN; a pressure acts on `area` (µm²). Numbers remain unchanged.
 
     Raises a `ValueError` if a string is neither a force nor a pressure.
     """
@@ -121,7 +121,7 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
 
 
 def is_pressure(value: Any) -> bool:
-    """Return whether a value is a string with a number and a unit of pressure."""
+    """Return whether a value is a string that consists of a number and a pressure unit."""
     if not isinstance(value, str):
         return False
     try:
@@ -137,7 +137,7 @@ def exact_text(value: float, unit: str) -> str:
 
 
 def exact_quantity(value: float, unit: str) -> Quantity:
-    """Return a number in core units as a quantity, without a check of its magnitude."""
+    """Return a number in core units as a quantity without checking its magnitude."""
     return Quantity(value, exact_text(value, unit))
 
 

@@ -44,7 +44,7 @@ class RejectedError(ValueError):
 
 
 def remove_paths(text: str, root: Path | str) -> str:
-    """Replace private paths in a text by the names of the uploaded scans."""
+    """Replace private paths in a text with the names of the uploaded scans."""
     return re.sub(rf"{re.escape(str(root))}/(?:files/\w+/)?", "", text)
 
 
@@ -78,14 +78,14 @@ class Job:
         }  # fmt: skip
 
     def stop(self) -> None:
-        """Stop the command. After its process has ended, the finished part of its result is read."""
+        """Stop the command. The results computed so far are read after its process has ended."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
 
 
 class Jobs:
-    """Job queue of a server, with the directory that contains the files of the jobs."""
+    """Job queue of a server, and the directory that contains the job files."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -199,7 +199,7 @@ class Jobs:
 
 
 def limit_prefix(memory: float) -> list[str]:
-    """Return a prefix that limits a command to a fraction of the memory and kills it with its parent (Linux)."""
+    """Return a prefix that limits a command's memory, and kills the command when its parent process dies (Linux)."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
     import resource

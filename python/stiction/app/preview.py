@@ -1,4 +1,4 @@
-"""Command `python -m stiction.app.preview FILE READING`: prints a scan as JSON with a small image.
+"""Command `python -m stiction.app.preview FILE READING`, which prints a scan as JSON with a small image.
 
 READING is JSON text with the options of `read_measurement` by name, whose values are texts.
 """
@@ -69,7 +69,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
 
 
 def draw_svg(*lines: Floats) -> str:
-    """Draw lines as an SVG image with a common vertical scale."""
+    """Draw lines with a common vertical scale as an SVG image."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
     for line, colour in zip(lines, LINE_COLOURS, strict=False):

@@ -21,7 +21,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study that previews a `pair` command with the asperity model, given its scans and options."""
+    """Return the asperity-model study that previews a `pair` command with the given files and options."""
     fields = {format_command_line_name(name): name for name in PAIR_OPTIONS}
     values: dict[str, list[str]] = {}
     for flag, text in options:

@@ -1,4 +1,4 @@
-"""Start and end of the app: run the server in a private directory, and open the page in a browser."""
+"""Startup and shutdown of the app: run the server in a private directory, and open the page in a browser."""
 
 from __future__ import annotations
 

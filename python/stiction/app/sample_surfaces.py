@@ -15,7 +15,7 @@ from stiction.surfaces.self_affine import self_affine_surface
 
 
 def write_samples(folder: Path) -> list[Path]:
-    """Write an upper and a lower ground surface with sides of 26 µm and an rms height (Sq) of 50 nm."""
+    """Write CSV files with an upper and a lower sample surface (side 26 µm, rms height Sq 50 nm) unless they exist."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{side}.csv" for side in ("upper", "lower")]
     for path in paths:
@@ -29,7 +29,7 @@ def write_samples(folder: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw profiles near their first contact as an SVG image, for the study `quick` with the given changes."""
+    """Draw an SVG image of the profiles that `quick` generates with the given changes, near their first contact."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(iter(generate_pairs(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))

@@ -111,7 +111,7 @@ class Server:
         await self.jobs.end()
 
     def end(self) -> None:
-        """Answer all pending and later requests with the message that the server has ended."""
+        """Answer all pending and later requests with a message that the server has ended."""
         self._has_ended = True
         for task in self._requests:
             task.cancel()

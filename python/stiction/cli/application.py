@@ -140,7 +140,7 @@ SHOW_ALL_KEY = "stiction.show_all"
 
 
 def option_was_given(context: typer.Context, name: str) -> bool:
-    """Return whether the command line contains an option or argument, even if it has its default value."""
+    """Return whether an option or argument is given on the command line, even if its value is the default."""
     source = context.get_parameter_source(name)
     return source is not None and source.name != "DEFAULT"
 
@@ -295,7 +295,7 @@ def run_command_line() -> int:
 
 
 def _suggest_command(message: str) -> str:
-    """Return an error message of the parser; for an unknown command, suggest a similar command."""
+    """Return the parser's error message or, for an unknown command, a message that suggests a similar command."""
     unknown = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS.values() for name in group]
     suggestions = difflib.get_close_matches(unknown[1], names, n=1) if unknown else []

@@ -1,4 +1,4 @@
-"""Command `stiction at`: values of a result at other loads, mu0 and tau0, or for scaled heights."""
+"""Command `stiction at`: values of a result for other loads, mu0 and tau0, or for scaled heights."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def _print_scaled_heights(
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Return the loads (mN) given as options in ascending order, or the loads of the study if none are given."""
+    """Return the loads (mN) given as options, in ascending order, or the study's loads if no options are given."""
     width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":

@@ -235,7 +235,7 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
 
 
 def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
-    """Return the files to write. Existing files other than figures and reports are rejected."""
+    """Return the files to write. Raise an error if a file exists, unless it is a figure or a report."""
     from stiction.views.report.page import REPORT_MARK
     from stiction.views.style import FIGURE_FILE_MARKS
 
@@ -272,7 +272,7 @@ def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: 
 
 
 def _select_line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """Return a row or a column of a surface, or the unchanged body if no index is given."""
+    """Return a row or a column of a surface, or the body unchanged if no index is given."""
     for name, index, other in (("row", row, column), ("column", column, row)):
         if index is None:
             continue
@@ -300,7 +300,7 @@ def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
 
 
 def _parse_filters(lc: str | None, ls: str | None, *, robust: bool, joined: bool) -> dict[str, Any]:
-    """Parse the cutoffs of roughness parameters."""
+    """Parse the filter options `--lc`, `--ls` and `--robust`, which apply to roughness parameters."""
     if joined and (lc is not None or ls is not None or robust):
         raise ValueError("--lc, --ls and --robust must not be combined with --together or --repeated")
     long_cutoff = None if lc is None else parse_quantity("lc", lc, "length")
@@ -309,7 +309,7 @@ def _parse_filters(lc: str | None, ls: str | None, *, robust: bool, joined: bool
 
 
 def _parse_band(text: str | None) -> tuple[float, float] | None:
-    """Parse the shortest and the longest wavelength of a fit (µm)."""
+    """Parse the shortest and the longest wavelength (µm) of the band used for a fit."""
     if text is None:
         return None
     parts = text.split(",")

@@ -48,7 +48,7 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
 
 
 def parse_part(text: str | None) -> tuple[int, int] | None:
-    """Parse the option `--part` into the number of the part and the total number of parts."""
+    """Parse the option `--part` into a part number and the total number of parts."""
     if text is None:
         return None
     match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
@@ -86,7 +86,7 @@ def compute_in_folder(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     **options: Any,
 ) -> Result:  # fmt: skip
-    """Call `complete_result` with messages for a terminal, and print how to resume after Ctrl-C.
+    """Call `complete_result`, print messages on the terminal, and report after Ctrl-C how to resume the computation.
 
     `print_written` is called with the names of written files.
     """

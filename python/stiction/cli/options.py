@@ -41,7 +41,7 @@ Verbose = Annotated[bool, _output("--verbose -v", "Show all: inputs, directions,
 
 
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[Profile | Surface]:
-    """Load a profile or surface from a file with the reading options of a command line."""
+    """Load a profile or surface from a file, applying the reading options given on the command line."""
     from stiction.studies.pair_options import split_list
     from stiction.surfaces.measured.reading import load_reading
     from stiction.surfaces.measured.spectrum_file import is_spectrum

@@ -180,7 +180,7 @@ def pair(
 
 
 def preview_line(study: Study) -> str:
-    """Return a line with a friction preview from the first members of a study.
+    """Return a line that previews the friction coefficient, computed from the first members of a study.
 
     Raises `ValueError` if the surfaces do not touch.
     """
@@ -191,7 +191,7 @@ def preview_line(study: Study) -> str:
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:
-    """Compute a preview with the asperity model in one worker, and print it if messages go to a terminal."""
+    """If messages go to a terminal, compute a preview with the asperity model in one worker, and print it."""
 
     def print_preview(future: Future[str]) -> None:
         if not future.cancelled() and future.exception() is None:  # an error means that the surfaces do not touch

@@ -30,7 +30,7 @@ def format_option_help(name: str) -> str:
 
 
 def pair_option(name: str, *, repeatable: bool = True) -> Any:
-    """Return an option of `pair` for a command, in the help panel of the option's group."""
+    """Return a `pair` option for use in a command, listed in the help panel of the option's group."""
     declared = PAIR_OPTIONS[name]
     panel = next(group.title for group in OPTION_GROUPS if name in group.model_fields)
     suffix = " Repeatable." if declared.is_repeatable and repeatable else ""
@@ -39,12 +39,12 @@ def pair_option(name: str, *, repeatable: bool = True) -> Any:
 
 
 def pair_argument(name: str) -> Any:
-    """Return the command line argument for one of the bodies of `pair`."""
+    """Return the command line argument for one of the two bodies of the `pair` command."""
     return typer.Argument(metavar=PAIR_OPTIONS[name].value, help=format_option_help(name))
 
 
 def read_given_options(context: typer.Context) -> dict[str, object]:
-    """Return the values of the `pair` options given on the command line, by field name."""
+    """Return the values of the `pair` options given on the command line, keyed by field name."""
     values: Mapping[str, object] = context.params
     return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
 

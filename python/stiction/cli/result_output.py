@@ -34,7 +34,7 @@ def open_with_warning(directory: Path) -> Result:
 
 
 def print_result(result: Result, **options: Any) -> None:
-    """Print a result at the loads of its study. The options are the options of `print_values`."""
+    """Print a result at the loads of its study. The options are passed to `print_values`."""
     print_values(result, **options)()
 
 
@@ -80,7 +80,7 @@ def print_values(
 
 
 def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:
-    """Write the report, the table and a figure of a measured pair into its directory, and print the file names.
+    """Write the report, table and figure of a measured pair into the result directory, and print the file names.
 
     If another command has stored other mu0, tau0 or loads in the directory in the meantime, the files are written for
     these values, so that they agree with the stored study.
@@ -118,7 +118,7 @@ def _write_files(result: Result, folder: Path) -> list[str]:
 
 
 def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
-    """Draw the figures of a result into a directory, and print their names."""
+    """Draw the figures of a result into a directory, and print the file names."""
     from stiction.views.figures import draw_figures
 
     show_status("drawing")

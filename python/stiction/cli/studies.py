@@ -105,7 +105,7 @@ def _load_study(text: str) -> tuple[Study, Path]:
 
 
 def parse_changes(assignments: list[str]) -> dict[str, Any]:
-    """Parse the values of `--set` into changes by dotted key."""
+    """Parse the values of `--set` into a mapping from dotted keys to new values."""
     changes = {}
     for assignment in assignments:
         key, equals, value = assignment.partition("=")
