@@ -47,7 +47,8 @@ def pages(generated_dataset, maps_dataset, profiles_dataset, profile, surface, t
         "study": report_page(generated_dataset),
         "maps": report_page(maps_dataset, picture=contact_picture(maps_dataset)),
         "lines": report_page(profiles_dataset, picture=contact_picture(profiles_dataset)),
-        "profile": surface_page(profile, **SCAN_OPTIONS, reading=READING_TABLE).html(),
+        "profile": surface_page(profile, **SCAN_OPTIONS).html(),
+        "file": surface_page(profile, **SCAN_OPTIONS, reading=READING_TABLE).html(),
         "surface": surface_page(surface, **SCAN_OPTIONS).html(),
     }
     for name, text in texts.items():
