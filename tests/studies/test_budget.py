@@ -109,7 +109,8 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
     point_index = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     sums, areas = member_sums(result.source, table["load"].values), areas_of(table, result.source)
     friction = PerLoad.of(sums.sel(sliding="all").mean())
-    numbers = _numbers_at(_columns(table) | _sheared_contacts(table, result.study, areas), point_index)
+    columns = _columns(table, list(table.variables)) | _sheared_contacts(table, result.study, areas)
+    numbers = _numbers_at(columns, point_index)
     samples = _CoefficientSamples(numbers, point_index, result.study, inputs, friction, areas)
     samples.names, samples.places = tuple(inputs), {}  # The samples must not contain errors of the mean over positions.
     for probability in (0.03, 0.7):

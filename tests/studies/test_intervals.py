@@ -3,7 +3,7 @@ import pytest
 import scipy.special
 import scipy.stats
 from reference.neighbours import estimate_truth, measure_coverage, simulate_traverses
-from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean
+from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean, sample_quantiles
 
 TRIALS = 500  # With this number of trials, the measured coverage has a standard error of 1 %.
 MAX_WIDTH_RATIO = 1.5  # largest ratio of the median width to the width for a known variance, for at least 32 values
@@ -128,6 +128,17 @@ def test_interval_of_exponential_sample_mean_is_positive_and_covers_the_mean(cou
     symmetric_upper = mean + (mean - lower)  # the interval is skewed towards large values
     assert (upper > symmetric_upper).all()
     assert ((lower <= 1) & (upper >= 1)).mean() > 0.925
+
+
+@pytest.mark.filterwarnings("ignore:All-NaN slice")
+def test_sample_quantiles_equal_those_of_numpy_with_and_without_missing_values():
+    values = np.random.default_rng(7).standard_normal((37, 5, 6))
+    probabilities = (0.0, 0.1, 0.5, 0.9, 1.0)
+    np.testing.assert_array_equal(sample_quantiles(values, probabilities), np.quantile(values, probabilities, axis=0))
+    values[values > 0.5] = np.nan
+    values[:, 0, 0], values[1:, 1, 1] = np.nan, np.nan  # a column without values, and one with at most one value
+    expected = np.nanquantile(values, probabilities, axis=0)
+    np.testing.assert_array_equal(sample_quantiles(values, probabilities), expected)
 
 
 def test_sample_mean_ignores_missing_values():

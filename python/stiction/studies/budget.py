@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket, max_friction
 from stiction.mechanics.closed_forms import hardness_under_shear, solve_yield_condition
+from stiction.mechanics.friction import SIX_SUMS
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.evaluation import (
     NEGLIGIBLE_COEFFICIENT,
@@ -58,7 +59,9 @@ MAX_EXPONENT = 50.0  # upper bound on the logarithm of the ratio of a single tes
 DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
-_NEEDED_VARIABLES = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
+_NEEDED_VARIABLES = (
+    "friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
+)  # fmt: skip
 """Variables that determine the interval of a coefficient."""
 
 Strength = tuple[Floats, Floats, Floats | None, Floats | None]
@@ -119,8 +122,10 @@ def add_uncertainty(
     remaining, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     areas = areas_of(at, result)
-    six = _columns(member_sums(result, at["load"].values).mean(("repetition", "direction")))
-    read = _columns(at[[name for name in _NEEDED_VARIABLES if name in at]]) | _sheared_contacts(at, study, areas)
+    six = _columns(member_sums(result, at["load"].values).mean(("repetition", "direction")), SIX_SUMS)
+    read = _columns(at, [name for name in _NEEDED_VARIABLES if name in at.variables]) | _sheared_contacts(
+        at, study, areas
+    )
     pressures = at["load"].values / float(at["nominal_area"])
     # Consecutive coefficients have the same mu0 and tau0 and therefore share samples.
     interface = [dims.index(name) for name in ("mu0", "tau0")]
@@ -194,9 +199,10 @@ def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator)
 Columns = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
-def _columns(table: xarray.Dataset) -> Columns:
-    """Return the dimensions and values of all variables as a dict, which is faster to index than the dataset."""
-    return {str(name): (tuple(map(str, variable.dims)), variable.values) for name, variable in table.variables.items()}
+def _columns(table: xarray.Dataset, names: Sequence[str]) -> Columns:
+    """Return the dimensions and values of the named variables as a dict, which is faster to index than the dataset."""
+    variables = table.variables
+    return {name: (tuple(map(str, variables[name].dims)), variables[name].values) for name in names}
 
 
 def _numbers_at(columns: Columns, indices: Mapping[str, int]) -> dict[str, Any]:

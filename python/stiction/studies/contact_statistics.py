@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.contact import Contacts
+from stiction.studies.intervals import sample_quantiles
 from stiction.surfaces.profile import Profile, combine_missing
 from stiction.surfaces.surface import Surface
 
@@ -90,19 +91,11 @@ class ContactList:
         order = np.argsort(self.pressure, kind="stable")
         below = np.cumsum(self.weight[order])
         return {name: formula(self) for name, formula in LOAD_FRACTION_FORMULAS.items()} | {
-            "patch_area": _compute_quantiles(self.area),
+            "patch_area": sample_quantiles(self.area, STORED_PROBABILITIES),
             "pressure": np.interp(
                 STORED_PROBABILITIES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
             ),
         }  # fmt: skip
-
-
-def _compute_quantiles(values: Floats) -> Floats:
-    """Compute the same quantiles as `numpy.quantile`, ten times faster for short arrays."""
-    ordered, position = np.sort(values), np.array(STORED_PROBABILITIES) * (values.size - 1)
-    below = position.astype(np.intp)
-    low, high, weight = ordered[below], ordered[np.minimum(below + 1, values.size - 1)], position - below
-    return np.where(weight < 0.5, low + (high - low) * weight, high - (high - low) * (1 - weight))
 
 
 LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {

@@ -9,7 +9,6 @@ slopes the three definitions agree to four digits.
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -363,9 +362,10 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
             attributes_of("friction_by_axis"),
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, attributes_of("axis"))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # Quantiles are NaN if no member has a coefficient.
-        low, high = np.nanquantile(coefficient, SPREAD_QUANTILES, axis=(0, direction_axis))
+    single_members = np.moveaxis(coefficient, direction_axis, 1)
+    low, high = intervals.sample_quantiles(
+        single_members.reshape(-1, *single_members.shape[2:]), SPREAD_QUANTILES
+    )  # NaN if no member has a coefficient
     variables |= {
         "spread_low": (other_dims, low, attributes_of("spread_low")),
         "spread_high": (other_dims, high, attributes_of("spread_high")),

@@ -353,7 +353,7 @@ class NodeAreas:
 class SampledAreas:
     """Function that computes A/F from ln H. For many hardnesses, it is five times faster than `area_per_load`.
 
-    Areas at many hardnesses are interpolated linearly in a table of ln(A/F) with `NUM_TABLE_STEPS` equal steps of ln H,
+    Areas at many hardnesses are interpolated linearly in a table of A/F with `NUM_TABLE_STEPS` equal steps of ln H,
     with a relative error below 1e-5. Areas at few hardnesses, or outside the table, are computed exactly.
     """
 
@@ -363,10 +363,10 @@ class SampledAreas:
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats]:
-        """Values of ln(A/F) at equal steps of ln H, and differences between successive values."""
+        """Values of A/F at equal steps of ln H, and differences between successive values."""
         grid = np.exp(np.linspace(self._first, self._last, NUM_TABLE_STEPS + 1))
-        log_areas = np.log(area_per_load(grid, *self._arguments))
-        return log_areas, np.diff(log_areas, axis=-1)
+        areas = area_per_load(grid, *self._arguments)
+        return areas, np.diff(areas, axis=-1)
 
     def __call__(self, log_hardness: Floats) -> Floats:
         """Return A/F (1/GPa), with shape (..., h), for logarithms of hardnesses in GPa with shape (h,)."""
@@ -376,8 +376,8 @@ class SampledAreas:
         position = (log_hardness - self._first) * (NUM_TABLE_STEPS / (self._last - self._first))
         step = position.astype(np.int64)
         position -= step
-        log_areas, differences = self._table
-        return np.asarray(np.exp(log_areas.take(step, axis=-1) + differences.take(step, axis=-1) * position))
+        areas, differences = self._table
+        return np.asarray(areas.take(step, axis=-1) + differences.take(step, axis=-1) * position)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ possible interval.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -288,6 +289,19 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
         lower, upper = mean / factor, mean * factor
     by_logarithm = ~np.asarray(is_signed) & (mean > 0)
     return np.where(by_logarithm, lower, mean - half_width), np.where(by_logarithm, upper, mean + half_width)
+
+
+def sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
+    """Return quantiles of values along the first axis, ignoring NaN, with the probabilities as the first dimension.
+
+    The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
+    """
+    ordered, last = np.sort(values, axis=0), np.maximum((~np.isnan(values)).sum(axis=0) - 1, 0)
+    position = np.multiply.outer(np.array(probabilities), last)
+    below = position.astype(np.intp)
+    low, high = (np.take_along_axis(ordered, index, axis=0) for index in (below, np.minimum(below + 1, last)))
+    weight = position - below
+    return np.asarray(np.where(weight < 0.5, low + (high - low) * weight, high - (high - low) * (1 - weight)))
 
 
 # ---- Means over neighbours -------------------------------------------------------------------------------------------
