@@ -1,4 +1,4 @@
-"""Combined uncertainty of a coefficient of static friction, and its budget: the contribution of each input.
+"""Combined uncertainty of a friction coefficient, and the interval that would remain if an input were exact.
 
 The uncertain inputs, the scatter between positions, and the unresolved roughness are propagated by sampling (JCGM 101,
 2008). The forces are linear in mu0 and tau0, and the true area is interpolated as a function of the hardness. By
@@ -177,7 +177,7 @@ def add_uncertainty(
 
 
 def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator) -> Columns:
-    """Return, for each pair of mu0 and tau0, the hardness H' under shear (GPa) and the growth ratio of the true area.
+    """Return the hardness H' under shear (GPa) and the junction-growth ratio for each combination of mu0 and tau0.
 
     Both are computed at the hardness in the study. The result is empty if the study has no hardness. Without junction
     growth, H' equals the hardness.
@@ -200,20 +200,20 @@ Columns = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
 def _columns(table: xarray.Dataset, names: Sequence[str]) -> Columns:
-    """Return the dimensions and values of the named variables as a dict, which is faster to index than the dataset."""
+    """Return the dimensions and values of the named variables as a dict that is faster to index than a dataset."""
     variables = table.variables
     return {name: (tuple(map(str, variables[name].dims)), variables[name].values) for name in names}
 
 
 def _numbers_at(columns: Columns, indices: Mapping[str, int]) -> dict[str, Any]:
-    """Return the values of all variables at the given indices along the named dimensions."""
+    """Return the values of all variables at the given index along each of the named dimensions."""
     return {
         name: values[tuple(indices.get(dim, slice(None)) for dim in dims)] for name, (dims, values) in columns.items()
     }
 
 
 def _ends_about_zero(samples: _CoefficientSamples, point: Floats) -> tuple[float, float]:
-    """Return the limits of the 95 % interval around a coefficient of 0, for which relative errors are undefined.
+    """Return the 95 % interval for a coefficient of 0, which cannot be computed from relative errors.
 
     The interval contains the coefficient and its sampling interval, and is not below 0.
     """
@@ -229,7 +229,7 @@ def _ends_about_zero(samples: _CoefficientSamples, point: Floats) -> tuple[float
 
 
 def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
-    """Merge datasets at different loads into one dataset with ascending loads."""
+    """Merge datasets that were evaluated at different loads, and sort the loads in ascending order."""
     import xarray
 
     whole = xarray.concat(
@@ -239,7 +239,7 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
 
 
 def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats) -> Floats:
-    """Return the coefficients to report and their interval limits, as an array with shape (*dims, statistic)."""
+    """Return the reported coefficients and the limits of their intervals as an array of shape (*dims, statistic)."""
     combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = combined[..., 1]
     combined[..., 1] = np.where((low < 0) & (combined[..., 0] >= 0), 0.0, low)
@@ -252,7 +252,7 @@ def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known_inter
 
 
 class _CoefficientSamples:
-    """Coefficient returned by `at_load`, with samples of the inputs that determine its interval.
+    """Friction coefficient returned by `at_load`, with samples of the inputs that determine the width of its interval.
 
     `names` lists the uncertain inputs and sources of sampling uncertainty; it is empty if there is no coefficient or no
     interval.
@@ -313,7 +313,7 @@ class _CoefficientSamples:
         self.names = (*self.inputs, *((INTERFACE_INPUT,) if strengths else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
-        """Return the 95 % interval with some inputs fixed at the given quantiles.
+        """Return the 95 % interval of the coefficient when some inputs are fixed at the given quantiles.
 
         The interval contains the value. It also contains the sampling interval and the range of coefficients for finer
         scans, unless these sources are fixed.
@@ -327,7 +327,7 @@ class _CoefficientSamples:
         return extend_interval(self._sampled_interval(fixed), *values)
 
     def width_left(self, name: str) -> float:
-        """Return the mean width of the interval that would remain if the named input were exact.
+        """Return the mean width of the interval that would remain if the named input were known exactly.
 
         Widths are compared as differences of the friction angle, which stays finite if samples seize.
         """
@@ -351,7 +351,7 @@ class _CoefficientSamples:
 
     @property
     def fraction_seizing(self) -> float:
-        """Fraction of the input samples for which the contacts seize."""
+        """Fraction of the input samples for which the model predicts seizure of the contacts."""
         if self.growth is None:
             return 0.0
         samples = self._friction_samples({}, strength=self.strengths[0] if self.strengths else None)
@@ -378,7 +378,7 @@ class _CoefficientSamples:
         return self.areas.growth_ratio(self.load, self.rule, hardness, pressure, modulus)
 
     def next_test(self) -> tuple[float, float]:
-        """Return the 95 % prediction interval for a single new member in a single direction.
+        """Return the 95 % prediction interval for a single test of a new member in one direction of motion.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the interval is above 0.
         """
@@ -394,7 +394,7 @@ class _CoefficientSamples:
         return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
-        """Return the coefficient after a dwell time (s), with the limits of its 95 % interval.
+        """Return the friction coefficient after a dwell time (s), and the limits of its 95 % interval.
 
         They are NaN if the nominal pressure reaches the hardness.
         """
@@ -467,7 +467,7 @@ class _CoefficientSamples:
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
-        """Return uniform samples, normal scores and values of the inputs, and the resulting hardness and modulus ratio.
+        """Return uniform samples, normal scores and values of the inputs, with the resulting hardness and E* ratio.
 
         The samples are cached, because they depend neither on the load nor on exact values of mu0 and tau0.
         """
@@ -487,7 +487,7 @@ class _CoefficientSamples:
         return self.areas.cached(("inputs", self.names, tuple(fixed.items()), wait), (), compute)  # type: ignore[no-any-return]
 
     def _area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
-        """Return samples of the true area before shear, divided by the true area for the input values in the study.
+        """Return samples of the true area before shear, relative to the true area at the input values in the study.
 
         The samples are cached for each load.
         """
@@ -499,7 +499,7 @@ class _CoefficientSamples:
         return self.areas.cached(("area ratio", self.names, tuple(fixed.items()), wait, self.load), (), compute)
 
     def _pressure_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
-        """Return samples of the contact pressure H' (GPa) under shear, and cache the samples for the next load."""
+        """Return samples of the contact pressure H' (GPa) under shear, which are cached for reuse at the next load."""
         assert self.growth is not None, "contacts grow under shear"
         _, _, samples, hardness, _ = self._input_samples(fixed, wait)
         central = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
@@ -508,12 +508,12 @@ class _CoefficientSamples:
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
-    """Return the interval, extended so that it contains the given values."""
+    """Extend an interval so that it contains the given values."""
     return min(ends[0], *values), max(ends[1], *values)
 
 
 def _angle(ends: tuple[float, float]) -> float:
-    """Return the width of an interval of coefficients as a difference of friction angles (rad)."""
+    """Return the difference (rad) between the friction angles at the limits of an interval of coefficients."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 

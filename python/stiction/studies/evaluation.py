@@ -1,4 +1,4 @@
-"""Evaluation of results at given loads, with three definitions of the load.
+"""Evaluation of results at given loads, which can be elastic, normal or mean normal loads.
 
 *mean*: the mean normal load of the ensemble equals the given load, and values are ratios of means, as in the figures of
 the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load. *normal*: the
@@ -150,7 +150,7 @@ def at_load(
 
 
 def is_unloaded(result: Result) -> bool:
-    """Return whether all loads of the study are negligible compared with the mean pull-off force."""
+    """Return whether the loads of the study are all negligible compared with the mean pull-off force."""
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
@@ -158,14 +158,14 @@ def is_unloaded(result: Result) -> bool:
 
 
 def unloaded_load(result: Result) -> float:
-    """Return a negligible load (mN) for adhesive bodies: the smallest computed load or, if needed, a smaller load."""
+    """Return a load (mN) that is negligible for adhesive bodies, which is the smallest computed load if possible."""
     negligible = NEGLIGIBLE_LOAD_RATIO * min(_pull_offs(result))
     lowest = float(result.study.contact.steps()[0])
     return lowest if lowest < negligible else 0.1 * negligible
 
 
 def _pull_offs(result: Result) -> list[float]:
-    """Return the mean pull-off force (mN) of the members in each piece of a result."""
+    """Return the mean pull-off force (mN) for each piece (group of members) of a result."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
 
@@ -173,7 +173,7 @@ def _pull_offs(result: Result) -> list[float]:
 
 
 def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes (degrees, 0 to 180) with motion in both directions, and the indices of the two directions.
+    """Return the axes (degrees, 0 to 180) along which both directions exist, and the indices of both directions.
 
     The indices have the shape (axes, 2).
     """
@@ -189,7 +189,7 @@ def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
 
 
 def _is_requested(name: str, names: Collection[str] | None) -> bool:
-    """Return whether a quantity is requested, which is always true if no names are given."""
+    """Return whether a quantity is requested. All quantities are requested if no names are given."""
     return names is None or name in names
 
 
@@ -199,11 +199,11 @@ def _is_requested(name: str, names: Collection[str] | None) -> bool:
 def _evaluate_ensemble(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Return ensemble means at the given mean loads, with interval limits along the dimension `statistic`."""
+    """Return ensemble means at given mean loads, and the limits of their intervals along the dimension `statistic`."""
     import xarray
 
     def read(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
-        """Evaluate a quantity, averaged over groups of directions, at the given mean normal loads."""
+        """Evaluate a quantity at the given mean normal loads after averaging over groups of directions."""
 
         def average_groups(piece: xarray.Dataset) -> xarray.Dataset:
             grouped = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
@@ -266,7 +266,7 @@ def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
 
 
 def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
-    """Return a geometric series of loads (mN) that covers the loads of a result."""
+    """Return loads (mN) in a geometric series that covers the load range of a result."""
     elastic = Result.of(result).means(["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
     if not highest > 0:
@@ -297,7 +297,7 @@ def default_loads(result: Result) -> Floats:
 
 
 def _without_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Return means over opposite directions, with round-off replaced by 0 if the interface has no strength.
+    """Replace round-off by 0 in means over opposite directions, if the interface has no strength.
 
     The means have the dimensions (*dims, statistic). Without strength, the contributions of opposite directions cancel
     except for round-off, which would have a random sign.
@@ -377,7 +377,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
 
 
 def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status for each true area fraction, and the fractions limited to 1.
+    """Return the contact status for each true area fraction, and the fractions with values above 1 replaced by 1.
 
     The fractions have the shape (..., 3). In the asperity model, fractions above 1 become NaN instead.
     """
@@ -389,7 +389,7 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
 
 @dataclass(frozen=True, eq=False)
 class OverMembers:
-    """Statistical dependence between members: independent, neighbours on lines, or pairs that share a scan."""
+    """Statistical dependence between members, which may be independent, neighbours on lines, or share scans."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -397,7 +397,7 @@ class OverMembers:
 
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
-        """Determine the dependence between members from their positions.
+        """Determine from the positions of the members how they depend on each other.
 
         Members on adjacent lines, or at adjacent positions of a line, are neighbours.
         """
@@ -411,7 +411,7 @@ class OverMembers:
         return cls(order, lines[order])
 
     def mean(self, values: Floats) -> Floats:
-        """Return the mean over the members and the limits of its interval, ignoring NaN.
+        """Average values over the members, ignoring NaN, and return the mean and the limits of its 95 % interval.
 
         The values have the shape (members, ...), and the result has the shape (..., 3).
         """
@@ -432,7 +432,7 @@ class OverMembers:
 
 
 def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
-    """Return the mean of values and the limits of its interval, which are above 0 if no value is negative."""
+    """Return the mean of the values and its interval limits, which are above 0 if no value is negative."""
     if found is None:
         finite = values[np.isfinite(values)]
         return float(finite.mean()) if finite.size else np.nan, np.nan, np.nan
@@ -450,7 +450,7 @@ def member_values(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: Reading = "elastic", of: Kind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member of a result at given loads.
+    """Evaluate friction and contact quantities of each member of a result at given loads.
 
     Parameters
     ----------
@@ -487,7 +487,7 @@ def _members_before_growth(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, of: Kind | None,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member of a result at given loads, without junction growth."""
+    """Evaluate each member of a result at given loads, neglecting junction growth."""
 
     def read(piece: xarray.Dataset) -> xarray.Dataset:
         return _evaluate_piece(piece, result.study, loads, mu0, tau0, reading, names)
@@ -499,7 +499,7 @@ def _members_before_growth(
 
 
 def areas_of(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
-    """Return an interpolator of the true area over hardness and E* at the loads of a dataset returned by `at_load`."""
+    """Create an interpolator of the true area, a function of hardness and E*, for the loads in an `at_load` dataset."""
     result = Result.of(result)
     study, loads = result.study, dataset["load"].values
     area = dataset["contact_area"].sel(statistic="mean")
@@ -509,7 +509,7 @@ def areas_of(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaIn
 
 
 def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolator:
-    """Return an interpolator of the true area over hardness at the loads of a dataset returned by `member_values`."""
+    """Create an interpolator of the true area, a function of hardness, for the loads in a `member_values` dataset."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
     study = result.study
@@ -517,7 +517,7 @@ def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolat
 
 
 def mean_areas(result: Result) -> Floats:
-    """Return the mean true area (µm²) of the members at each computed load.
+    """Return the true area (µm²) at each computed load, averaged over the members.
 
     `Result.mean_areas` caches these areas.
     """
@@ -527,7 +527,7 @@ def mean_areas(result: Result) -> Floats:
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:
-    """Return the derivative d ln(A/F) / d ln F of the mean true area A at the given loads (mN)."""
+    """Return d ln(A/F) / d ln F, where A is the mean true area, at the given loads F (mN)."""
     steps = result.study.contact.steps()
     if steps.size > 1:
         ratio = result.mean_areas / steps
@@ -551,7 +551,7 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
 
 
 def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
-    """Recompute member values so that adhesive forces are based on the true area at the onset of sliding."""
+    """Recompute member values with adhesive forces that follow from the true area at the onset of sliding."""
     study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
     rules = members["sliding"].values.tolist()
     grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
@@ -586,7 +586,7 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolato
 def member_sums(
     result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, of: Kind | None = None
 ) -> xarray.Dataset:
-    """Return contact sums of all members at elastic loads (mN), by default the six sums that determine both forces.
+    """Return contact sums of all members at elastic loads (mN), by default the six sums that determine friction.
 
     The dimensions are cells, repetition, sliding, direction and load.
     """
@@ -609,7 +609,7 @@ def member_sums(
 
 
 def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
-    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN), with its jackknife interval.
+    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN), with jackknife intervals.
 
     The dimensions are cells, sliding, load, mu0, tau0 and statistic. The value is NaN if mean(F_N) is not above 0.
     """
@@ -634,7 +634,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
 
 @dataclass(frozen=True, kw_only=True)
 class PerLoad:
-    """Coefficients of the normal and tangential forces as linear functions of mu0 and tau0, per unit elastic load."""
+    """Normal and tangential forces per unit elastic load, expressed as linear functions of mu0 and tau0."""
 
     elastic: float = 0.0
     rub: float = 1.0
@@ -644,7 +644,7 @@ class PerLoad:
 
     @classmethod
     def of(cls, six: Mapping[str, Any], **more: Any) -> Self:
-        """Divide the means of the six contact sums by the elastic load."""
+        """Create the linear functions from the means of the six contact sums, divided by the elastic load."""
         per = {name: float(six[name] / six["normal_elastic"]) for name in SIX_SUMS}
         return cls(
             elastic=per["tangential_elastic"], rub=per["tangential_frictional"], stick=per["tangential_adhesive"],
@@ -652,7 +652,7 @@ class PerLoad:
         )  # fmt: skip
 
     def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """Compute the friction coefficient for a true area that is `area` times the computed true area."""
+        """Compute the friction coefficient if the true area is `area` times the computed true area."""
         tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
         return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
@@ -684,7 +684,7 @@ def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading,
     names: Collection[str] | None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate the members of a piece, which is a group of members in memory, at given loads.
+    """Evaluate the members of a piece (group of members in memory) at given loads.
 
     If the steps are loads, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate
     besides `_FRICTION`; None stands for all.
@@ -768,7 +768,7 @@ def _evaluate_piece(
 def _curves(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS
 ) -> tuple[dict[str, Floats], Crossing]:
-    """Return the contact sums of the members, and the points at which their elastic loads cross the given loads."""
+    """Return the contact sums of the members, and the points at which their load curves reach the given loads."""
     step = find_step_dimension(piece)
     lead = (*cells_of(piece), "repetition")
     # Access to variables without coordinates is much faster than to arrays with coordinates.
@@ -780,13 +780,13 @@ def _curves(
 
 
 def _motions_of(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for a sliding rule or direction that is not a dimension of the result."""
+    """Return coordinates for the sliding rule and the direction if they are not dimensions of the result."""
     values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.degrees())}
     return {name: ((name,), values[name][:1], attributes_of(name)) for name in MOTIONS if name not in piece.dims}
 
 
 def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add ratios of contact sums to the variables, and remove the sums that are not shown."""
+    """Add ratios of contact sums to the variables, and remove sums that are needed only for these ratios."""
     dims, elastic = variables["normal_elastic"][:2]
     ratios: dict[str, Any] = {}
     if nominal_area is not None and "pull_off" in variables:
@@ -812,7 +812,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
 
 
 def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Return the values of a variable as floats, with the dimensions in the given order.
+    """Return the values of a variable as floats, transposed to the given order of dimensions.
 
     If `missing` is true, missing dimensions are added with the length 1.
     """
@@ -824,7 +824,7 @@ def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = Fals
 
 
 def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
-    """Return the status of each member, with shape (..., sliding, direction, load, mu0, tau0)."""
+    """Return the status of each member as an array of shape (..., sliding, direction, load, mu0, tau0)."""
     is_known = np.isfinite(normal)
     locked = is_known & (normal <= 0)
     status = friction.combine_status(touched=True, reached=is_known & reached & ~locked, locked=locked, below=below)
@@ -845,7 +845,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
 def estimate_by_slopes(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Compute the small-slope estimate of friction from the rms gradients and rms slopes of gaps.
+    """Compute the small-slope estimate of friction from the rms gradients and directional rms slopes of gaps.
 
     The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
     """

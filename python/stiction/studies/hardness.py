@@ -1,4 +1,4 @@
-"""Uncertain inputs of a measured pair, and the true area as a function of hardness and E*.
+"""Uncertain inputs of a measured pair, and the true area of the pair as a function of hardness and E*.
 
 The first members of the pair are also computed at other hardnesses and moduli (nodes). Between the nodes, the area is
 interpolated.
@@ -131,12 +131,12 @@ def _parse_junction_growth(text: str | float, central_value: float) -> Uncertain
 
 
 def find_creep(study: Study) -> UncertainInput | None:
-    """Return the exponent of indentation creep, or None if the study has no dwell times."""
+    """Return the uncertain exponent of indentation creep, or None if the study has no dwell times."""
     return parse_input("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
 def find_moduli(study: Study) -> Moduli:
-    """Return the moduli of a study with their uncertainties."""
+    """Return the elastic moduli in a study with their uncertainties."""
     table, materials, middle = study.known, find_materials(study), float(study.contact.effective_modulus)
     if table.effective_modulus is not None:
         return Moduli(middle, parse_input("effective_modulus", table.effective_modulus, "modulus"))
@@ -160,7 +160,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Floats | float:
-    """Return E* for samples of the uncertain inputs, divided by the E* in the study."""
+    """Compute E* from samples of the uncertain inputs, and return its ratio to the E* in the study."""
     return find_moduli(study).relative_modulus(samples)
 
 
@@ -168,7 +168,7 @@ def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Flo
 
 
 def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
-    """Return the nodes at which areas are computed: hardnesses over relative moduli (GPa), and relative moduli.
+    """Return the nodes at which true areas are computed, given as hardnesses H/e (GPa) and relative moduli e.
 
     A relative modulus is E* divided by the E* in the study. The last hardness is infinite (elastic bodies). There are
     no hardnesses if the hardness and E* are exact or have narrow ranges, and the study has neither dwell times nor
@@ -203,14 +203,14 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
 
 
 def _choose_shear_nodes(study: Study, softest: float) -> Floats:
-    """Return the additional nodes (GPa), below the smallest hardness, that junction growth requires."""
+    """Return the additional hardness nodes (GPa) that junction growth requires below the smallest hardness."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
     return np.asarray(softest * np.exp(-SHEAR_NODE_STEP * np.arange(1, NUM_SHEAR_NODES + 1)))
 
 
 def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
-    """Compute the true areas (µm²) of the first members at all nodes and loads, or return None if no node exists."""
+    """Compute true areas (µm²) of the first members at all nodes and loads, or return None if there are no nodes."""
     import xarray
 
     hardnesses, moduli = choose_area_nodes(study)
@@ -234,7 +234,7 @@ def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Data
 
 
 def count_solutions(study: Study) -> int:
-    """Return the number of contact solutions that `compute_areas_over_hardness` needs."""
+    """Return the number of contact problems that `compute_areas_over_hardness` solves."""
     hardnesses, moduli = choose_area_nodes(study)
     return hardnesses.size * moduli.size * _count_members(study) * len(study.friction.load) if hardnesses.size else 0
 
@@ -245,12 +245,12 @@ def _count_members(study: Study) -> int:
 
 
 def _list_area_names(study: Study) -> tuple[str, ...]:
-    """Return the names of the areas that are computed at the nodes."""
+    """Return the names of the areas that are computed at each node."""
     return ("contact_area", "opposing_area") if find_junction_growth(study) is not None else ("contact_area",)
 
 
 def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
-    """Compute the true areas (µm²) of a member at a single node, as an array with shape (areas, loads).
+    """Compute the true areas (µm²) of a member at one node, and return them as an array of shape (areas, loads).
 
     `task` contains the index of the member, the relative modulus, and the hardness divided by the relative modulus.
     With junction growth, the second area is the area of contacts that oppose the motion, weighted by slope factors and
@@ -281,7 +281,7 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
 
 
 def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
-    """Return, at each load, the sum (µm²) of area times slope factor over the contacts that oppose the motion."""
+    """Return the area (µm²) of contacts that oppose the motion, weighted by slope factors, at each load."""
     opposing = curve.with_sliding("opposing")
     directions = [opposing] if is_areal else [opposing, opposing.with_direction("-x")]
     sums = np.mean([direction.tangential_adhesive for direction in directions], axis=0)
@@ -289,7 +289,7 @@ def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
 
 
 def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
-    """Load the areas stored with a result, or return None if they are missing or belong to other nodes."""
+    """Load the true areas stored with a result, or return None if they are missing or were computed at other nodes."""
     study = result.study
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
@@ -310,7 +310,7 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True, eq=False)
 class NodeAreas:
-    """Mean true areas of the members at the loads of the study, for several hardnesses and relative moduli e."""
+    """True areas averaged over members, at the loads of the study and for several hardnesses and relative moduli e."""
 
     loads: Floats  # loads of the study (l,), mN
     hardnesses: Floats  # hardnesses over relative moduli, H/e, at the nodes (n,), GPa
@@ -322,7 +322,7 @@ class NodeAreas:
 
     @classmethod
     def load(cls, result: StoredResult) -> NodeAreas | None:
-        """Load the areas stored with a result, or return None if `load_areas_over_hardness` returns None."""
+        """Load the true areas stored with a result, or return None if no areas at the current nodes are stored."""
         if (solved := load_areas_over_hardness(result)) is None:
             return None
         means = solved.mean("repetition")
@@ -335,7 +335,7 @@ class NodeAreas:
         )  # fmt: skip
 
     def interpolate_loads(self, areas: Floats, loads: Floats) -> Floats:
-        """Interpolate areas with shape (l, ...) between the loads of the study by power laws.
+        """Interpolate areas of shape (l, ...) between the loads of the study by a power law between successive loads.
 
         Areas are constant outside the loads of the study.
         """
@@ -346,12 +346,12 @@ class NodeAreas:
         return np.asarray(areas[below] ** (1 - weight) * areas[np.ceil(position).astype(int)] ** weight)
 
     def nearest_errors(self, loads: Floats) -> Floats:
-        """Return, for each given load, the errors at the nearest load of the study."""
+        """Return the errors at the load of the study that is nearest to each given load."""
         return np.asarray(self.errors[np.abs(self.loads - loads[:, np.newaxis]).argmin(axis=1)])
 
 
 class SampledAreas:
-    """Function that computes A/F from ln H. For many hardnesses, it is five times faster than `area_per_load`.
+    """Function that computes A/F from ln H, several times faster than `area_per_load` for many hardnesses.
 
     Areas at many hardnesses are interpolated linearly in a table of A/F with `NUM_TABLE_STEPS` equal steps of ln H,
     with a relative error below 1e-5. Areas at few hardnesses, or outside the table, are computed exactly.
@@ -369,7 +369,7 @@ class SampledAreas:
         return areas, np.diff(areas, axis=-1)
 
     def __call__(self, log_hardness: Floats) -> Floats:
-        """Return A/F (1/GPa), with shape (..., h), for logarithms of hardnesses in GPa with shape (h,)."""
+        """Return A/F (1/GPa), of shape (..., h), for logarithms of hardnesses (GPa), of shape (h,)."""
         is_large = log_hardness.size > NUM_TABLE_STEPS // 4
         if not (is_large and self._first < log_hardness.min() and log_hardness.max() < self._last):
             return area_per_load(np.exp(log_hardness), *self._arguments)
@@ -382,7 +382,7 @@ class SampledAreas:
 
 @dataclass(frozen=True)
 class AreaInterpolator:
-    """Interpolator of the true area at each load as a function of hardness and E*.
+    """Interpolator that returns the true area at each load as a function of hardness and E*.
 
     By similarity, the solution at (F, E*, H) equals the solution at (F/e, E*/e, H/e). If e is the ratio of E* to the E*
     in the study, the second solution has the E* of the study, but another load and hardness. A is the true area, and F
@@ -405,7 +405,7 @@ class AreaInterpolator:
     def from_result(
         cls, loads: Floats, ratio: Floats, gradient: float, growth: Floats, study: Study, result: Result
     ) -> AreaInterpolator:
-        """Create the interpolator for a result.
+        """Create the interpolator from a result.
 
         Parameters
         ----------
@@ -456,7 +456,7 @@ class AreaInterpolator:
         )
 
     def area_ratio(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
-        """Return the true area at hardnesses (GPa) and relative moduli, divided by the true area in the study."""
+        """Return the true area at given hardnesses (GPa) and relative moduli, divided by the true area in the study."""
         if hardness is None or self.hardness is None:
             areas, study_areas = self.elastic_areas[load][:, np.newaxis], self.elastic_areas[load][:, np.newaxis]
         else:
@@ -469,13 +469,13 @@ class AreaInterpolator:
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
-        """Return the relative standard error of `area_ratio` at given ratios of hardness to relative modulus (GPa)."""
+        """Return the relative standard error of `area_ratio` at given H/e (GPa), where e is the relative modulus."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.node_hardnesses), self.errors[load]))
 
     def growth_ratio(
         self, load: int, rule: str, hardness: Floats, under_shear: Floats, modulus: Floats | float = 1.0
     ) -> Floats:
-        """Return the ratio of the true area of the contacts at the onset of sliding to their area before shear.
+        """Return the ratio of the true contact area at the onset of sliding to the true contact area before shear.
 
         Parameters
         ----------
@@ -500,7 +500,7 @@ class AreaInterpolator:
         return ratio if carries_load.all() else np.where(carries_load, ratio, np.inf)
 
     def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return the true area of the sheared contacts, in arbitrary units."""
+        """Return the true area of the contacts under shear, in arbitrary units."""
         key = float(self.pressures[load]), rule, float(self.node_hardnesses[0])
         if key not in self.tables:
             areas, elastic_areas, middle = self.node_areas[load], self.elastic_areas[load], self.moduli.size // 2
@@ -515,7 +515,7 @@ class AreaInterpolator:
         return _interpolate_moduli(sampled, self.moduli, modulus)
 
     def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return the true area that the contacts had before shear, in the units of `_sheared_area`."""
+        """Return the true area of the contacts before shear, in the units of `_sheared_area`."""
 
         def compute() -> Floats:
             return self._sheared_area(load, rule, hardness, modulus)
@@ -524,7 +524,7 @@ class AreaInterpolator:
         return self.cached(("before", load, rule), (hardness, modulus), compute) if hardness.size > 1 else compute()
 
     def cached(self, name: Any, inputs: tuple[Any, ...], compute: Callable[[], _Value]) -> _Value:
-        """Return the value last computed under a name, or compute it if an input has changed.
+        """Return the cached value of the given name, or compute the value again if an input has changed.
 
         Numbers are compared by value, and arrays by identity.
         """
@@ -541,7 +541,7 @@ class AreaInterpolator:
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:
-    """Estimate the relative standard errors of the ratios of areas at the nodes to the area in the study.
+    """Estimate the relative standard error of the ratio of the area at each node to the area in the study.
 
     The errors have the shape (loads, n).
     """
@@ -555,7 +555,7 @@ def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Flo
 
 
 def _interpolate_moduli(values: Floats, moduli: Floats, modulus: Floats | float) -> Floats:
-    """Interpolate positive values between three moduli by a parabola of ln(value) over ln E*.
+    """Interpolate positive values between three moduli with a parabola in ln(value) and ln E*.
 
     If there is only one modulus, the values are constant.
     """

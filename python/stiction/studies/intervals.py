@@ -1,4 +1,4 @@
-"""Confidence intervals (95 %) of means, over independent repetitions at a load or over neighboring positions.
+"""Confidence intervals (95 %) of means over independent repetitions or over neighboring positions.
 
 The script docs/scripts/intervals.py measures the coverage of the intervals, and their width relative to the best
 possible interval.
@@ -30,7 +30,7 @@ MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is 
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
-    """Return the quantile of Student's t distribution for a two-sided interval with probability `CONFIDENCE`."""
+    """Return the quantile of Student's t distribution that gives a two-sided interval with probability `CONFIDENCE`."""
     from scipy.special import stdtrit
 
     return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
@@ -38,7 +38,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class Crossing:
-    """Points at which curves with shape (..., k) first cross given loads with shape (l,).
+    """Points at which curves of shape (..., k) first reach given loads of shape (l,).
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
@@ -51,7 +51,7 @@ class Crossing:
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
-        """Find where curves first cross loads upwards, with linear interpolation between steps.
+        """Find where curves first cross the given loads upwards, by linear interpolation between the steps.
 
         The curves have the shape (..., k), and the loads have the shape (l,). With `ratio`, the ratio of value to load
         is interpolated over the logarithm of the load. A load between two steps is then reached only if the ratio of
@@ -74,19 +74,19 @@ class Crossing:
         return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
 
     def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
-        """Remove each crossing between two steps if the curve is NaN at the first of these steps."""
+        """Remove each crossing that lies between two steps if the curve is NaN at the first of the two steps."""
         before, at_crossing = self._around(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
     def _around(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the values of curves at the steps before and after each crossing, with shape (..., l)."""
+        """Return the curve values at the steps before and after each crossing, as arrays of shape (..., l)."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
         return before, after
 
     def at(self, values: Floats, *, sums: bool = True) -> Floats:
-        """Interpolate values at the loads, with NaN at loads that are not reached.
+        """Interpolate values at the given loads. Values at loads that are not reached are NaN.
 
         The values have the shape (..., more, k), and the result has the shape (..., more, l).
         With `sums`, the ratio of value to load is interpolated if the crossings were found with `ratio`.
@@ -110,7 +110,7 @@ class Crossing:
         return np.where(reached, interpolated, np.nan)
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return the slopes of one quantity over another quantity at the crossings, with shape (..., l)."""
+        """Return the slope of one quantity with respect to another at each crossing, as an array of shape (..., l)."""
         index = np.maximum(self.index, 1)
         rise, run = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -123,13 +123,13 @@ class Crossing:
 
 
 class MeansAtLoads:
-    """Means of values at given mean normal loads, with jackknife intervals (docs/explanation/intervals.md).
+    """Means of values at given mean normal loads, with jackknife intervals.
 
-    Let v and n be the values and the normal loads of the repetitions at the crossing, and e the exponent of the mean
-    curve, mean(v) ~ mean(n)^e. If one repetition is omitted, the logarithm of the mean at the load changes by the
-    change of ln mean(v) minus e times the change of ln mean(n). If the mean is zero, or if its sign changes when a
-    repetition is omitted, the interval is a symmetric first-order interval instead. The constructor takes the means of
-    c curves (c, k), and `add` takes the repetitions.
+    The method is described in docs/explanation/intervals.md. Let v and n be the values and the normal loads of the
+    repetitions at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is
+    omitted, the logarithm of the mean at the load changes by the change of ln mean(v) minus e times the change of ln
+    mean(n). If the mean is zero, or if its sign changes when a repetition is omitted, the interval is a symmetric
+    first-order interval instead. The constructor takes the means of c curves (c, k), and `add` takes the repetitions.
     """
 
     def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
@@ -148,7 +148,7 @@ class MeansAtLoads:
         self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
-        """Add repetitions, given as arrays of normal loads and of values, both with shape (c, k, r)."""
+        """Add repetitions, given as arrays of normal loads and values of shape (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
         at_a_time, others = max(1, CHUNK_SIZE // max(1, self._load.size)), self._repetitions - 1
@@ -168,7 +168,7 @@ class MeansAtLoads:
                 self._plain.add(by_value - slope * by_load)
 
     def interval(self) -> tuple[Floats, Floats]:
-        """Return the lower and upper limits of the intervals, with shape (c, l), after all calls of `add`."""
+        """Return the lower and upper limits of the intervals, of shape (c, l), after adding all repetitions."""
         mean = self._mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -182,19 +182,19 @@ class MeansAtLoads:
         return self._over_loads(lower), self._over_loads(upper)
 
     def _at(self, values: Floats) -> Floats:
-        """Interpolate values with shape (c, k, r) at the points, and return an array with shape (p, r)."""
+        """Interpolate values of shape (c, k, r) at the points, and return an array of shape (p, r)."""
         after, before = values[self._curve, self._index], values[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
 
     def _over_loads(self, of_points: Floats) -> Floats:
-        """Arrange values at the points in an array with shape (c, l), with NaN at loads that are not reached."""
+        """Arrange the values at the points in an array of shape (c, l), with NaN at loads that are not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
 
 
 class _Extent:
-    """Running sum, minimum and maximum of values with shape (p, r) along the second axis."""
+    """Running sum, minimum and maximum over the second axis of arrays of shape (p, r)."""
 
     def __init__(self, size: int) -> None:
         self._sum = np.zeros(size)
@@ -206,12 +206,12 @@ class _Extent:
         self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
 
     def leaves_more_than_nothing(self, mean: Floats) -> NDArray[np.bool_]:
-        """Return whether the sum keeps the sign of the mean if any single value is omitted."""
+        """Return whether the sum has the same sign as the mean after omitting any single value."""
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
 
 class PowerSums:
-    """Running sums of powers of jackknife values, with shape (..., r), that give the half width of an interval."""
+    """Running sums of powers of jackknife values (..., r), from which the half width of an interval is computed."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -229,7 +229,7 @@ class PowerSums:
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
-        """Return the half width of the interval after all values have been added."""
+        """Return the half width of the interval that follows from all added values."""
         count = self._count
         first, second, third, fourth = self._sums
         mean = first / count
@@ -243,7 +243,7 @@ class PowerSums:
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
-    """Return the least-squares slopes of mean values over mean normal loads, fitted near given steps.
+    """Fit straight lines to mean values against mean normal loads near the given steps, and return their slopes.
 
     The values and the loads have the shape (p, k), and the steps have the shape (p,).
     """
@@ -263,7 +263,7 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
 
 
 def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of values along the first axis, and the Student's t interval of the mean, ignoring NaN.
+    """Average values along the first axis, ignoring NaN, and return the mean with its Student's t interval.
 
     If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
     """
@@ -279,7 +279,7 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the limits of the interval of a mean, given the half width.
+    """Return the limits of the interval of a mean with the given half width.
 
     The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
     """
@@ -292,7 +292,7 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
 
 
 def sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
-    """Return quantiles of values along the first axis, ignoring NaN, with the probabilities as the first dimension.
+    """Return quantiles along the first axis, ignoring NaN. The first axis of the result runs over the probabilities.
 
     The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
     """
@@ -309,7 +309,7 @@ def sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
 
 @lru_cache(maxsize=32)
 def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants of the autoregressive processes: 1' R^-1 1, variance inflation, t quantile and t density."""
+    """Return constants of the autoregressive models: 1' R^-1 1, variance inflation, t quantile and t density."""
     rho, lags = _CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -318,7 +318,7 @@ def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
 
 
 def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean of correlated values at neighboring positions (first axis), and its interval.
+    """Return the mean, with its interval, of correlated values measured at neighboring positions (first axis).
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
     and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/intervals.md). The interval lies within the range
@@ -338,7 +338,7 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the interval limits of the mean of each row of values, or NaN for rows in which all values are equal.
+    """Return the interval limits of the mean of each row of values, which are NaN if all values in the row are equal.
 
     The values have the shape (c, r).
     """
@@ -385,7 +385,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
 
 
 def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Average values along each line, and return the mean over neighboring positions with its 95 % interval."""
+    """Average values along each line, and return the mean of the line averages with its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first, index = np.unique(lines, return_index=True, return_inverse=True)
@@ -406,7 +406,7 @@ def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Flo
 
 @dataclass(frozen=True)
 class ScansMean:
-    """Mean over the members of all pairs of scans, with its variance components."""
+    """Mean of a quantity over all pairs of scans, with the variance components of the mean."""
 
     mean: float
     # variances of the mean due to upper scans, lower scans and positions
@@ -417,12 +417,12 @@ class ScansMean:
 
     @property
     def half_width(self) -> float:
-        """Half width of the 95 % interval of the mean, or infinity for too few members."""
+        """Half width of the 95 % interval of the mean. It is infinite if there are too few members."""
         return float(student_quantile(min(self.freedom, MAX_FREEDOM))) * math.sqrt(sum(self.variances))
 
 
 def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
-    """Return the mean of the values of members over all pairs of scans, or None if there are fewer than two pairs.
+    """Return the mean over all pairs of scans with its variance components, or None if there are fewer than two pairs.
 
     The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
     Components, 1992, chapter 4). Mean squares that do not exceed the residual mean square are pooled with the residual.
@@ -461,7 +461,7 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
 
 
 def _test_freedom(components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of the variance of a single test, given the components of this variance.
+    """Return the degrees of freedom of the variance of a single test, computed from its variance components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
     alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is
@@ -481,6 +481,6 @@ def _test_freedom(components: Floats, freedoms: Floats) -> float:
 
 
 def _satterthwaite(variance: float, components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of a variance that is a sum of components (Satterthwaite, 1946)."""
+    """Return the degrees of freedom of a variance that is a sum of estimated components (Satterthwaite, 1946)."""
     squares = float((components**2 / freedoms).sum())
     return float(variance**2 / squares) if squares > 0 else math.inf
