@@ -76,7 +76,7 @@ def main(path):
                 fine = np.geomspace(load.min(), load.max(), 200)
                 right.plot(fine, flat[0] + flat[1] / fine, "--", color="black", label="full contact")
                 rough_coefficient = rough[0] + rough[1] / fine * erf(fine / rough[2])
-                right.plot(fine, rough_coefficient, color="black", label="contact that closes")
+                right.plot(fine, rough_coefficient, color="black", label="rough contact, closing with load")
         left.set(xlabel="normal load (mN)", ylabel="kinetic friction (mN)", xlim=(0, 700), ylim=(0, 1000))
         right.set(xlabel="normal load (mN)", ylabel="coefficient of kinetic friction", xscale="log", ylim=(0, 4))
         left.legend(loc="upper left")
