@@ -81,7 +81,7 @@ constexpr std::size_t contacts_per_block = 16;  // number of contacts whose sums
 
 // sums(d, m, k) += Σ_i factors(i, m, d) values(i, k) over the contacts i of a block.
 // The steps k run from `begin` to `steps`, both of which are multiples of every SIMD width.
-// For the first sums m, the values are forces. For the other sums, the values are areas.
+// The values are forces for the first sums, and areas for the other sums.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,
                                       std::size_t contacts, std::size_t direction_count, std::size_t begin,

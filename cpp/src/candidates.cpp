@@ -67,7 +67,7 @@ class SplinedProfile {
   std::vector<double> curvature_;
 };
 
-// Point at which contact is possible according to the detection.
+// Point at which contact is possible according to the detection method.
 struct Site {
   std::size_t index;    // index of the grid point
   double offset;        // distance from the grid point [µm]

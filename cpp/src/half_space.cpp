@@ -391,8 +391,8 @@ double HalfSpaceSolver::scale(double mean_pressure) const {
   return std::max(gap_scale_, displacement_scale_ * mean_pressure);
 }
 
-// Return whether the solution at another load is a better start than a coarse grid.
-// On lines, the coarse grid is always better.
+// Return whether the solution at another load is a better starting point than the solution on a coarser grid.
+// If each point has its own bound, the solution at the other load is always used. On lines with one bound, it never is.
 bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
   if (near.empty()) {
     return false;
@@ -541,7 +541,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
   // The pressures are positive at all points, like charges on a conductor.
-  // The given pressures vanish at the edges, where the solution is largest. A uniform pressure is as good a start.
+  // The given pressures vanish at the edges, where the solution is largest. A uniform start is as good.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());

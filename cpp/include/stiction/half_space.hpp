@@ -82,7 +82,7 @@ class HalfSpaceSolver {
                   const ThreadPool& pool = ThreadPool());
 
   /// Return the length [µm] by which errors are divided.
-  /// This length is the larger of two root-mean-square deviations: of the gap, and of the displacements.
+  /// This length is the larger of the root-mean-square deviations of the gap and of the displacements.
   /// The displacements are those due to the mean pressure [GPa].
   double scale(double mean_pressure) const;
 

@@ -25,7 +25,8 @@ struct ForceArea {
   double area;   ///< contact area [µm²]
 };
 
-/// Parameter of a law. Its value must be finite and between `low` and `high`. If `inclusive`, the limits are allowed.
+/// Parameter of a law. Its value must be finite and between `low` and `high`.
+/// The values `low` and `high` themselves are allowed only if `inclusive` is true.
 template <class L>
 struct Parameter {
   std::string_view name;

@@ -22,7 +22,8 @@ struct Patches {
 
 /// Find the connected patches of the points under pressure.
 /// Neighbouring points (eight on areas) are connected, also across the edges of a periodic grid.
-/// Each open side of a cell reduces its contact fraction: by 0.19 on lines, and by (π - 1 + ln 2)/24 on areas.
+/// A side of a cell under pressure is open if the adjacent cell carries no pressure.
+/// Each open side reduces the contact fraction of the cell by 0.19 on lines, and by (π - 1 + ln 2)/24 on areas.
 /// Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
 /// The contact fraction is at least pressure/hardness, both in GPa. The hardness may be infinite.
 /// A side at the edge of the grid is not an open side.
