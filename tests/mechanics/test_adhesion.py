@@ -394,7 +394,7 @@ def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_loads():
     assert curve.with_sliding("opposing").normal_elastic == pytest.approx(curve.normal_elastic)
 
 
-def test_zero_work_of_adhesion_gives_bit_identical_results():
+def test_half_space_pressures_are_bit_identical_with_zero_adhesion_and_without_adhesion():
     bodies, adhesive = ball(1.0)
     plain = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0)
     none = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0, work_of_adhesion="0 J/m^2", adhesion_range="1 nm")

@@ -486,7 +486,7 @@ def test_pickled_load_curve_gives_the_same_onset_of_sliding(many_asperities):
     assert again.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
     result = press(candidates(*bodies, deepest=0.04), [0.04])
     assert result.onset(0, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
-    with pytest.raises(ValueError, match="press the candidates again"):
+    with pytest.raises(ValueError, match="compute the curve again in this process"):
         pickle.loads(pickle.dumps(result)).onset(0, mu0=0.3)
 
 

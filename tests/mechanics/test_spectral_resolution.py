@@ -82,5 +82,5 @@ def test_spectral_resolution_rejects_bad_arguments(changes, message):
     with pytest.raises(ValueError, match=message):
         spectral_resolution(upper, lower, **OPTIONS | changes)
     line = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))
-    with pytest.raises(ValueError, match="must be ScaleDependentRoughness objects of surfaces"):
+    with pytest.raises(ValueError, match="must be ScaleDependentRoughness objects computed from surfaces"):
         spectral_resolution(line, lower, **OPTIONS)

@@ -161,8 +161,9 @@ def candidates(
         for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
             if float(np.ptp(gap, axis=axis).max()) < _GROOVE_TOLERANCE * float(np.ptp(gap)):
                 raise ValueError(
-                    f"the gap between upper and lower must vary along {along}, because otherwise its minima are lines "
-                    f"instead of points; press {across} of both surfaces as profiles, or use half_space"
+                    f"the gap between upper and lower must vary along {along}, because otherwise its minima are "
+                    f"lines instead of points; extract {across} of both surfaces and press them as profiles, or use "
+                    "half_space"
                 )
     return Candidates(core, curvature, tuple(filter(None, map(measured_source, (upper, lower)))))
 
@@ -178,7 +179,7 @@ def candidates_and_model(
     model = make_model(contact)
     for name, expected in (("detection", "gap-minimum"), ("curvature", upper.curvature)):
         if getattr(model, name) not in (None, expected):
-            raise ValueError(f"{name} must be {expected!r}, which the candidates require, got {getattr(model, name)!r}")
+            raise ValueError(f"{name} must be {expected!r} for these candidates, got {getattr(model, name)!r}")
     model = replace(model, detection="gap-minimum", curvature=upper.curvature)
     areal = isinstance(upper.core, stiction._core.ArealCandidates)
     return upper, model.for_surfaces() if areal else model.for_profiles()

@@ -48,8 +48,8 @@ def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
                 return function(*args, **kwargs)
         except ArithmeticError:  # base class of FloatingPointError, which NumPy raises
             raise ValueError(
-                f"arguments of {function.__name__} must be less extreme, because a number exceeds the range of double "
-                "precision"
+                f"arguments of {function.__name__} must be less extreme, because a computed value exceeds the range of "
+                "double precision"
             ) from None
 
     return checked
@@ -111,7 +111,7 @@ def effective_modulus(
         if not (isinstance(young_upper, Material) and isinstance(poisson_upper, Material)):
             raise ValueError("effective_modulus requires two materials, or two moduli and two Poisson's ratios")
         if young_lower is not None or poisson_lower is not None:
-            raise ValueError("effective_modulus must have no other arguments if two materials are given")
+            raise ValueError("effective_modulus accepts no other arguments if two materials are given")
         return 1 / (1 / young_upper.plane_strain_modulus + 1 / poisson_upper.plane_strain_modulus)
     upper, lower = check_positive(young_upper=young_upper, young_lower=young_lower)
     ratios = []

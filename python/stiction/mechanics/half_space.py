@@ -506,7 +506,9 @@ def half_space(
         problem = _with_adhesion(problem, work, length, float(model.effective_modulus))
     if tilt == "free":
         if boundary == "periodic" or work > 0 or approaches is not None:
-            raise ValueError("tilt must be 'fixed' for periodic or adhesive surfaces and for approaches, got 'free'")
+            raise ValueError(
+                "tilt must be 'fixed' for periodic or adhesive surfaces and if approaches are given, got 'free'"
+            )
         problem = replace(problem, turns=True)
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
     loads = loads_to_core_units("loads", loads, problem.area)

@@ -28,7 +28,7 @@ MAX_CACHED_POINTS = 2**20
 Computing the kernels takes a quarter of the time of a free solution.
 """
 
-# Edge displacement by the small tilt of a linear response, as a fraction of the mean displacement under the load.
+# Edge displacement caused by the tilt in a linear response, as a fraction of the mean displacement under the load.
 TILT_FRACTION = 0.01
 RESPONSE_TOLERANCE = 1e-7  # relative tolerance of the solver for linear responses of a fixed contact
 # Upper bound on the pressure in linear responses to a mean pressure of 1. This bound is high enough for coarse grids.
@@ -260,7 +260,7 @@ def make_problem(
     cell = float(np.prod(spacing))
     if not (np.finfo(np.float64).tiny <= cell < np.inf and max(spacing) <= MAX_CELL_RATIO * min(spacing)):
         raise ValueError(
-            f"spacing must give cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
+            f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
             f"factor of at most {MAX_CELL_RATIO:g}, got {upper.spacing!r} µm"
         )
     gap, missing = upper.heights - lower.heights, combine_missing(upper, lower)

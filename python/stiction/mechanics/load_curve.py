@@ -47,8 +47,8 @@ class CurveInputs:
         """Return all contacts at an approach. The contacts do not depend on the direction of motion."""
         if not self.bodies:
             raise ValueError(
-                "the curve comes from another process and has lost its contact candidates, which an onset requires; "
-                "press the candidates again"
+                "the curve comes from another process and does not contain its contact candidates, which are required "
+                "to compute an onset; compute the curve again in this process"
             )
         all_contacts: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
         return all_contacts

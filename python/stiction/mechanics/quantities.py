@@ -47,7 +47,7 @@ class ResultQuantity:
     # Numerator of a ratio or, if the quantity is a sum at zero load, the corresponding sum under load.
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a ratio
-    bounds: tuple[float, float] = (-math.inf, math.inf)  # lower and upper limit of the ends of an interval
+    bounds: tuple[float, float] = (-math.inf, math.inf)  # limits that the ends of an interval cannot exceed
     interval: Interval = "sampling"  # kind of the 95 % interval
     percent: bool = False  # True if tables and reports show the quantity in percent
     column_unit: str = ""  # unit in spreadsheets, if different from `unit`
@@ -56,7 +56,7 @@ class ResultQuantity:
     # The ratio of such a value to the load is interpolated over the logarithm of the load.
     proportional: bool = False
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
-    bound_fraction: str = ""  # name of the fraction of members of which only a lower bound is known
+    bound_fraction: str = ""  # name of the fraction of members for which only a lower bound is known
     stored: frozenset[Source] = frozenset()
     shown: frozenset[View] = frozenset()
 

@@ -497,7 +497,7 @@ def spectral_resolution(
     bodies = [upper] if lower is None else [upper, lower]
     for body in bodies:
         if not isinstance(body, ScaleDependentRoughness) or body.dimensions != 2:
-            raise ValueError("upper and lower must be ScaleDependentRoughness objects of surfaces")
+            raise ValueError("upper and lower must be ScaleDependentRoughness objects computed from surfaces")
     p = number("pressure", pressure, unit="GPa", above=0)
     limit = np.inf if hardness is None else number("hardness", hardness, unit="GPa", above=p)
     modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
