@@ -110,7 +110,7 @@ def test_low_pass_filter_is_recorded_in_the_history_and_preserves_the_grid():
         (
             rough_profile(),
             0.004,
-            r"wavelength must be between 0.005 µm \(half a point\) and 3.3\d* µm \(a third of the shortest side\)",
+            r"wavelength must be between 0.005 µm \(half the spacing\) and 3.3\d* µm \(a third of the shortest side\)",
         ),
         (rough_profile(), 3.4, "wavelength must be between 0.005 µm"),
         (rough_profile(), 0.0, "wavelength must be a finite number above 0"),

@@ -123,7 +123,7 @@ class TestRobust:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"cutoff": 0.004}, r"cutoff must be between 0.005 µm \(half a point\) and 3 µm \(the shortest side\)"),
+        ({"cutoff": 0.004}, r"cutoff must be between 0.005 µm \(half the spacing\) and 3 µm \(the shortest side\)"),
         ({"cutoff": 3.1}, "cutoff must be between 0.005 µm"),
         ({"cutoff": 1.0, "kind": "R"}, "kind must be one of 'S', 'L'"),
         ({"cutoff": 1.0, "robust": True, "periodic": True}, "periodic must be False for a robust filter"),

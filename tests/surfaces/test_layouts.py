@@ -475,7 +475,7 @@ def test_ambiguous_commas_are_resolved_by_column_names_or_rejected(tmp_path):
 def test_titled_blocks_of_equal_width_are_read_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(["Height", *format_rows(HEIGHTS), "Phase", *format_rows(2 * HEIGHTS)]))
-    with pytest.raises(FormatError, match=r"contains 0 \(Height\), 1 \(Phase\); choose one with channel"):
+    with pytest.raises(FormatError, match=r"contains the channels 0 \(Height\), 1 \(Phase\); choose one with channel"):
         read_measurement(path, unit="um", spacing="0.5 um")
     body = read_measurement(path, unit="um", spacing="9 um", channel="Phase")
     assert np.array_equal(body.heights, 2 * HEIGHTS)
@@ -484,7 +484,9 @@ def test_titled_blocks_of_equal_width_are_read_as_channels(tmp_path):
 def test_titled_single_lines_of_numbers_are_listed_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(format_rows(HEIGHTS))))
-    with pytest.raises(FormatError, match=rf"contains 0 \(Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"):
+    with pytest.raises(
+        FormatError, match=rf"contains the channels 0 \(Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"
+    ):
         read_measurement(path, unit="um", spacing="0.5 um")
 
 
@@ -816,7 +818,7 @@ def test_columns_option_skips_flags_without_a_known_meaning(tmp_path):
     [("sdf", "NumPoints = "), ("sdf", "NumProfiles = "), ("wyko", "X Size\t"), ("wyko", "Y Size\t"),
      ("esri", "ncols "), ("esri", "nrows "), ("spip", "# x-pixels = "), ("spip", "# y-pixels = ")],
 )  # fmt: skip
-def test_counts_in_headers_must_be_whole_numbers(tmp_path, name, key, count):
+def test_counts_in_headers_that_are_not_whole_numbers_are_rejected(tmp_path, name, key, count):
     write, options, _ = EXPORTS[name]
     lines = [f"{key}{count}" if line.startswith(key) else line for line in write().split("\n")]
     (tmp_path / "a.txt").write_text("\n".join(lines))

@@ -128,12 +128,14 @@ def test_units_elsewhere_in_the_header_do_not_apply_to_columns(file, above):
 
 def test_reader_rejects_options_that_contradict_the_file(file):
     path = file(TEXT_FORMATS["brackets, nm"])
-    assert "declares its heights in nm, but unit is um" in error_message(path, unit="um")
+    assert "declares its heights in nm, but the given unit is um" in error_message(path, unit="um")
     assert read_profile(path, unit=("um", "nm")).heights.tolist() == HEIGHTS
-    assert "has positions with a spacing of 0.1 µm, but spacing is 0.2 um" in error_message(path, spacing="0.2 um")
+    assert "has positions with a spacing of 0.1 µm, but the given spacing is 0.2 um" in error_message(
+        path, spacing="0.2 um"
+    )
     assert read_profile(path, spacing="100 nm").spacing == 0.1
     column = file(TEXT_FORMATS["one column"])
-    assert "declares a spacing of 0.1 µm, but spacing is 0.3 um" in error_message(column, spacing="0.3 um")
+    assert "declares a spacing of 0.1 µm, but the given spacing is 0.3 um" in error_message(column, spacing="0.3 um")
 
 
 @pytest.mark.parametrize(
@@ -167,7 +169,10 @@ def test_reader_rejects_options_that_contradict_the_file(file):
             "is not uniform: point 2, counted from 0, is at 0.25 µm, 0.05 µm from where",
         ),
         ("x (um),z (um)\n0,1\n0,2.5\n0,1\n0,5\n", "first and last point at the same position"),
-        ("x (um),z (um)\n" + "".join(f"{0.3 * i:.0f},1.5\n" for i in range(99)), "too few digits for their spacing"),
+        (
+            "x (um),z (um)\n" + "".join(f"{0.3 * i:.0f},1.5\n" for i in range(99)),
+            "too few digits to compute their spacing",
+        ),
         (
             "x (um),z (um)\n0,1\n0.1,***\n0.2,1\n0.3,\n0.4,1\n",
             "lacks 2 of 5 heights, the first at point 1, counted from 0",
@@ -315,7 +320,7 @@ def test_spacing_is_computed_from_the_size_in_a_gwyddion_header(file):
     assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y (header)"
     # The position 0.600 may stand for 0.6004. A specified spacing is not rounded.
     assert read_surface(path, spacing=("0.12 um", "0.1501 um")).spacing == (0.12, 0.1501)
-    assert "a size that implies a spacing of 0.15 µm, but spacing is 0.16 um" in error_message(
+    assert "a size that implies a spacing of 0.15 µm, but the given spacing is 0.16 um" in error_message(
         path, read_surface, spacing=("0.12 um", "0.16 um")
     )
 
@@ -341,16 +346,18 @@ def test_columns_can_be_selected_by_name_or_number(file):
         assert profile.history[1] == "columns 1 (x (um)), 3 (z (um))"
     assert read_profile(path, columns="z", spacing="2 um").history[1] == "column 3 (z (um))"
     for columns, wrong in (
-        (("x", "q"), "has no column 'q', but 0 (t (s)), 1 (x (um)), 2 (F (mN)), 3 (z (um))"),
+        (("x", "q"), "has no column named 'q'; the file has 0 (t (s)), 1 (x (um)), 2 (F (mN)), 3 (z (um))"),
         (("x", 4), "has no column 4; the column numbers are 0 to 3"),
         (("t", "z"), "has positions in 's', which is not a supported unit of length"),
         (("x", "F"), "has heights in 'mN', which is not a supported unit of length"),
     ):
         assert wrong in error_message(path, columns=columns)
     twice = file(columns_text(X, HEIGHTS, HEIGHTS, header="x (um),z (um),z (nm)\n"))
-    assert "has more than one column 'z'; specify its number: 0 (x (um))," in error_message(twice, columns=("x", "z"))
+    assert "has more than one column named 'z'; choose by number: 0 (x (um))," in error_message(
+        twice, columns=("x", "z")
+    )
     assert read_profile(twice, columns=("x", "Z (um)")).heights.tolist() == HEIGHTS
-    assert "has no columns, but columns are given" in error_message(
+    assert "has no columns, but columns were selected" in error_message(
         file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p"), columns=("x", "z")
     )
 
@@ -419,9 +426,9 @@ def test_profiles_and_surfaces_are_read_from_workbooks(file):
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[0] == "read from a.xlsx"
     two = file(workbook_bytes(("raw", SHEET_HEAD), ("Filtered", [[*row[1:3], 5] for row in SHEET_HEAD])), "b.xlsx")
-    assert "contains 0 (raw), 1 (Filtered); choose one with channel" in error_message(two)
+    assert "contains the channels 0 (raw), 1 (Filtered); choose one with channel" in error_message(two)
     assert read_profile(two, channel="raw").history[1] == "channel 0 (raw) of 0 (raw), 1 (Filtered)"
-    assert "has no channel 'rough', but 0 (raw), 1 (Filtered)" in error_message(two, channel="rough")
+    assert "has no channel named 'rough'; the file has 0 (raw), 1 (Filtered)" in error_message(two, channel="rough")
     heights = np.random.default_rng(3).normal(size=(6, 9))
     area = read_surface(file(workbook_bytes(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
     assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # openpyxl writes only 16 digits
@@ -483,7 +490,7 @@ def test_damaged_and_oversized_workbooks_are_rejected(file, monkeypatch):
 
 
 def test_formats_without_channels_reject_the_channel_option(file):
-    assert "has no channels, but channel is 1" in error_message(file(TEXT_FORMATS["comma"]), channel=1)
+    assert "has no channels, but channel 1 was selected" in error_message(file(TEXT_FORMATS["comma"]), channel=1)
 
 
 def test_channel_of_an_instrument_file_can_be_selected(measured):
@@ -531,7 +538,7 @@ def test_surface_is_unchanged_by_writing_and_reading(tmp_path, name):
         assert np.array_equal(again.heights, surface.heights)
         assert again.spacing == surface.spacing
         assert again.history == (f"read from {name}", "ground", "levelled by a plane")
-    with pytest.raises(FormatError, match="but spacing is"):
+    with pytest.raises(FormatError, match="but the given spacing is"):
         read_surface(tmp_path / name, spacing="2 um")
     # the rows increase in equal steps, like positions
     plane = Surface(0.1 * np.arange(20.0).reshape(4, 5), spacing=1.0)
@@ -596,7 +603,7 @@ def npy_bytes(array):
     ("content", "name", "message"),
     [
         (npy_bytes(np.zeros(9)), "a.npy", "neither the unit of its heights"),
-        (npy_bytes(np.array([1, None])), "a.npy", "damaged .npy file, or contains Python objects"),
+        (npy_bytes(np.array([1, None])), "a.npy", "damaged .npy file, or contains Python objects instead of numbers"),
         (npy_bytes(np.ones((1, 9))).replace(b"(1, 9), }   ", b"(True, 9), }"), "a.npy", "damaged .npy file"),
         (npy_bytes(np.zeros(9))[:-5], "a.npy", "damaged"),
         (npy_bytes(np.zeros(9, complex)), "a.npy", "array of complex128"),
@@ -650,7 +657,7 @@ def test_text_file_with_too_many_lines_or_cells_is_rejected(file, monkeypatch, s
         ({"unit": "furlong"}, "unit must be a unit of length"),
         ({"unit": ("um",)}, "unit must be"),
         ({"unit": 3}, "unit must be"),
-        ({"spacing": 0.1}, "spacing needs a length with its unit"),
+        ({"spacing": 0.1}, "spacing must be a length with its unit"),
         ({"spacing": "0.1 MPa"}, "spacing has the unit 'MPa'"),
         ({"spacing": "0 um"}, "spacing must be above 0"),
         ({"missing": "zero"}, "missing must be one of 'error', 'interpolate', 'mask'"),
@@ -807,7 +814,7 @@ def test_x3p_missing_points_are_reported_and_can_be_interpolated(file):
         (("MD5ChecksumPointData>", "X>"), None),
         (("<MD5ChecksumPointData>", "<MD5ChecksumPointData>0"), "do not match its checksum"),
         (("<Record1>", "<Record9>"), "damaged X3P file (ExpatError"),
-        (("<p:ISO", '<!DOCTYPE a [<!ENTITY b "c">]><p:ISO'), "document type in main"),
+        (("<p:ISO", '<!DOCTYPE a [<!ENTITY b "c">]><p:ISO'), "document type declaration in main"),
     ],
 )
 def test_x3p_file_with_contradictions_is_rejected(file, change, message):
@@ -830,7 +837,7 @@ def test_measured_stylus_profile_is_read_with_its_header(measured):
     assert profile.history[2] == "spacing 0.1562454 µm from its positions, declared as 0.156 µm"
     assert np.std(levelled(profile, "line").heights) == pytest.approx(0.0942, abs=5e-5)
     assert read_profile(path, spacing="0.15625 um").extent == 1500.0
-    assert "0.1562454 µm, but spacing is 0.156 um" in error_message(path, spacing="0.156 um")
+    assert "0.1562454 µm, but the given spacing is 0.156 um" in error_message(path, spacing="0.156 um")
 
 
 def test_measured_map_of_an_atomic_force_microscope_is_read(measured):
@@ -898,7 +905,9 @@ def peak_memory(call):
 )
 def test_x3p_file_with_a_document_type_declaration_is_rejected_in_any_encoding(file, code, kind):
     main = X3P_WITHOUT_CHECKSUM.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
-    assert "document type in main" in error_message(file(x3p_archive(main.encode(code)), "a.x3p"), read_surface)
+    assert "document type declaration in main" in error_message(
+        file(x3p_archive(main.encode(code)), "a.x3p"), read_surface
+    )
 
 
 def test_x3p_archive_larger_than_its_declared_points_is_not_unpacked(file):

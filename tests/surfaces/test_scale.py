@@ -254,7 +254,7 @@ class TestTexture:
             heights = filtered_noise(np.random.default_rng(seed), (2048,), hurst)
             assert math.isnan(instrument_limit(make_body(heights)).period)
 
-    def test_noise_on_a_turned_profile_is_attributed_only_if_texture_is_declared(self):
+    def test_noise_on_a_turned_profile_has_unknown_origin_unless_texture_is_declared(self):
         rng = np.random.default_rng(3)
         heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
         noisy = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
@@ -262,7 +262,7 @@ class TestTexture:
         assert (result.reason, result.origin, result.matters) == ("noise floor", "unknown", True)
         assert instrument_limit(noisy, texture=True).origin == "instrument"
 
-    def test_single_line_in_the_spectrum_is_unattributed_unless_texture_is_declared(self):
+    def test_single_line_in_the_spectrum_has_unknown_origin_unless_texture_is_declared(self):
         rng = np.random.default_rng(1)
         smooth = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
         humming = make_body(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))

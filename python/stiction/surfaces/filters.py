@@ -28,7 +28,7 @@ _WEIGHT_HALF_WIDTH = 1.6
 _MIN_WEIGHTS = 64
 # The mean line is estimated only where at least this fraction of the weights lies on measured points.
 _MIN_COVERAGE = 1e-6
-_MIN_PIVOT = 1e-9  # with a smaller pivot, the normalised local equations count as singular
+_MIN_PIVOT = 1e-9  # below this pivot, the normalised local equations count as singular
 # Biweight scale, in median absolute deviations.
 # For normally distributed heights, this scale is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
@@ -121,7 +121,7 @@ def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: flo
         end = "the shortest side" if longest == 1 else "a third of the shortest side"
         shown_value = repr(value) if isinstance(value, str) else f"{length:g} µm"
         raise ArgumentError(
-            f"{{{name}}} must be between {low:g} µm (half a point) and {high:g} µm ({end}), got {{got}}",
+            f"{{{name}}} must be between {low:g} µm (half the spacing) and {high:g} µm ({end}), got {{got}}",
             got=shown_value,
         )
     return length

@@ -11,7 +11,8 @@ import numpy as np
 from stiction._checks import Floats
 
 MIN_FLOOR_GAIN = 2.0  # smallest log-likelihood gain over power laws alone that makes a floor significant
-_START_LEVEL = 0.3  # first trial level of the floor, as a fraction of the highest level that the lowest density allows
+# initial level of the fitted floor, as a fraction of the highest level that the lowest density allows
+_START_LEVEL = 0.3
 
 
 class BinnedSpectrum(NamedTuple):

@@ -15,9 +15,9 @@ from stiction._repr import format_with_unit
 RoundForm = Literal["circle", "sphere", "cylinder"]
 Points = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
 _FormModel = Callable[[Floats, Points], Floats]
-# Squared cosine of the largest slope angle of the form. Steeper parts near the equator are excluded.
+# Lower limit of the squared cosine of the slope angle, with which heights stay finite beyond the equator of the form.
 _MIN_COSINE_SQUARED = 1e-6
-_FIT_TOLERANCE = 1e-12  # relative change at which the fit has converged
+_FIT_TOLERANCE = 1e-12  # relative change below which the fit has converged
 
 
 def round_form(

@@ -44,7 +44,7 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Foreig
         heights = np.asarray(other.data, dtype=np.float64)
         return _make_heights(name, heights, (float(other.step_y), float(other.step_x)), 1.0, kind)
     raise ValueError(
-        f"{name} must be a Profile or a Surface, or an object of SurfaceTopography, surfalize or xarray, got "
+        f"{name} must be a Profile or a Surface, or an object from SurfaceTopography, surfalize or xarray, got "
         f"{type(other).__name__}"
     )
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stiction._repr import TextRepr, format_number_and_unit, table_html
 
-NOT_LEVELLED = "no"  # value that describes heights without levelling
+NOT_LEVELLED = "no"  # value of `levelled` if heights are not levelled
 
 
 @dataclass(frozen=True)

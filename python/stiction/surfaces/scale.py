@@ -549,7 +549,7 @@ def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, fl
 class _Disturbance(NamedTuple):
     """Part of a line spectrum that is not attributed to the surface."""
 
-    wave: float  # upper limit of the wavelengths in this part, µm; NaN if there is no such part
+    wave: float  # upper limit of the unattributed wavelengths, µm; NaN if there are none
     kind: str
     slope: float  # mean square slope of the lines at these wavelengths, without texture harmonics
     period: float  # period of a texture, µm; NaN if there is no texture

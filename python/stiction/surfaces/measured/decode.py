@@ -164,7 +164,9 @@ def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
     text = text if text.endswith(b"\n") else text + b"\n"
     decoded = Text(text, encoding, words)
     if len(decoded) > MAX_LINES:
-        raise FormatError(f"has {len(decoded)} lines; at most {MAX_LINES} can be read as text; save it as .npy")
+        raise FormatError(
+            f"has {len(decoded)} lines; at most {MAX_LINES} can be read as text; save the heights as .npy"
+        )
     if (control := int(np.count_nonzero(decoded.bits & _CONTROL_BIT))) > 0:
         raise FormatError(f"is binary, not text (control characters in {control} lines)")
     return decoded

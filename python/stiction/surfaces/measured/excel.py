@@ -70,7 +70,7 @@ def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> C
     lines = [_join_row(row, columns) for row in rows]
     content = parse_table(decode(("\n".join(lines) + "\n").encode(), words))
     if not isinstance(content, ColumnTable):
-        raise FormatError("has a sheet with several tables below each other; keep only one table")
+        raise FormatError("has a sheet with several tables, one below another; keep only one table")
     column_numbers = columns[: content.values.shape[1]]
     return replace(content, places=tuple(column_numbers), source=replace(content.source, encoding="", separator=""))
 

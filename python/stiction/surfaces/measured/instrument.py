@@ -28,7 +28,7 @@ def read_instrument(path: Path) -> Channels:
     except ImportError:
         raise FormatError(
             f"ends in {path.suffix}; the package SurfaceTopography may be able to read it (pip install "
-            "SurfaceTopography); text should end in .csv or .txt"
+            "SurfaceTopography); the name of a text file should end in .csv or .txt"
         ) from None
     with _open_reader(path) as reader:
         names = tuple(str(channel.name)[:80] for channel in reader.channels)

@@ -257,7 +257,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
         )
     caller_unit = None if of_caller is None else length_unit(of_caller)
     if file_unit is not None and caller_unit is not None and LENGTH_UNITS[file_unit] != LENGTH_UNITS[caller_unit]:
-        raise FormatError(f"declares its {quantity_name} in {of_file}, but unit is {of_caller}")
+        raise FormatError(f"declares its {quantity_name} in {of_file}, but the given unit is {of_caller}")
     unit = file_unit if file_unit is not None else caller_unit
     if unit is None:
         raise FormatError(f'does not contain the unit of its {quantity_name}; give the unit, as in "um" (--unit um)')
@@ -353,8 +353,8 @@ def _compare_with_unitless_spacing(raw: Raw, given: tuple[float, ...]) -> None:
     units = set(LENGTH_UNITS.values())
     if ratios and not any(all(abs(ratio / unit - 1) <= 1e-3 for ratio in ratios) for unit in units):
         raise FormatError(
-            f"has a spacing of {' and '.join(f'{item:g}' for item in actual)} in its header, without a unit, "
-            f"but spacing is {' and '.join(f'{item:g}' for item in given)} µm"
+            f"declares a spacing of {' and '.join(f'{item:g}' for item in actual)} without a unit in its header, "
+            f"but the given spacing is {' and '.join(f'{item:g}' for item in given)} µm"
         )
 
 
@@ -381,7 +381,7 @@ def _spacings_from_size(
         tolerance = max(0.51 * actual.digit * LENGTH_UNITS[actual.unit] / points, MAX_UNEVENNESS * length)
         if declared is not None and abs(declared - length) > tolerance:
             raise FormatError(
-                f"declares a size that implies a spacing of {length:.7g} µm, but spacing is {declared.text}"
+                f"declares a size that implies a spacing of {length:.7g} µm, but the given spacing is {declared.text}"
             )
         spacings.append(length if declared is None else float(declared))
     height, width = (f"{actual.length:g} {actual.unit}" for actual in size)
@@ -400,7 +400,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
             return _check_agreement(own_spacing, given), [], []
         if declared is not None:
             if given is not None and abs(given - declared[0]) > declared[1]:
-                raise FormatError(f"declares a spacing of {declared[0]:g} µm, but spacing is {given.text}")
+                raise FormatError(f"declares a spacing of {declared[0]:g} µm, but the given spacing is {given.text}")
             return given if given is not None else declared[0], [], []
         if given is None:
             raise FormatError(
@@ -424,7 +424,8 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
                 _reject_uneven(x, measured, digit)  # the given spacing takes precedence
                 numbering = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
-                    f"has positions with a spacing of {abs(measured):.7g} µm, but spacing is {given.text}{numbering}"
+                    f"has positions with a spacing of {abs(measured):.7g} µm, but the given spacing is "
+                    f"{given.text}{numbering}"
                 )
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
         if (
@@ -508,21 +509,23 @@ def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
     is_uniform = np.abs(np.diff(x) - measured).max() <= MAX_UNEVENNESS * abs(measured)
     if not is_uniform and abs(x[-1] - x[0]) < MIN_LENGTH_DIGITS * digit.values.max():
         raise FormatError(
-            f"has positions with too few digits for their spacing ({abs(measured):.3g} µm?); give the spacing, as in "
-            '"0.5 um"'
+            f"has positions with too few digits to compute their spacing (about {abs(measured):.3g} µm); give the "
+            'spacing, as in "0.5 um"'
         )
 
 
 def _check_agreement(actual: float, given: Quantity | None) -> float:
     if given is not None and not abs(actual - given) <= MAX_UNEVENNESS * abs(actual):
-        raise FormatError(f"has a spacing of {actual:.7g} µm, but spacing is {given.text}")
+        raise FormatError(f"has a spacing of {actual:.7g} µm, but the given spacing is {given.text}")
     return actual
 
 
 def _check_spacing(spacing: float) -> float:
     lowest, highest = _SPACING_RANGE
     if not lowest <= spacing <= highest:
-        raise FormatError(f"has a spacing of {spacing:g} µm, but it must be between {lowest:g} and {highest:g} µm")
+        raise FormatError(
+            f"has a spacing of {spacing:g} µm, but the spacing must be between {lowest:g} and {highest:g} µm"
+        )
     return spacing
 
 

@@ -34,8 +34,8 @@ def read_npy(data: bytes) -> ColumnTable | Raw:
     stored = _read_array(file, data)
     if stored.dtype.kind not in "iuf" or stored.ndim not in (1, 2):
         raise FormatError(
-            f"contains an array of {stored.dtype} and shape {stored.shape}, but heights must be real numbers along x, "
-            "or along y and x"
+            f"contains an array of type {stored.dtype} and shape {stored.shape}, but heights must be real numbers "
+            "along x, or along y and x"
         )
     if stored.size == 0:
         raise FormatError("contains an array without points")
@@ -78,9 +78,9 @@ def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
             shape, fortran_order, kind = header(file)
     except Exception as error:  # parsing the header, a Python literal, can raise many kinds of errors
         reason = " ".join(str(error).split())[:80]
-        raise FormatError(f"is a damaged .npy file, or contains Python objects ({reason})") from None
+        raise FormatError(f"is a damaged .npy file, or contains Python objects instead of numbers ({reason})") from None
     if kind.hasobject or any(isinstance(count, bool) for count in shape):
-        raise FormatError("is a damaged .npy file, or contains Python objects")
+        raise FormatError("is a damaged .npy file, or contains Python objects instead of numbers")
     points, available = math.prod(shape), len(data) - file.tell()
     if min(shape, default=0) < 0 or points * kind.itemsize > available:
         raise FormatError(f"is a damaged .npy file with {available} bytes, too few for its {points} points")

@@ -114,7 +114,9 @@ class Raw:
     heights: Floats  # (n,) or (rows, columns)
     unit: str | None = None
     positions: Floats | None = None  # (n,) positions of a profile
-    digits: Digits | None = None  # function that returns the value of the last printed digit of each position, (n,)
+    digits: Digits | None = (
+        None  # function that returns the place value of the last printed digit of each position, (n,)
+    )
     position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
     spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) if there are no positions
     stated: StatedLength | None = None  # declared spacing
@@ -147,7 +149,7 @@ class ColumnTable:
     units: tuple[str | None, ...] = ()
     # function that returns the place value of the last printed digit of each number in a column
     digits: Callable[[int], Floats] | None = None
-    # function that returns the value of the last printed digit of each number in a row, (columns,)
+    # function that returns the place value of the last printed digit of each number in a row, (columns,)
     row_digits: Callable[[int], Floats] | None = None
     declared: Declarations = field(default_factory=lambda: Declarations())
     history: tuple[str, ...] = ()  # processing steps applied before the heights were written
@@ -172,7 +174,7 @@ class Declarations:
     spacings: tuple[StatedLength, StatedLength] | None = None  # spacings of the rows and of the columns of a map
     size: tuple[StatedLength, StatedLength] | None = None  # height and width of a map
     bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
-    unit: str | None = None  # unit of the heights; it is possibly not a unit of length
+    unit: str | None = None  # unit of the heights, which may not be a unit of length
     factor: float | None = None  # factor that converts the numbers to `unit`
     codes: tuple[float, ...] = ()  # values that mark missing points
     counts: tuple[float, ...] = ()  # integers that are either codes for missing points or counts of missing points

@@ -419,7 +419,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
         except FormatError:
             pass
     if reader is read_text and size > MAX_TEXT_BYTES:
-        raise FormatError(f"has {size} bytes of text; at most {MAX_TEXT_BYTES} can be read; save it as .npy")
+        raise FormatError(f"has {size} bytes of text; at most {MAX_TEXT_BYTES} can be read; save the heights as .npy")
     if reader is read_text and not is_text(start):
         return _read_binary(path)
     if reader is None:

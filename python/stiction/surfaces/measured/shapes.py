@@ -69,13 +69,13 @@ def select_heights(content: Content, channel: Selection | None, columns: Sequenc
         column = f"{name}, {raw.source.column}" if raw.source.column not in ("", name) else name
         return replace(raw, history=(step, *raw.history), source=replace(raw.source, column=column))
     if channel is not None:
-        raise FormatError(f"has no channels, but channel is {channel!r}")
+        raise FormatError(f"has no channels, but channel {channel!r} was selected")
     if isinstance(content, ColumnTable):
         table = _apply_flags(_without_words(content, columns), columns)
         raw = _select_columns(table, columns) if columns is not None else _read_by_shape(table)
         return replace(raw, history=(*table.history, *raw.history), caveats=(*table.caveats, *raw.caveats))
     if columns is not None:
-        raise FormatError("has no columns, but columns are given")
+        raise FormatError("has no columns, but columns were selected")
     return content
 
 
@@ -83,7 +83,7 @@ def _select_channel(channels: Channels, selected: Selection | None) -> int:
     if selected is not None:
         return _find_column(channels.names, selected, range(len(channels.names)), "channel")
     if channels.default is None:
-        raise FormatError(f"contains {list_names(channels.names)}; choose one with channel (--channel)")
+        raise FormatError(f"contains the channels {list_names(channels.names)}; choose one with channel (--channel)")
     return channels.default
 
 
@@ -93,7 +93,9 @@ def _find_column(names: Sequence[str], selected: Selection, numbers: Sequence[in
     for normalise in (lambda name: name, lambda name: name.casefold(), _remove_unit):
         matches = [index for index, name in enumerate(names) if normalise(name.strip()) == normalise(text) and text]
         if len(matches) > 1:
-            raise FormatError(f"has more than one {kind} {text!r}; specify its number: {list_names(names, numbers)}")
+            raise FormatError(
+                f"has more than one {kind} named {text!r}; choose by number: {list_names(names, numbers)}"
+            )
         if matches:
             return matches[0]
     if text.isascii() and text.isdigit() and len(text) < 10:
@@ -102,7 +104,8 @@ def _find_column(names: Sequence[str], selected: Selection, numbers: Sequence[in
         allowed = f"0 to {numbers[-1]}" if len(numbers) > numbers[-1] else ", ".join(map(str, numbers))
         raise FormatError(f"has no {kind} {text}; the {kind} numbers are {allowed}")
     raise FormatError(
-        f"has no {kind} {text[:40]!r}, but {list_names(names, numbers) if names else f'{len(numbers)} without names'}"
+        f"has no {kind} named {text[:40]!r}; the file has "
+        f"{list_names(names, numbers) if names else f'{len(numbers)}, all without names'}"
     )
 
 
@@ -457,7 +460,7 @@ def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
     # Measured positions have unequal steps.
-    # The heights of a tilted surface rise in the same way, but in all lines.
+    # The heights of a tilted surface may rise in the same way, but then they do so in every line.
     return any(_correlation(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 
@@ -576,9 +579,9 @@ def _reject_columns(table: ColumnTable) -> Raw:
     numbers = _column_numbers(table)
     names = f": {list_names(table.names, numbers)}" if table.names else ", numbered from 0"
     raise FormatError(
-        f"has {columns} columns of numbers that may be positions and several heights{names}; choose with columns "
-        "(--columns): one for heights, two for positions and heights, or three for x, y and z; a surface is a matrix "
-        f"of at least four columns without names{_describe_missing_information(table)}"
+        f"has {columns} columns of numbers that may be positions and several heights{names}; choose one column "
+        "(heights), two columns (positions and heights) or three columns (x, y and z) with columns (--columns); a "
+        f"surface is a matrix of at least four columns without names{_describe_missing_information(table)}"
     )
 
 

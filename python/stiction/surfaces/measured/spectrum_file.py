@@ -143,7 +143,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     except NotReadableError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
     except ValueError:  # from pandas
-        raise FormatError(f"{printable_path(path)} is not a table of a spectrum") from None
+        raise FormatError(f"{printable_path(path)} is not a table with the columns of a spectrum") from None
     scans = [match for line in text.splitlines() if (match := _SCAN.fullmatch(line))]
     names = [match["name"] for match in scans]
     try:
@@ -165,10 +165,10 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     steps = np.diff(np.log(q)) if (q > 0).all() and np.isfinite(q).all() else np.empty(0)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > _RATIO_TOLERANCE * steps.mean() + 1e-12:
         raise FormatError(
-            f"{printable_path(path)} is not a spectrum, because {WAVE_NUMBER!r} does not rise in equal ratios"
+            f"{printable_path(path)} is not a spectrum, because {WAVE_NUMBER!r} is not an increasing geometric sequence"
         )
     if not (density > 0).all() or not np.isfinite(density).all():
-        raise FormatError(f"{printable_path(path)} is not a spectrum, because {DENSITY!r} is not above 0")
+        raise FormatError(f"{printable_path(path)} is not a spectrum, because a value of {DENSITY!r} is not above 0")
     return JoinedSpectrum(
         wave_number=read_only(q), density=read_only(density), count=read_only(count),
         contribution=read_only(contribution), ratio=read_only(ratio), bands=bands,

@@ -181,8 +181,8 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
         if len(Dialect(",", ".").cells(_line_above(text, first))) == 2:
             return Dialect(",", ".")
         raise FormatError(
-            f"{text.describe_line(first)} may be two columns, or one column with decimal commas, as may all lines; "
-            'write decimal points, or a header such as "x (um),z (um)"'
+            f"{text.describe_line(first)} may be two columns, or one column with decimal commas, like all other "
+            'lines; write decimal points, or a header such as "x (um),z (um)"'
         )
     if dialect.separator == ",":
         dialect = _with_decimal_commas(text, first, sample, dialect)
@@ -282,7 +282,8 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
         usual = 2  # the table has two columns, but most heights are missing
     if usual > MAX_CELLS:
         raise FormatError(
-            f"has lines of {usual} cells; at most {MAX_CELLS} can be read; write one number per line, or .npy"
+            f"has lines of {usual} cells; at most {MAX_CELLS} can be read; write one number per line, or save "
+            "the heights as .npy"
         )
     num_skipped = int(np.argmax(cells == usual))
     if (cells[:num_skipped] > min(usual, MAX_COUNT_CELLS)).any() or (

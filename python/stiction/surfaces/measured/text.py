@@ -157,7 +157,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
             continue
         cells = dialect.cells(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
-        # lines of the form "name value" above the data do not count
+        # a line of the form "name value" above the data is not a row of numbers
         numbers = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or None not in kinds or _are_labels(cells, dialect):
             continue

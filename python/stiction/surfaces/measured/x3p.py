@@ -116,7 +116,7 @@ class _MainXml:
         parser.Parse(b"", True)
 
     def _reject_document_type(self, *_: object) -> None:
-        raise FormatError(f"has a document type in {_MAIN_XML}, which X3P does not allow")
+        raise FormatError(f"has a document type declaration in {_MAIN_XML}, which X3P does not allow")
 
     def _start(self, tag: str, _: object) -> None:
         name = tag.rpartition("}")[2]

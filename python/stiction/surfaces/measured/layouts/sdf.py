@@ -49,7 +49,7 @@ def _read(text: Text) -> Raw:
     if rows > 1:
         heights, spacing = heights.reshape(rows, columns), [number(header, "Yscale"), *spacing]
     if not min(spacing) > 0:
-        raise FormatError(f"has a spacing of {min(spacing):g} m, but it must be above 0")
+        raise FormatError(f"has a spacing of {min(spacing):g} m, but the spacing must be above 0")
     source = Source(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
     return Raw(
         heights, unit="um", factor=number(header, "Zscale") * 1e6, spacing=tuple(step * 1e6 for step in spacing),
