@@ -150,7 +150,7 @@ def test_pair_at_zero_load_assesses_whether_the_surfaces_stick(adhesive_result):
         at_load(run_pair().source, [0.0])
 
 
-def test_verbose_text_prints_axis_coefficients_only_at_loads_above_zero():
+def test_verbose_text_prints_coefficients_along_axes_only_at_loads_above_zero():
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     text = result_text(two_load_result.summary(), verbose=True)
     axis_lines = text[text.index("μ_s along an axis") :].split("\n\n")[0].splitlines()[1:]
@@ -160,7 +160,7 @@ def test_verbose_text_prints_axis_coefficients_only_at_loads_above_zero():
     assert "nan" not in text
 
 
-def test_loads_between_zero_and_the_first_solved_load_count_as_not_reached(adhesive_result):
+def test_loads_between_zero_and_the_first_solved_load_have_status_not_reached(adhesive_result):
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     loads = two_load_result.study.contact.steps()
     table = at_load(two_load_result.source, np.sqrt(loads[1:] * loads[:-1])).isel(cut_off=0, mu0=0, tau0=0)

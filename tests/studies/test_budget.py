@@ -68,7 +68,7 @@ def test_interval_at_a_load_is_independent_of_other_loads() -> None:
         np.testing.assert_array_equal(table[name].sel(load=study_loads), result.at_study_loads[name])
 
 
-def test_friction_interval_without_other_errors_equals_the_interval_of_mu0() -> None:
+def test_friction_interval_equals_the_interval_of_mu0_if_only_mu0_is_uncertain() -> None:
     kwargs = dict(load="2 MPa", tau0=0.0, effective_modulus="80 GPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.001), mu0="0.2±0.02", **kwargs)
     assert result.interval == pytest.approx((0.2 - Z_95 * 0.02, 0.2 + Z_95 * 0.02), abs=SAMPLING_ERROR * 4 * 0.02)
@@ -89,7 +89,7 @@ def test_adhesive_friction_at_interval_ends_is_proportional_to_tau0() -> None:
     )
 
 
-def test_replacing_a_result_replaces_its_solutions_over_the_hardness_range(tmp_path) -> None:
+def test_replacing_a_result_also_replaces_its_solutions_at_other_hardnesses(tmp_path) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **THREE_POSITIONS)
     pair(*rough_surfaces(), effective_modulus="80 GPa", directory=tmp_path, **kwargs)
     softer = pair(*rough_surfaces(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
@@ -99,7 +99,7 @@ def test_replacing_a_result_replaces_its_solutions_over_the_hardness_range(tmp_p
 # The first two cases are a plastic contact and an elastic-plastic contact.
 # The range of E* in the third case is so wide that it needs solutions at other loads.
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
-def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
+def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **THREE_POSITIONS)
     result = pair(*rough_surfaces(rms=rms), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs)
     inputs = find_inputs(result.study)
@@ -144,7 +144,7 @@ def test_interval_ends_equal_quantiles_of_the_samples(infinite) -> None:
         _ends(samples)
 
 
-def test_areas_over_hardness_are_solved_for_only_two_members_of_large_maps(monkeypatch) -> None:
+def test_areas_at_other_hardnesses_are_solved_for_only_two_members_of_large_maps(monkeypatch) -> None:
     options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*rough_surfaces(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
     with thread_executor(1) as executor:
@@ -201,7 +201,7 @@ def test_hardness_of_named_materials_has_a_range_and_explicit_hardness_is_exact(
     assert exact_result.interval == pytest.approx((lower, upper), abs=SAMPLING_ERROR * np.ptp(named_result.interval))
 
 
-def test_interpolated_area_over_modulus_agrees_with_direct_elastic_solutions() -> None:
+def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -> None:
     kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.01), effective_modulus="1.5..6 MPa", **kwargs)
     table, study = result.at_study_loads, result.study

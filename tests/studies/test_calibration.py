@@ -116,7 +116,7 @@ def test_calibration_advice_predicts_errors_after_ball_tests_over_two_decades_of
     assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
 
 
-def test_friction_tests_on_two_finishes_predict_a_third_finish() -> None:
+def test_friction_tests_on_two_surface_finishes_predict_friction_on_a_third_finish() -> None:
     curves = [compute_rough_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
     random = np.random.default_rng(1)
     tests = [
@@ -284,7 +284,7 @@ def test_calibration_with_a_fixed_mu0_of_zero_counts_no_samples_at_bounds() -> N
     assert interface.at_bounds == ()
 
 
-def test_error_of_area_ratio_over_hardness_is_the_standard_error_over_members() -> None:
+def test_error_of_area_ratio_between_hardnesses_is_the_standard_error_over_members() -> None:
     tested_pair = pair(*rough_faces(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
     test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
     yielding = test.yields

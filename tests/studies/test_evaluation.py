@@ -27,7 +27,7 @@ def profile_contact(tmp_path_factory):
     return study, run(study).dataset
 
 
-def test_friction_of_profiles_at_a_load_equals_press_at_each_position(profile_contact):
+def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_positions(profile_contact):
     study, result = profile_contact
     pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
     order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
@@ -122,7 +122,7 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
     assert (low, high) == pytest.approx(tuple(np.quantile(friction.values, [0.1, 0.9])))
 
 
-def test_friction_axes_are_formed_by_pairs_of_opposite_directions():
+def test_axis_of_motion_consists_of_two_opposite_directions():
     axes, indices = axes_of(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
     assert axes.tolist() == [0.0, 30.0]
     assert indices.tolist() == [[1, 4], [0, 2]]

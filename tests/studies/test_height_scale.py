@@ -335,7 +335,7 @@ def test_stored_height_factors_are_reused_at_new_mu0_but_not_at_new_modulus(bodi
     )
 
 
-def test_interval_over_hardness_of_scaled_surfaces_equals_direct_computation(bodies):
+def test_interval_for_uncertain_hardness_of_scaled_surfaces_equals_direct_computation(bodies):
     kwargs = PAIR_OPTIONS | {"hardness": "1..3 GPa"}
     table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, 2), **kwargs)

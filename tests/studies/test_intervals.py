@@ -31,7 +31,9 @@ DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # The other cases run only i
     ],
 )
 @pytest.mark.parametrize("quantity", ["half zeros", "bounded", "lognormal 0.5"])
-def test_interval_of_the_mean_of_neighbors_covers_the_mean_and_is_narrow(quantity, positions, correlation):
+def test_interval_for_correlated_neighboring_values_covers_the_true_mean_and_is_narrow(
+    quantity, positions, correlation
+):
     random = np.random.default_rng([positions, int(10 * correlation)])
     truth, smallest_width = estimate_truth(quantity, positions, correlation, random)
     coverage, width_ratio, defined_fraction = measure_coverage(
@@ -43,7 +45,7 @@ def test_interval_of_the_mean_of_neighbors_covers_the_mean_and_is_narrow(quantit
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9])
-def test_interval_of_the_mean_of_neighbors_agrees_with_dense_covariance_matrices(correlation):
+def test_interval_for_correlated_neighboring_values_agrees_with_dense_matrices(correlation):
     """Compare with the mixture of t distributions over correlations, computed with dense covariance matrices."""
     count = 20
     values = simulate_traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]
@@ -71,7 +73,7 @@ def test_interval_of_the_mean_of_neighbors_agrees_with_dense_covariance_matrices
 
 
 @pytest.mark.parametrize("quantity", ["half zeros", "lognormal 0.5", "bounded"])
-def test_mean_of_neighbors_is_equivariant_under_scaling_shift_and_reversal(quantity):
+def test_mean_of_neighboring_values_is_equivariant_under_scaling_shift_and_reversal(quantity):
     values = simulate_traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(neighbors_mean(values))
     np.testing.assert_allclose(neighbors_mean(1e9 * values), 1e9 * expected, rtol=1e-9)
@@ -81,14 +83,14 @@ def test_mean_of_neighbors_is_equivariant_under_scaling_shift_and_reversal(quant
     np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
-def test_interval_of_the_mean_of_independent_neighbors_is_a_student_t_interval():
+def test_interval_for_independent_neighboring_values_is_a_student_t_interval():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
     _, lower, upper = neighbors_mean(values)
     assert upper - lower == pytest.approx(2 * half_width, rel=0.05)
 
 
-def test_interval_of_the_mean_of_neighbors_lies_within_the_range_of_the_values():
+def test_interval_for_correlated_neighboring_values_lies_within_their_range():
     random = np.random.default_rng(6)
     for quantity in ("half zeros", "bounded", "lognormal 1"):
         for values in simulate_traverses(quantity, 50, MIN_NEIGHBORS, 0.6, random):
@@ -96,7 +98,7 @@ def test_interval_of_the_mean_of_neighbors_lies_within_the_range_of_the_values()
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
-def test_mean_of_too_few_or_identical_neighbors_has_no_interval():
+def test_mean_of_too_few_or_identical_neighboring_values_has_no_interval():
     assert np.isnan(neighbors_mean(np.arange(MIN_NEIGHBORS - 1.0))[1:]).all()
     mean, lower, upper = neighbors_mean(np.zeros(16))
     assert mean == 0

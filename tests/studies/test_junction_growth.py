@@ -39,7 +39,7 @@ def result_without_growth():
     return pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth=0)
 
 
-def test_fully_plastic_contacts_have_the_friction_coefficient_of_tabor():
+def test_friction_of_fully_plastic_contacts_equals_tabor_friction():
     result = pair(
         *rough_surfaces(0.01), **PLASTIC_OPTIONS | SHEAR_STRENGTH | {"effective_modulus": 1e4}, junction_growth=27
     )

@@ -67,7 +67,7 @@ def result(profile_pair):
 
 @pytest.mark.parametrize("shear", ["+x", "-x"])
 @pytest.mark.parametrize("offset", [0.0, 4.0, 10.0])
-def test_result_of_pair_for_profiles_equals_press_at_each_position(profile_pair, result, shear, offset):
+def test_pair_and_press_give_equal_results_for_profiles_at_each_position(profile_pair, result, shear, offset):
     upper, lower = profile_pair
     counterface = cropped(lower, offset, offset + 20)
     model = {"detection": "gap-minimum", "shear": shear}

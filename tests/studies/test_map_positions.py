@@ -77,7 +77,7 @@ class TestListedPositions:
     def create_maps(self):
         return rough_maps(hurst_exponent=0.8, rms=0.03, shape=(64, 80), spacing=(0.05, 0.04), shortest_wavelength=0.4)
 
-    def test_friction_at_map_positions_equals_press_of_the_overlaps(self):
+    def test_friction_at_map_positions_equals_friction_from_pressing_the_overlaps(self):
         upper, lower = self.create_maps()
         positions = [(0.8, -0.5), (-0.4, 1.0)]
         result = run_pair(upper, lower, [0.02, 0.1], positions=positions, **ASPERITY_OPTIONS)
@@ -131,7 +131,7 @@ class TestListedPositions:
         [
             ({"positions": [(2.6, 0.0)]}, "at least 16 rows and columns"),
             ({"positions": [(9.0, 0.0)]}, "rows and columns, got 64 by 0 points"),
-            ({"positions": [1.0, 2.0, 3.0]}, "positions of maps must be pairs of x and y, got 3 values"),
+            ({"positions": [1.0, 2.0, 3.0]}, "positions must be pairs of x and y for maps, got 3 values"),
             ({"positions": [(1e300, 0.0)]}, "positions"),
             ({"positions": [(0.0, 0.0), (0.0, 0.0)]}, "positions must differ"),
             ({"positions": [(0.0, 0.0)], "shifts": 2}, "shifts must not be given with positions"),

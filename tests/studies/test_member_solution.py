@@ -109,13 +109,13 @@ def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, mo
     assert values["contact_count"][0, 1] == 0
 
 
-def test_estimated_time_of_a_member_is_independent_of_the_member_count(tmp_path):
+def test_estimated_solution_time_of_a_member_is_independent_of_the_member_count(tmp_path):
     spacing = write_maps(tmp_path)
     few, many = (study_of_files(tmp_path, spacing=spacing, members=count) for count in (2, 200))
     assert estimate_member_time(few) == estimate_member_time(many) > 0
 
 
-def test_estimated_time_of_an_adhesive_member_increases_with_compliance(tmp_path):
+def test_estimated_solution_time_of_an_adhesive_member_increases_with_compliance(tmp_path):
     spacing = write_maps(tmp_path)
     costs = [
         estimate_member_time(
@@ -134,5 +134,5 @@ def test_changed_scan_file_is_rejected_when_bodies_are_loaded(tmp_path):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
     load_bodies(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
-    with pytest.raises(ValueError, match=r"upper\.npy: has changed since"):
+    with pytest.raises(ValueError, match=r"upper\.npy has changed since"):
         load_bodies(study.with_changes({"ensemble.seed": 5}))

@@ -136,14 +136,17 @@ def test_run_of_a_study_with_impossible_gamma_raises_value_error():
 def test_run_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
     study_of_many_members = RUNNER_STUDY.with_changes({"ensemble.repetitions": 10_000_000})
-    with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16; give a store"):
+    with pytest.raises(
+        ValueError, match=r"the result would take \d+ GiB of memory, more than the limit of 16 GiB; give a store"
+    ):
         run(study_of_many_members)
     dimensions = {"start": 1.0, "stop": 1.9, "count": 10_000}
     study_of_large_members = RUNNER_STUDY.with_changes(
         {"surfaces.fractal_dimension": dimensions, "contact.approach.count": 10_000}
     )
     with pytest.raises(
-        ValueError, match=r"a repetition would take \d+ GiB, more than 16: reduce the number of values of contact"
+        ValueError,
+        match=r"a repetition would take \d+ GiB, more than the limit of 16 GiB; reduce the number of values of contact",
     ):
         runner.compute_missing(study_of_large_members, tmp_path / "r")
     assert list(tmp_path.iterdir()) == []

@@ -623,7 +623,7 @@ def test_files_written_at_different_times_are_byte_identical(uninterrupted_datas
     assert first.getvalue() == second.getvalue()
 
 
-def test_block_equals_file_written_by_xarray(uninterrupted_dataset):
+def test_stored_block_has_the_same_content_as_a_file_written_by_xarray(uninterrupted_dataset):
     """Compare the variables, types and attributes of files that the store and xarray write."""
     part = uninterrupted_dataset.isel(repetition=slice(4, 8))
     dataset_of_types = part.assign_coords(

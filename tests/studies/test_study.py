@@ -87,7 +87,7 @@ class TestBuiltInStudies:
         with pytest.raises(StudyError, match=r"figures.draw: must contain each figure once"):
             Study().with_changes({"figures.draw": ["area", "area"]})
 
-    def test_default_study_is_that_of_figure_6_of_the_paper(self):
+    def test_default_study_is_the_study_of_figure_6_in_the_paper(self):
         assert Study.named("figure6") == Study()
         surfaces, contact = Study().surfaces, Study().contact
         assert (surfaces.fractal_dimensions().size, surfaces.points, Study().ensemble.repetitions) == (50, 150_000, 100)
@@ -330,7 +330,7 @@ class TestMeasuredStudies:
         with pytest.raises(StudyError, match=r"contact.load"):
             parse_study(MEASURED_STUDY_TEXT.replace('load = ["1 mN", "10 mN"]', ""), "no load")
 
-    def test_scan_files_are_relative_to_study_file_and_have_checksums(self, tmp_path, monkeypatch):
+    def test_paths_in_a_study_file_are_relative_to_it_and_scans_have_checksums(self, tmp_path, monkeypatch):
         heights = np.random.default_rng(1).normal(size=(24, 20))
         np.save(tmp_path / "scan.npy", heights)
         text = MEASURED_STUDY_TEXT.replace(
@@ -348,7 +348,7 @@ class TestMeasuredStudies:
         assert study_with_checksums.surfaces.lower.read().heights.shape == (24, 20)
         np.save(tmp_path / "scan.npy", heights[:, ::-1])
         assert study.surfaces.upper.read().heights.shape == (24, 20)
-        with pytest.raises(ValueError, match=r"scan\.npy: has changed since"):
+        with pytest.raises(ValueError, match=r"scan\.npy has changed since"):
             study_with_checksums.surfaces.upper.read()
         assert study_with_checksums.with_checksums() == study_with_checksums
         monkeypatch.chdir(tmp_path)

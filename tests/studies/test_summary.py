@@ -106,7 +106,7 @@ def test_means_of_member_values_equal_means_of_the_result(surface_folder, call_c
     mean = means["friction_all_round"].sel(statistic="mean")
     member_mean = members["friction_coefficient"].mean(("repetition", "direction")).transpose(*mean.dims)
     np.testing.assert_allclose(member_mean, mean, rtol=1e-12)
-    with pytest.raises(ValueError, match="per_member must be False with budget"):
+    with pytest.raises(ValueError, match="per_member must be False if budget"):
         result.at("20 MPa", per_member=True, budget=True)
 
 

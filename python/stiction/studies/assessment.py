@@ -43,13 +43,14 @@ YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of the mean contact pressure to E* above which every material (first) and most metals (second) have yielded.
 """
 
-MAX_RUBBER_MODULUS = 0.1  # Bodies with a smaller E* (GPa) are assumed to be rubber or gels, which do not yield.
+# Bodies whose E* (GPa) is below this limit are assumed to be rubber or gels, which do not yield.
+MAX_RUBBER_MODULUS = 0.1
 
 MIN_TOTAL_CONTACTS = 10  # smallest total number of contacts in all members for which a mean may be quoted
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
 
-MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # largest fraction of the load on one contact for which a value may be quoted
+MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # largest fraction of the load that a single contact may carry if a value is quoted
 # A caveat is issued if contacts at the edge carry more than this fraction of the load.
 CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
 CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # A caveat is issued if one contact carries more than this fraction of the load.
@@ -266,7 +267,8 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
         yield Caveat(text, remedy, "fault")
         return
     members = value_of(point, "members")
-    num_solved = float(point["ok"].min()) if "ok" in point else math.nan  # smallest count over the sliding directions
+    # number in the sliding direction with the fewest solved members
+    num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * members:
         text = f"only {num_solved:.0f} of {members:.0f} members have a coefficient"
         yield Caveat(text, "check the statuses, and try another load", "fault")

@@ -49,13 +49,13 @@ UPPER_SCANS_INPUT, LOWER_SCANS_INPUT = "which piece of the upper part", "which p
 SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
 """Sources of uncertainty that are not inputs of the study: the choice of scans and of positions."""
 
-INTERFACE_INPUT = "interface"  # name of the joint input of mu0 and tau0
+INTERFACE_INPUT = "interface"  # name of the input that combines mu0 and tau0
 # quantiles at which an input is fixed for the uncertainty budget
 EXACT_QUANTILES = (0.1, 0.5, 0.9)
 MAX_BUDGETS = 100  # largest number of coefficients for which uncertainty budgets are computed
 # relative difference up to which mu0 or tau0 counts as equal to its value in the study
 SAME_INPUT_TOLERANCE = 1e-3
-MAX_EXPONENT = 50.0  # upper bound on the logarithm of the ratio of a single test to the mean, to avoid overflow
+MAX_EXPONENT = 50.0  # upper bound on ln(single test / mean), which prevents overflow
 DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 

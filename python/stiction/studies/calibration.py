@@ -117,7 +117,8 @@ def calibrate(
     rules = available if sliding == "both" else [sliding]
     if not rules or not set(rules) <= set(available):
         raise ValueError(
-            f"sliding must be a rule that every result has ({', '.join(available) or 'none exists'}), got {sliding!r}"
+            f"sliding must be a rule for which every result has coefficients "
+            f"({', '.join(available) or 'none exists'}), got {sliding!r}"
         )
     problems = [CalibrationProblem(tests, rule, common, known, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]

@@ -33,9 +33,9 @@ from stiction.studies.interfaces import (
 )
 
 MIN_VARIATION = 0.1  # smallest relative standard deviation of A/F at which the tests separate mu0 and tau0
-# number of nuisance points (sets of nuisance parameters) in a round of adaptation, and largest number for the result
+# number of nuisance points (sets of nuisance parameters) in each round of adaptation, and maximum number in the result
 ROUND_POINTS, MAX_POINTS = 256, 8192
-# initial number of nuisance points for the result: base value (doubled for each parameter) and upper limit
+# The result starts with the first number of nuisance points, doubled for each parameter, but at most with the second.
 FINAL_POINTS = 256, 1024
 MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores are clipped
 MAX_ROUNDS = 8  # largest number of rounds of adaptation
@@ -163,7 +163,7 @@ class CalibrationProblem:
         score_of = dict(zip(self.nuisances, np.clip(scores, -MAX_SCORE, MAX_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in cells)
         probability = {name: ndtr(values).reshape(shape) for name, values in score_of.items()}
-        # cached area factors, by equation and (with junction growth) by measured coefficient
+        # cached area factors for each equation and, if contacts grow, for each measured coefficient
         areas: dict[Hashable, Floats] = {}
 
         def area(test: int) -> Floats:
@@ -538,7 +538,7 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Residuals change less with mu0 below the best mu0 than above it, but not less than without junction growth.
+        # Residuals change less with mu0 below the best value than above it, but no less than without junction growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 

@@ -41,12 +41,12 @@ from stiction.studies.values import (
     written,
 )
 
-DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion of measured areas, degrees
-MAX_DIRECTIONS = 360  # largest number of directions of motion of measured areas
-# In the asperity model, the load curve of lines extends below and above the given loads by this factor.
+DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
+MAX_DIRECTIONS = 360  # largest number of directions of motion for height maps
+# In the asperity model, the load curve of two profiles extends below and above the given loads by this factor.
 LINE_LOAD_MARGIN = 30.0
 NUM_LINE_LOADS = 25
-# In the half-plane model, the load curve of lines extends below and above the given loads by this factor.
+# In the half-plane model, the load curve of two profiles extends below and above the given loads by this factor.
 HALF_PLANE_LOAD_MARGIN = 10.0
 NUM_HALF_PLANE_LOADS = 7
 MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio of successive loads at which areal contacts are computed

@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-SPREAD_QUANTILES = (0.1, 0.9)  # quantiles over single members in `spread_low` and `spread_high`
+SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of single members, stored as `spread_low` and `spread_high`
 NEGLIGIBLE_COEFFICIENT = 1e-9
 """Largest coefficient that is attributed to round-off, for an interface without strength."""
 NEGLIGIBLE_LOAD_RATIO = 0.01
@@ -320,7 +320,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     variables: dict[str, Any] = {}
     for name in members.data_vars:
         if name in ("normal_load", "tangential_load") and not _is_requested(name, names):
-            continue  # Both loads are reported only for single members.
+            continue  # Normal and tangential loads are reported only for single members.
         values = tables[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
@@ -704,7 +704,7 @@ def _evaluate_piece(
             crossing.below[..., None, None, :, None, None],
         )
     else:
-        # Values are interpolated where the normal load equals the given load, with shape (..., load, mu0, tau0).
+        # Values are interpolated to the given normal loads, and have the shape (..., load, mu0, tau0).
         normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):

@@ -79,9 +79,7 @@ class GeneratedSurfaceKeys(Case):
     def _check_harmonics(self) -> Self:
         product = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
         if product > MAX_HARMONICS:
-            raise fault_at(
-                "directions", f"must have a product with frequencies of at most {MAX_HARMONICS}, got {product}"
-            )
+            raise fault_at("directions", f"multiplied by frequencies must be at most {MAX_HARMONICS}, got {product}")
         return self
 
     def longest(self) -> float:

@@ -69,7 +69,7 @@ SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
 Below these nodes, all contacts are assumed to be plastic, with an area proportional to 1/H.
 """
 
-NUM_TABLE_STEPS = 2**14  # number of steps in a table of areas over ln H
+NUM_TABLE_STEPS = 2**14  # number of steps of ln H in a table of areas
 TABLE_MARGIN = 4.0  # factor by which a table extends beyond the smallest and the largest node
 
 NODE_QUANTILES = (0.005, 0.995)
@@ -313,11 +313,11 @@ class NodeAreas:
     """True areas averaged over members, at the loads of the study and for several hardnesses and relative moduli e."""
 
     loads: Floats  # loads of the study (l,), mN
-    hardnesses: Floats  # hardnesses over relative moduli, H/e, at the nodes (n,), GPa
+    hardnesses: Floats  # hardnesses divided by relative moduli, H/e, at the nodes (n,), GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
     areas: Floats  # areas per load times relative modulus, e A/F, at the nodes (l, m, n), 1/GPa
     opposing_areas: Floats | None  # areas per load A/F of contacts that oppose the motion (l, n), 1/GPa
-    errors: Floats  # relative standard errors of the ratios of A at the nodes to A in the study (l, n)
+    errors: Floats  # relative standard errors of the ratio of the area at each node to the area in the study (l, n)
     tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, shared by interpolators
 
     @classmethod
@@ -390,12 +390,12 @@ class AreaInterpolator:
     """
 
     hardness: float | None  # hardness of the study (GPa), or None for elastic bodies
-    node_hardnesses: Floats  # hardnesses over relative moduli, H/e, at the nodes (n,), GPa
+    node_hardnesses: Floats  # hardnesses divided by relative moduli, H/e, at the nodes (n,), GPa
     node_areas: Floats  # areas per load times relative modulus, e A/F, at the nodes (loads, m, n), 1/GPa
     elastic_areas: Floats  # areas per load times relative modulus, e A/F, of elastic bodies (loads, m), 1/GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
     growth: Floats  # logarithmic derivatives d ln(A/F) / d ln F (loads,)
-    errors: Floats  # relative standard errors of the ratios of A at the nodes to A in the study (loads, n)
+    errors: Floats  # relative standard errors of the ratio of the area at each node to the area in the study (loads, n)
     pressures: Floats  # nominal pressures (loads,), GPa
     opposing_areas: Floats | None = None  # areas per load A/F of contacts that oppose the motion (loads, n)
     tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, see `_sheared_area`

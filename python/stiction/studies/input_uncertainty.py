@@ -47,7 +47,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# relative half width of the range that represents the error, 10 to 20 HV, of the conversion from HRC
+# relative half width of the range for a hardness converted from HRC, which represents an error of 10 to 20 HV
 ROCKWELL_CONVERSION_ERROR = 0.05
 _VICKERS_PRESSURE = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.

@@ -52,7 +52,7 @@ _NUMBER_ENTRIES = ("area_per_load", "variation")
 EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
 """Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
 
-# A lower limit that is closer to the bound than this fraction of the interval width is set to the bound.
+# If the lower limit is this close to the bound of the values, relative to the interval width, it is set to the bound.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
 SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
@@ -108,7 +108,9 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # elastic properties at the central moduli
+    elasticity: Elasticity = field(
+        init=False, repr=False, compare=False
+    )  # elastic properties computed from the central values of the moduli
     moduli: Moduli = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
 
     def __post_init__(self) -> None:
@@ -383,7 +385,7 @@ class Fit:
     tau0: Floats  # samples of tau0 (GPa), paired with `mu0`
     hardness: Floats  # samples of the hardness (GPa), paired with `mu0`; NaN if the tests have different hardnesses
     junction_growth: Floats  # samples of α, paired with `mu0`; NaN if α differs between tests or has no effect
-    area_per_load: Floats  # samples of the A/F (1/GPa) of the tests at the onset of sliding; NaN if unknown
+    area_per_load: Floats  # samples of A/F (1/GPa) at the onset of sliding in the tests; NaN if unknown
     scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of the nuisance parameters
 
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE = 0.95
-SLOPE_STEPS = 4  # number of steps on each side of a crossing for the fit of a slope
+SLOPE_STEPS = 4  # number of steps on each side of a crossing to which a slope is fitted
 MAX_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 CHUNK_SIZE = 2**15  # number of values in a batch that fits into the processor cache
@@ -47,7 +47,7 @@ class Crossing:
     fraction: Floats  # position of each crossing between the steps, from 0 to 1 (..., l)
     reached: NDArray[np.bool_]  # True for loads that the curve reaches (..., l)
     below: NDArray[np.bool_]  # True for loads below the first step (..., l)
-    scale: tuple[Floats, Floats] | None = None  # curves and loads for an interpolation of ratios, or None
+    scale: tuple[Floats, Floats] | None = None  # curves and loads, if ratios of value to load are interpolated
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray
 
 Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# largest number of values in memory for the curves of a cell
+# largest number of curve values of a cell that are in memory together
 NUM_VALUES_IN_MEMORY = 2**20
 CELLS = ("fractal_dimension", "amplitude", "cut_off")  # possible dimensions of a result other than members and steps
 MOTIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
@@ -178,7 +178,7 @@ def stiffness_map(
     step = find_step_dimension(head)
     if head.sizes.get(step, 0) < 3:
         kind = "approaches" if step == "approach" else "loads"
-        raise ValueError(f"a stiffness needs at least 3 {kind}, got {head.sizes.get(step, 0)}")
+        raise ValueError(f"at least 3 {kind} are required to compute a stiffness, got {head.sizes.get(step, 0)}")
     if step == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
         raise ValueError("a free half-plane has no approach and therefore no stiffness; use periodic boundaries")
     return ensemble_map(result, loads, mu0, tau0, "normal_stiffness")

@@ -281,7 +281,7 @@ class MeasuredFile(Table):
             return self.body.body  # type: ignore[no-any-return]
         if self.sha256 is not None and self.checksum() != self.sha256:
             raise ValueError(
-                f"{printable_path(self.file)}: has changed since the study was created: its SHA-256 is not "
+                f"{printable_path(self.file)} has changed since the study was created: its SHA-256 is not "
                 f"{self.sha256[:12]}...; remove sha256 from the study to start a new study with this file"
             )
         return _read_body(self.model_copy(update={"sha256": self.checksum(), "others": None, "height_factor": 1.0}))
@@ -401,7 +401,7 @@ def _read_body(file: MeasuredFile) -> Body:
         for name in ("unit", "spacing", "channel", "columns", "crop"):
             if getattr(file, name) is not None:
                 raise ValueError(
-                    f"{printable_path(file.file)}: is a spectrum, which has no {name}; remove the key {name}"
+                    f"{printable_path(file.file)} is a spectrum, which has no {name}; remove the key {name}"
                 )
         return read_spectrum(file.file)
     return _load_reading(file).body

@@ -182,7 +182,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     interpolated between the states just before and just after the jump.
     """
     model, areal = contact.model(), isinstance(upper, Surface)
-    if areal:  # A map needs a single curve for all directions, and a profile needs a curve for each direction.
+    if areal:  # A map needs one load curve for all directions, but a profile needs one for each.
         models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
     else:
         models = [

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from stiction.studies.store import StoredResult
 
 ONSET_FILE = "onset.nc"  # file name in a result folder
-ONSET_TABLE_FILE = "onset.csv"  # file name of a table of the mean curve, for example for a Masing model
+ONSET_TABLE_FILE = "onset.csv"  # file name of the table of the mean onset curve, which suits a Masing model
 ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes that identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""

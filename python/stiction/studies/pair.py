@@ -62,7 +62,7 @@ from stiction.surfaces.surface import Surface, as_body
 # default number of positions of a pair of profiles (a few seconds of computing time)
 DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4  # number of loads (over two decades) below the requested loads for adhesive contacts
-PRELOAD_FRACTION = 1e-3  # load that replaces a load of zero, relative to the attraction of a grid cell
+PRELOAD_FRACTION = 1e-3  # load that replaces a load of zero, relative to the attraction on a grid cell
 DEFAULT_LAW = "hertz-sphere"  # default contact law of the asperity model
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
@@ -356,7 +356,7 @@ class Pair:
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        # Zero load is replaced by a small fraction of the attraction of a grid cell.
+        # Zero load is replaced by a small fraction of the attraction on a grid cell.
         # This attraction is a lower bound on the pull-off force.
         if 0.0 in forces:
             forces = {force or float(f"{PRELOAD_FRACTION * self._cell_attraction:.3g}") for force in forces}
@@ -472,7 +472,8 @@ class Pair:
             if surrogate_choice not in get_args(Surrogates):
                 allowed = ", ".join(get_args(Surrogates))
                 raise ArgumentError(
-                    f"{{surrogates}} of lines must be one of {allowed}, got {{got}}", got=repr(surrogate_choice)
+                    f"{{surrogates}} must be one of {allowed} for pairs of lines, got {{got}}",
+                    got=repr(surrogate_choice),
                 )
             table |= {"along": self.options.along or "x", "replace": surrogate_choice}
             table |= {"offsets": self._count_positions()[1]} if self._listed_positions is None else {}
@@ -540,7 +541,7 @@ class Pair:
         if self.press == "lines":
             return list(reject_negative("positions", values, self.options.positions))
         if len(values) % 2:
-            raise ArgumentError("{positions} of maps must be pairs of x and y, got {got} values", got=str(len(values)))
+            raise ArgumentError("{positions} must be pairs of x and y for maps, got {got} values", got=str(len(values)))
         return [list(pair) for pair in zip(values[::2], values[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
@@ -565,7 +566,7 @@ class Pair:
         if text == "none":
             return default
         if not text.isdecimal() or not int(text):
-            raise ArgumentError("{surrogates} of areas must be at least 1, got {got}", got=repr(text))
+            raise ArgumentError("{surrogates} must be a whole number of at least 1, got {got}", got=repr(text))
         return int(text)
 
     def _build_contact_table(self, mechanics: str) -> dict[str, Any]:
@@ -633,7 +634,9 @@ class Pair:
         except ValueError as error:
             raise ArgumentError("{junction_growth} {why}", why=str(error).strip()) from None
         if alpha.value and self._adhesion.get("work_of_adhesion"):
-            raise ArgumentError("{junction_growth} must be 0 with {work_of_adhesion}, got {got}", got=repr(alpha_text))
+            raise ArgumentError(
+                "{junction_growth} must be 0 if {work_of_adhesion} is given, got {got}", got=repr(alpha_text)
+            )
         return alpha if alpha.value else None
 
     @property

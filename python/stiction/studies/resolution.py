@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in a result folder
 # number of members for height maps (the first members of the result)
 NUM_AREAL_MEMBERS = 4
-NUM_LINE_MEMBERS = 16  # number of members for lines
+NUM_LINE_MEMBERS = 16  # number of members for profiles
 MAX_CUTOFFS = 4  # largest number of cutoffs, which start at the shortest resolved wavelength and double successively
 FOUR_DIGIT_ERROR = 5e-4  # largest relative error of a number rounded to four digits
 MAX_RELATIVE_CUTOFF = 1 / 30  # largest ratio of a cutoff to the shortest side of the scans
@@ -124,7 +124,7 @@ class ResolvedRoughness:
     longest: float  # longest side of the pressed bodies, µm
     gradient: float  # root-mean-square gradient of the gap of the first member
     roughness: ScaleDependentRoughness
-    estimate: HurstEstimate | None  # Hurst exponent of the gap, or None without a self-affine band
+    estimate: HurstEstimate | None  # Hurst exponent of the gap, or None if the gap has no self-affine band
 
     def fraction_below(self, wavelength: float) -> float:
         """Return the fraction of the mean square gradient of the gap that comes from wavelengths below a limit (µm)."""
@@ -215,7 +215,7 @@ class CutoffPoint:
     """Values computed at one combination of cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
-    values: dict[str, float]  # friction by rule, gradient, area fraction and pressure
+    values: dict[str, float]  # friction for each sliding rule, rms gradient, area fraction and pressure
     contact_status: str
 
 

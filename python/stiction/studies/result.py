@@ -350,10 +350,10 @@ class Result:
         for name, value in (("per_member", per_member), ("budget", budget)):
             check_bool(name, value)
         if per_member and (budget or height_scale is not None):
-            raise ValueError("per_member must be False with budget or height_scale")
+            raise ValueError("per_member must be False if budget or height_scale is given")
         if quantities is not None:
             if per_member or budget or height_scale is not None:
-                raise ValueError("quantities must be None with per_member, budget or height_scale")
+                raise ValueError("quantities must be None if per_member, budget or height_scale is given")
             quantities = [quantities] if isinstance(quantities, str) else list(quantities)
             if unknown := [name for name in quantities if name not in QUANTITIES]:
                 raise ValueError(f"quantities must be names in the table of quantities, got {short_repr(unknown[0])}")
@@ -374,7 +374,7 @@ class Result:
 
         check_bool("compute", compute)
         if reading not in (None, "elastic"):
-            raise ValueError(f"reading must be 'elastic' with height_scale, got {reading!r}")
+            raise ValueError(f"reading must be 'elastic' if height_scale is given, got {reading!r}")
         if self.stored is None:
             raise ValueError("height_scale needs a stored result, as returned by `pair` or `open_result`")
         factors = parse_factors(factors)

@@ -32,7 +32,7 @@ from stiction.studies.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# computing time (s) of a block, so that a crash loses little and writing takes only a few per cent of the time
+# Computing time (s) of a block. A crash then loses little work, and writing a block takes a few per cent of this time.
 BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
@@ -101,8 +101,8 @@ def run(
     size = study.ensemble.repetitions * member_bytes(study)
     if store is None and size > MAX_BYTES_IN_MEMORY:
         raise StudyError(
-            f"the result would take {size / 2**30:.0f} GiB of memory, more than {MAX_BYTES_IN_MEMORY / 2**30:.0f}; "
-            "give a store, or reduce ensemble.repetitions"
+            f"the result would take {size / 2**30:.0f} GiB of memory, more than the limit of "
+            f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; give a store, or reduce ensemble.repetitions"
         )
     if store is None:
         return Result(_run_in_memory(study.with_checksums(), executor, progress))
@@ -137,8 +137,8 @@ def prepare_folder(study: Study, folder: str | Path, part: tuple[int, int] | Non
     if (size := member_bytes(study)) > MAX_BYTES_IN_MEMORY:
         keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cells())
         raise StudyError(
-            f"a repetition would take {size / 2**30:.0f} GiB, more than {MAX_BYTES_IN_MEMORY / 2**30:.0f}: reduce the "
-            f"number of values of contact.{study.step} or {keys}"
+            f"a repetition would take {size / 2**30:.0f} GiB, more than the limit of "
+            f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of contact.{study.step} or {keys}"
         )
     return create_or_open(folder, study.with_checksums(Path(folder)))
 
@@ -163,7 +163,7 @@ def complete_blocks(
             _compute_into(stored, missing, pool, advance, announce, update)
     stored = stored.reload()
     if _MissingMembers(stored, part).count:
-        raise StoreError(f"{printable_path(stored.path)}: was removed or replaced while it was being written")
+        raise StoreError(f"{printable_path(stored.path)} was removed or replaced while it was being written")
     return stored
 
 

@@ -168,7 +168,7 @@ class StoredResult:
         if self.nbytes > MAX_RESULT_BYTES:
             raise StoreError(
                 f"{printable_path(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
-                f"{MAX_RESULT_BYTES / 2**30:.0f}; use Result.pieces, or open "
+                f"the limit of {MAX_RESULT_BYTES / 2**30:.0f} GiB; use Result.pieces, or open "
                 f"{printable_path(self.path / BLOCKS_FOLDER)} with xarray.open_mfdataset"
             )
         return (
@@ -329,12 +329,12 @@ def open_stored(path: str | Path) -> StoredResult:
     if not path.exists():
         raise StoreError(f"{printable_path(path)}: no such directory")
     if path.is_file():
-        raise StoreError(f"{printable_path(path)}: is a file, but a result is a directory")
+        raise StoreError(f"{printable_path(path)} is a file, but a result is a directory")
     blocks = _list_blocks(path)
     try:
         study = _study(path)
     except FileNotFoundError:
-        raise StoreError(f"{printable_path(path)}: is not a result, because it contains no {STUDY_FILE}") from None
+        raise StoreError(f"{printable_path(path)} is not a result, because it contains no {STUDY_FILE}") from None
     except OSError as error:
         raise StoreError(f"{printable_path(path)}: {STUDY_FILE} cannot be read: {describe_os_error(error)}") from None
     return StoredResult(path, study, blocks)
@@ -370,7 +370,7 @@ def _study(path: Path) -> Study:
     try:
         text = read_content(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
     except (NotReadableError, UnicodeDecodeError) as error:
-        raise StoreError(f"{printable_path(path / STUDY_FILE)}: is not a study: {printable(error)}") from None
+        raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable(error)}") from None
     return parse_study(text, str(path / STUDY_FILE))
 
 
@@ -385,7 +385,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
     """
     path = Path(path)
     if path.is_file():
-        raise StoreError(f"{printable_path(path)}: is a file; give a directory for the results")
+        raise StoreError(f"{printable_path(path)} is a file; give a directory for the results")
     stored = StoredResult(path, study, _list_blocks(path))
     if stored.blocks:
         _check_resumable(stored)
@@ -422,12 +422,12 @@ def _check_resumable(stored: StoredResult) -> None:
     if content.version != __version__:
         version = printable(content.version)
         raise StoreError(
-            f"{printable_path(path)}: was created by stiction {version}, and results of this version, {__version__}, "
-            f"may differ; finish it with stiction {version}, or choose another directory"
+            f"{printable_path(path)} was created by stiction {version}, and results of this version, {__version__}, "
+            f"may differ; finish the result with stiction {version}, or choose another directory"
         )
     if not content.is_exact:
         raise StoreError(
-            f"{printable_path(path)}: was created on another machine or with another version of NumPy, so its "
+            f"{printable_path(path)} was created on another machine or with another version of NumPy, so its "
             "steps differ slightly from the steps of the study; finish the result there, or choose another directory"
         )
 
@@ -460,7 +460,7 @@ class OtherStudyError(StoreError):
 
     def __init__(self, path: Path, stored: Study, differ: list[StudyDifference], advice: str = "") -> None:
         advice = advice or "give another directory, or replace the stored result"
-        super().__init__(f"{printable_path(path)}: contains another study; {advice}\n{format_differences(differ)}")
+        super().__init__(f"{printable_path(path)} contains another study; {advice}\n{format_differences(differ)}")
         self.path, self.stored, self.differ = path, stored, differ
 
     def with_remedy(self, advice: str) -> OtherStudyError:
@@ -480,9 +480,7 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
             return
         except FileNotFoundError:  # another process removed the partial file
             if attempt == MAX_RELOADS or not (path / BLOCKS_FOLDER).is_dir():
-                raise StoreError(
-                    f"{printable_path(path)}: was removed or replaced while it was being written"
-                ) from None
+                raise StoreError(f"{printable_path(path)} was removed or replaced while it was being written") from None
         except OSError as error:
             raise StoreError(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None
 

@@ -333,7 +333,7 @@ class Study(Table):
         count = len(friction.load) * len(friction.mu0) * len(friction.tau0)
         if count > MAX_COMBINATIONS:
             raise ValueError(
-                f"friction: there must be at most {MAX_COMBINATIONS} combinations of load, mu0 and tau0, got {count}"
+                f"friction: must have at most {MAX_COMBINATIONS} combinations of load, mu0 and tau0, got {count}"
             )
         return self
 
@@ -424,7 +424,7 @@ class Study(Table):
         except NotReadableError as error:
             raise StudyError(f"{printable_path(path)}: {error}, so it is not a study") from None
         except UnicodeDecodeError:
-            raise StudyError(f"{printable_path(path)}: is not a text file, so it is not a study") from None
+            raise StudyError(f"{printable_path(path)} is not a text file, so it is not a study") from None
         if not isinstance(study.surfaces, MeasuredSurfaces):
             return study
         folder = Path(path).absolute().parent
@@ -607,5 +607,7 @@ def parse_study(text: str, source: str) -> Study:
     try:
         data = toml(text)
     except ValueError as error:
-        raise StudyError(f"{printable_path(source)}: is not TOML: {printable(error, MAX_PATH_LENGTH)}") from None
+        raise StudyError(
+            f"{printable_path(source)}: the text is not valid TOML: {printable(error, MAX_PATH_LENGTH)}"
+        ) from None
     return validated(Study, data, source)

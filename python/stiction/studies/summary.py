@@ -40,7 +40,8 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 WAVELENGTHS_INPUT = "waves of unknown origin"  # name of the budget entry for wavelengths not attributed to the surface
-MIN_NAMED_FRACTION = 0.1  # smallest fraction of the interval width that an input must contribute to be named
+# An input dominates only if making it exact would narrow the interval by more than this fraction.
+MIN_NAMED_FRACTION = 0.1
 
 
 @dataclass(frozen=True)

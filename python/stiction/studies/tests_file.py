@@ -59,7 +59,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
     if len(lines) < 2:
         raise ValueError(
-            f"{printable_path(path)}: has no tests; it must have a line of column names and a line for each test"
+            f"{printable_path(path)} has no tests; it must have a line of column names and a line for each test"
         )
     separator = next((character for character in "\t;" if character in lines[0][1]), ",")
     try:
@@ -84,7 +84,7 @@ def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
         if name not in TEST_COLUMNS:
             raise ValueError(f"has the unknown column {_quote_cell(cell)}; columns are {', '.join(TEST_COLUMNS)}")
         if name in columns:
-            raise ValueError(f"has two columns of {name}; the second is {_quote_cell(cell)}")
+            raise ValueError(f"has two columns for {name}; the second is {_quote_cell(cell)}")
         if unit not in (allowed := _COLUMN_UNITS.get(name, ("",))):
             raise ValueError(
                 _describe_unit_error(
@@ -151,7 +151,7 @@ class _TestTable:
         ]
         if cells_with_commas and all(_THOUSANDS_PATTERN.fullmatch(cell) for cell in cells_with_commas):
             raise ValueError(
-                f"commas, as in {cells_with_commas[0]!r}, may be decimal commas or separate thousands; "
+                f"commas, as in {cells_with_commas[0]!r}, may be decimal commas or thousands separators; "
                 "write decimal points"
             )
         for line, row in zip(self.lines, self.rows, strict=True):

@@ -33,7 +33,7 @@ from stiction.mechanics.model import Direction, Sliding
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
 MAX_VALUES = 10_000  # largest number of values of one parameter in a study
-MAX_SHORT_LIST_LENGTH = 100  # largest length of lists of mu0, tau0, cutoffs, loads and times
+MAX_SHORT_LIST_LENGTH = 100  # largest number of entries in a list of mu0, tau0, cutoffs, loads or times
 MAX_DEGREES = 360  # largest absolute value of a direction in degrees
 
 
