@@ -320,7 +320,7 @@ def with_materials(hardness, names=("mild steel", "brass")):
     return study.with_changes({"contact.materials": list(names)})
 
 
-def test_bracket_starts_at_the_plastic_limit_and_enlarges_the_excess_over_it():
+def test_bracket_extends_from_the_plastic_limit_to_above_the_coefficient():
     point = summarize(measured_result(all_rub=0.24, half=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.

@@ -46,7 +46,7 @@ def test_latex_table_states_common_conditions_in_comments():
     assert "(MPa)" in header[1]
 
 
-def test_export_writes_latex_table_and_overwrites_no_file(tmp_path):
+def test_export_writes_latex_table_without_overwriting_files(tmp_path):
     study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
     run(study, store=tmp_path / "result")
     result = open_result(tmp_path / "result")

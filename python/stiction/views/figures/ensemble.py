@@ -44,7 +44,7 @@ from stiction.views.style import (
     spread_labels,
 )
 
-LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of a study's length scale in the figure of length scales
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale that are compared in a figure
 AREAL_POINTS = 400  # number of rows and number of columns of a surface in a figure
 MAX_PROFILES = 5
 MAX_CURVES = 8

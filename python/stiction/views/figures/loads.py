@@ -87,7 +87,7 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     """
     unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    is_visible = load <= LOADS_PER_PULL_OFF[-1] * -load.min() * 1.001  # loads that fit into the figure
+    is_visible = load <= LOADS_PER_PULL_OFF[-1] * -load.min() * 1.001  # loads within the limits of the figure
     factor, unit = choose_prefix(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
     abscissas = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []

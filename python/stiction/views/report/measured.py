@@ -48,7 +48,7 @@ from stiction.views.resolution import wavelengths_text
 from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.text import budget_text, dwell_time_text
 
-# Maximum number of coefficients in a page: the product of nodes, loads, cutoffs, rules and directions.
+# Maximum number of coefficients on a page: product of the numbers of nodes, loads, cutoffs, rules and directions.
 MAX_MEASURED_COEFFICIENTS = 400_000
 
 _UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without an SI prefix

@@ -15,7 +15,7 @@ from stiction._checks import Floats
 from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefix, format_estimate
 
 FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores, for a relative precision of 5e-7
-NO_INTERVAL = -128  # stored instead of the decimals of the upper end if no interval is printed
+NO_INTERVAL = -128  # value stored as the decimals of the upper end if no interval is printed
 MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded digits before the decimal point
 
 
