@@ -76,7 +76,7 @@ def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resamp
     assert ratio.max() < 1.5
 
 
-def test_loads_used_for_claims_are_reached_at_every_dimension(result, resampled):
+def test_loads_used_for_claims_are_reached_at_every_fractal_dimension(result, resampled):
     elastic = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
     assert float(elastic.isel(approach=0).max()) < resampled.light < resampled.middle < resampled.heavy
     assert resampled.heavy < float(elastic.max("approach").min())

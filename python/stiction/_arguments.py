@@ -54,8 +54,8 @@ def reject_decimal_commas(name: str, value: Any) -> None:
         if isinstance(item, str) and (match := _DECIMAL_COMMA.search(item)):
             as_decimal, as_list = match[0].replace(",", "."), match[0].replace(",", ", ")
             raise ArgumentError(
-                f'{{{name}}} has a comma between digits; write "{as_decimal}" for one number '
-                f'or "{as_list}" for two, got {{got}}', got=repr(item),
+                f'{{{name}}} must not have a comma between digits, got {{got}}; write "{as_decimal}" for one number '
+                f'or "{as_list}" for two', got=repr(item),
             )  # fmt: skip
 
 

@@ -65,7 +65,7 @@ def quantity(text: object, kind: str) -> Quantity:
     allowed = ", ".join(unit for unit in units if unit.isascii())
     if not isinstance(text, str):
         raise ValueError(
-            f'needs a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {short_repr(text)}'
+            f'must be a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {short_repr(text)}'
         )
     match = _QUANTITY.fullmatch(text)
     lowest, highest = VALID_RANGES[kind]
@@ -73,7 +73,7 @@ def quantity(text: object, kind: str) -> Quantity:
     if match is None and (out_of_range := _NUMBER_AND_UNIT.fullmatch(text)) is not None and out_of_range[1] in units:
         raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {short_repr(text)}")
     if match is None:
-        raise ValueError(f"must be a number and a unit of {kind} ({allowed}), got {short_repr(text)}")
+        raise ValueError(f"must be a number with a unit of {kind} ({allowed}), got {short_repr(text)}")
     digits, unit = match.groups()
     if unit not in units:
         similar = [name for name in units if name.lower() == unit.lower()]

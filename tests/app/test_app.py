@@ -291,7 +291,7 @@ def test_app_result_of_metal_profiles_equals_command_result(empty_page, tmp_path
     assert 0.2 < result[0]["all"][0] < 0.5
 
 
-def test_app_result_of_maps_equals_command_result_at_each_step(app, empty_page, maps, monkeypatch):
+def test_app_result_of_maps_equals_command_result_after_each_user_action(app, empty_page, maps, monkeypatch):
     """After each step, the app shows the result that the command prints: upload, compute, change mu0, save, reload."""
     roughness = json.loads(call_stiction("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
     height = format_with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")

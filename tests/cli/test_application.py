@@ -117,7 +117,7 @@ def test_failed_thread_start_is_reported_in_one_message(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("study_text", "expected_message"),
     [
-        ("[surfaces]\npoints = " + "{a=" * 900 + "1" + "}" * 900, "is not TOML"),
+        ("[surfaces]\npoints = " + "{a=" * 900 + "1" + "}" * 900, "is not valid TOML"),
         ("[surfaces]\namplitude = " + "[" * 300 + "]" * 300, "surfaces.amplitude[0]"),
         ("k" * 990_000 + " = 1", "kkk: unknown key"),
         ('"\\u001b[31mred\\u0007" = 1', "\\x1b[31mred\\x07: unknown key"),
@@ -172,7 +172,7 @@ def test_report_and_export_commands_accept_long_file_names(tmp_path):
         (("pair", "a.csv", "b.csv", "--mu0", 0.2, "--load", "1 mN", "--mechanics", "halfspace"), "half-space?"),
     ],
 )
-def test_misspelt_command_or_choice_gets_a_suggestion(arguments, suggestion, tmp_path):
+def test_error_about_misspelt_command_or_choice_suggests_a_correction(arguments, suggestion, tmp_path):
     assert_rejected(call_stiction(*arguments, cwd=tmp_path), suggestion)
 
 

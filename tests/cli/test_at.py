@@ -238,7 +238,7 @@ def test_scale_heights_option_rejects_bad_input(results_folder, name, arguments,
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_export_command_writes_netcdf_or_csv_and_overwrites_no_file(results_folder, name, tmp_path):
+def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_folder, name, tmp_path):
     stiction_output("export", name, str(tmp_path / "r.nc"), cwd=results_folder)
     with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported:
         exported = exported.load()

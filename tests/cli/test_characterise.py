@@ -230,7 +230,10 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
         (["scan.csv", "--lc", "1 um", "--repeated"], "requires two scans of the same place"),
         (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust must not be combined with"),
         (["scan.csv", "--lc", "1 m"], "one section length is"),
-        (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be between 0.5 µm (half a point)"),
+        (
+            ["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"],
+            "lc must be between 0.5 µm (half the spacing)",
+        ),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--form", "circle"], "'sphere', 'cylinder', got 'circle'"),
         (["scan.csv", "--row", "3"], "--row applies only to surfaces"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--level", "line"], "one of 'none', 'mean', 'plane'"),
@@ -347,7 +350,7 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert json.loads(completed.stdout)["limit_um"] == comparison.limit
 
 
-def test_dry_run_option_prints_layout_and_points_and_units_of_files(scans_folder):
+def test_dry_run_option_prints_layout_points_and_units_of_files(scans_folder):
     completed = check_stiction(
         "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=scans_folder
     )

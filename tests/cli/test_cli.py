@@ -175,7 +175,7 @@ def test_shell_completion_offers_commands_and_options(monkeypatch, tmp_path):
         (["run", "quick", "--output", "file/deeper"], ["cannot be written"]),
         (["plot", "nowhere"], ["stiction: nowhere: no such directory"]),
         (["info", "."], ["is not a result"]),
-        (["info", "file"], ["stiction: file: is a file, but a result is a directory"]),
+        (["info", "file"], ["stiction: file is a file, but a result is a directory"]),
         (["studies", "figure7b"], ["no built-in study"]),
         (["juggle"], ["stiction: ", "juggle", "--help"]),
         (["run"], ["stiction: ", "STUDY", "try stiction run --help"]),

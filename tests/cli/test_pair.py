@@ -830,7 +830,7 @@ def test_pair_command_reports_onset_of_sliding(two_maps):
     assert "plastic limit" in completed.stdout
 
 
-def test_scan_with_a_noise_band_is_computed_both_unfiltered_and_filtered(tmp_path):
+def test_pair_with_a_noisy_scan_is_solved_both_unfiltered_and_filtered(tmp_path):
     clean = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
     frequency = np.fft.rfftfreq(1500, 0.0167)
     phases = np.exp(2j * np.pi * np.random.default_rng(3).uniform(size=frequency.size))

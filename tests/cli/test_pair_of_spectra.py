@@ -224,8 +224,8 @@ def test_pair_accepts_a_spectrum_from_a_plain_table(tmp_path):
 @pytest.mark.parametrize(
     ("text", "expected_message"),
     [
-        ("wave number (1/um),C2D (um4)\n1,1\n2,1\n3,1\n", "does not rise in equal ratios"),
-        ("wave number (1/um),C2D (um4)\n1,1\n", "does not rise in equal ratios"),
+        ("wave number (1/um),C2D (um4)\n1,1\n2,1\n3,1\n", "is not an increasing geometric sequence"),
+        ("wave number (1/um),C2D (um4)\n1,1\n", "is not an increasing geometric sequence"),
         ("wave number (1/um),C2D (um4)\n1,1\n2,0\n", "is not above 0"),
         ("wave number (1/um),C2D (um4)\n1,a\n2,b\n", "values that are not numbers"),
         ("wave number,C2D (um4)\n1,1\n2,1\n", "has no column 'wave number"),

@@ -300,7 +300,7 @@ class Server:
             if name not in ALLOWED_OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
             if name == "set" and not ALLOWED_CHANGE.fullmatch(value):
-                raise HTTPException(400, f"set must be a setting that the page offers, got {short_repr(value)}")
+                raise HTTPException(400, f"set must be one of the settings on the page, got {short_repr(value)}")
         arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *arguments]).number})

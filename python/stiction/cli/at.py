@@ -126,7 +126,7 @@ def at(
     if hurst is not None:
         if d is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
             raise ArgumentError(
-                "{hurst} applies only to self-affine surfaces and must not be combined with --d, got {hurst} {got}",
+                "{hurst} must be omitted if the surfaces are not self-affine or --d is given, got {hurst} {got}",
                 got=repr(hurst),
             )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
@@ -170,7 +170,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
     width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":
-            raise ArgumentError("{width} applies only to two profiles, got {width} {got}", got=repr(width))
+            raise ArgumentError("{width} applies only to a pair of profiles, got {width} {got}", got=repr(width))
         width_factor = THICKNESS / float(parse_quantity("width", width, "length"))
     if not texts:
         if not result.study.friction.load:
@@ -214,7 +214,7 @@ def _select_direction(dataset: xarray.Dataset, direction: float) -> xarray.Datas
     directions = dataset["direction"].values.reshape(-1).tolist() if "direction" in dataset.coords else []
     if direction % 360 not in directions:
         listed = ", ".join(f"{value:g}" for value in directions) or "none"
-        raise ValueError(f"--direction must be a direction of the result ({listed}), got {direction:g}")
+        raise ValueError(f"--direction must be one of the directions in the result ({listed}), got {direction:g}")
     selected = dataset.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
     if "direction" not in selected.dims:
         return selected

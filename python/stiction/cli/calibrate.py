@@ -151,7 +151,7 @@ def interfaces(path: InterfacePath = None, as_json: Json = False) -> None:
 
     values_by_name = builtin_interfaces() if path is None else read_interfaces(path)
     if not (values_by_name or as_json):
-        print_output(f"{path}: contains no interfaces; stiction calibrate with --output NAME writes one")
+        print_output(f"{path} contains no interfaces; stiction calibrate with --output NAME writes one")
         return
     listed = [{**values, "name": name} for name, values in values_by_name.items()]
     print_output(record_json("interfaces", [], interfaces=listed) if as_json else interfaces_text(listed))

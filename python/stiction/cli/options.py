@@ -48,7 +48,7 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[P
 
     if is_spectrum(file):
         raise ValueError(
-            f"{printable_path(file)}: is a spectrum of several scans; only stiction pair accepts a spectrum instead of "
+            f"{printable_path(file)} is a spectrum of several scans; only stiction pair accepts a spectrum instead of "
             "a scan"
         )
     show_reader_import(file)
