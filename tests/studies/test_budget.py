@@ -11,14 +11,7 @@ from scipy.stats import halfnorm
 from stiction import Study, Surface, cut_off, pair, self_affine_surface
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
-from stiction.studies.budget import (
-    _CoefficientSamples,
-    _columns,
-    _ends,
-    _numbers_at,
-    _sheared_contacts,
-    add_uncertainty,
-)
+from stiction.studies.budget import _CoefficientSamples, _ends, _sheared_contacts, _values_over, add_uncertainty
 from stiction.studies.evaluation import PerLoad, areas_of, at_load, member_sums
 from stiction.studies.executors import thread_executor
 from stiction.studies.hardness import choose_area_nodes, compute_areas_over_hardness, find_inputs
@@ -109,8 +102,8 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     point_index = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     sums, areas = member_sums(result.source, table["load"].values), areas_of(table, result.source)
     friction = PerLoad.of(sums.sel(sliding="all").mean())
-    columns = _columns(table, list(table.variables)) | _sheared_contacts(table, result.study, areas)
-    numbers = _numbers_at(columns, point_index)
+    variables = dict(table.variables) | _sheared_contacts(table, result.study, areas)
+    numbers = {name: values[0, 0, 0, 0, 0] for name, values in _values_over(variables, table, point_index).items()}
     samples = _CoefficientSamples(numbers, point_index, result.study, inputs, friction, areas)
     samples.names, samples.places = tuple(inputs), {}  # The samples must not contain errors of the mean over positions.
     for probability in (0.03, 0.7):

@@ -122,18 +122,19 @@ def add_uncertainty(
     remaining, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     areas = areas_of(at, result)
-    six = _columns(member_sums(result, at["load"].values).mean(("repetition", "direction")), SIX_SUMS)
-    read = _columns(at, [name for name in _NEEDED_VARIABLES if name in at.variables]) | _sheared_contacts(
-        at, study, areas
-    )
+    needed = {name: at.variables[name] for name in _NEEDED_VARIABLES if name in at.variables}
+    read = _values_over(needed | _sheared_contacts(at, study, areas), at, dims)
+    six = member_sums(result, at["load"].values).mean(("repetition", "direction"))
+    sums = _values_over({name: six.variables[name] for name in SIX_SUMS}, at, dims)
     pressures = at["load"].values / float(at["nominal_area"])
     # Consecutive coefficients have the same mu0 and tau0 and therefore share samples.
     interface = [dims.index(name) for name in ("mu0", "tau0")]
     for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface]):
         indices = dict(zip(dims, position, strict=True))
-        sums, numbers = _numbers_at(six, indices), _numbers_at(read, indices)
+        numbers = {name: values[position] for name, values in read.items()}
+        per_load = PerLoad.of({name: values[position] for name, values in sums.items()})
         samples = _CoefficientSamples(
-            numbers, indices, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(position)
+            numbers, indices, study, inputs, per_load, areas, strengths, scatters.get(position)
         )
         if not samples.names:
             point = numbers["friction_all_round"]
@@ -176,12 +177,14 @@ def add_uncertainty(
     return at.assign(variables).assign_coords(coordinates)
 
 
-def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator) -> Columns:
+def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator) -> dict[str, xarray.Variable]:
     """Return the hardness H' under shear (GPa) and the junction-growth ratio for each combination of mu0 and tau0.
 
     Both are computed at the hardness in the study. The result is empty if the study has no hardness. Without junction
     growth, H' equals the hardness.
     """
+    import xarray
+
     if (hardness := areas.hardness) is None:
         return {}
     mu0, tau0 = at["mu0"].values, at["tau0"].values
@@ -193,22 +196,21 @@ def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator)
         grown = np.stack([area_growth(areas, study, rule, mu0, tau0) for rule in rules])
         grown[..., tau0 == 0] = 1.0
     dims = ("mu0", "tau0")
-    return {"sheared_pressure": (dims, pressure), "area_growth": (("sliding", "load", *dims), grown)}
-
-
-Columns = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
-
-
-def _columns(table: xarray.Dataset, names: Sequence[str]) -> Columns:
-    """Return the dimensions and values of the named variables as a dict that is faster to index than a dataset."""
-    variables = table.variables
-    return {name: (tuple(map(str, variables[name].dims)), variables[name].values) for name in names}
-
-
-def _numbers_at(columns: Columns, indices: Mapping[str, int]) -> dict[str, Any]:
-    """Return the values of all variables at the given index along each of the named dimensions."""
     return {
-        name: values[tuple(indices.get(dim, slice(None)) for dim in dims)] for name, (dims, values) in columns.items()
+        "sheared_pressure": xarray.Variable(dims, pressure),
+        "area_growth": xarray.Variable(("sliding", "load", *dims), grown),
+    }
+
+
+def _values_over(variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]) -> dict[str, NDArray[Any]]:
+    """Return the values of variables as arrays that start with the given dimensions of a dataset.
+
+    Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
+    """
+    sizes = {dim: at.sizes[dim] for dim in dims}
+    return {
+        name: variable.set_dims(sizes | dict(variable.sizes)).transpose(*dims, ...).values
+        for name, variable in variables.items()
     }
 
 

@@ -60,6 +60,8 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 """Ratio of load to pull-off force below which the load is negligible and a coefficient has no meaning."""
 
 
+ADHESIVE_SUMS = ("normal_adhesive", "tangential_adhesive")  # contact sums that increase with junction growth
+
 MIN_STIFFNESS_STEPS = 3  # smallest number of approaches or loads needed to compute a stiffness
 
 COMPLETE_STATUS, ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
@@ -128,7 +130,7 @@ def at_load(
         members = _members_before_growth(result, values, *material, reading, of, names)
         if study.contact.junction_growth:
             areas = _areas_of_members(members, result)
-            members = _with_growth(members, result, areas, of)
+            members = _with_growth(members, study, areas, names)
         point = _average_members(study, members, names)
         if measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
@@ -141,7 +143,7 @@ def at_load(
         other_reading: Reading = "normal" if reading == "elastic" else "elastic"
         members = _members_before_growth(result, values, *material, other_reading, of, names)
         if areas is not None:
-            members = _with_growth(members, result, areas, of)
+            members = _with_growth(members, study, areas, ())
         other_mean = members["friction_coefficient"].mean(("repetition", "direction"))
         mean = point["friction_all_round"].sel(statistic="mean")
         other_dims = [str(dim) for dim in mean.dims if dim not in (*CELLS, "load")]
@@ -473,7 +475,7 @@ def member_values(
     material = material_of(result, mu0, tau0)
     members = _members_before_growth(result, values, *material, reading, of)
     if result.study.contact.junction_growth:
-        members = _with_growth(members, result, _areas_of_members(members, result), of)
+        members = _with_growth(members, result.study, _areas_of_members(members, result))
     if reading == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
         sums = member_sums(result, values, LATERAL_SUMS, of=of)
         parts = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
@@ -487,7 +489,10 @@ def _members_before_growth(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, of: Kind | None,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member of a result at given loads, neglecting junction growth."""
+    """Evaluate each member of a result at given loads, neglecting junction growth.
+
+    If the contacts of the study grow, the dataset also contains the sums that `_with_growth` requires.
+    """
 
     def read(piece: xarray.Dataset) -> xarray.Dataset:
         return _evaluate_piece(piece, result.study, loads, mu0, tau0, reading, names)
@@ -550,20 +555,21 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
     return np.array(grown).reshape(-1, *pressure.shape)
 
 
-def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
+def _with_growth(
+    members: xarray.Dataset, study: Study, areas: AreaInterpolator, names: Collection[str] | None = None
+) -> xarray.Dataset:
     """Recompute member values with adhesive forces that follow from the true area at the onset of sliding."""
-    study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
+    mu0, tau0 = members["mu0"].values, members["tau0"].values
     rules = members["sliding"].values.tolist()
     grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
     with np.errstate(invalid="ignore"):
         factor = np.stack([grown[rule] for rule in rules])[:, np.newaxis]  # shape (sliding, 1, load, mu0, tau0)
         added_strength = np.where(tau0 > 0, tau0 * (factor - 1), 0.0)
-    sums = member_sums(result, members["load"].values, ("normal_adhesive", "tangential_adhesive"), of=of)
     dims = (*cells_of(members), "repetition", *MOTIONS, "load", "mu0", "tau0")
     with np.errstate(invalid="ignore"):
         normal, tangential = (
             members[f"{name}_load"].transpose(*dims).values
-            + added_strength * sums[f"{name}_adhesive"].transpose(*dims[:-2]).values[..., np.newaxis, np.newaxis]
+            + added_strength * members[f"{name}_adhesive"].transpose(*dims[:-2]).values[..., np.newaxis, np.newaxis]
             for name in ("normal", "tangential")
         )
     status = members["status"].transpose(*dims).values.copy()
@@ -572,15 +578,16 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolato
     status[has_coefficient & np.isinf(added_strength)] = friction.STATUS_SEIZURE
     with np.errstate(invalid="ignore", divide="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
-    onset = np.where(np.isfinite(grown["all"]), grown["all"], np.nan)
-    area_dims = tuple(dim for dim in dims if dim not in MOTIONS)
-    area = members["contact_area"].transpose(*area_dims[:-2]).values[..., np.newaxis, np.newaxis] * onset
     values = {
         "friction_coefficient": coefficient, "normal_load": normal, "tangential_load": tangential, "status": status
     }  # fmt: skip
     changed: dict[str, Any] = {name: (dims, each, members[name].attrs) for name, each in values.items()}
-    changed["contact_area_at_onset"] = (area_dims, area, attributes_of("contact_area_at_onset"))
-    return members.assign(changed)
+    if _is_requested("contact_area_at_onset", names):
+        onset = np.where(np.isfinite(grown["all"]), grown["all"], np.nan)
+        area_dims = tuple(dim for dim in dims if dim not in MOTIONS)
+        area = members["contact_area"].transpose(*area_dims[:-2]).values[..., np.newaxis, np.newaxis] * onset
+        changed["contact_area_at_onset"] = (area_dims, area, attributes_of("contact_area_at_onset"))
+    return members.drop_vars(ADHESIVE_SUMS).assign(changed)
 
 
 def member_sums(
@@ -762,6 +769,10 @@ def _evaluate_piece(
     }
     variables = _add_ratios(variables, piece.coords.get("nominal_area"))
     variables = {name: each for name, each in variables.items() if _is_requested(name, requested)}
+    if study.contact.junction_growth:
+        for name in ADHESIVE_SUMS:
+            adhesive = six[name] if six else crossing.at(sums[name])
+            variables[name] = dims[:-2], np.broadcast_to(adhesive, tangential.shape[:-2])
     return xarray.Dataset(variables, coordinates, piece.attrs)
 
 
