@@ -155,7 +155,7 @@ struct GridMinimum {
   double gap;
 };
 
-// Minimum of the gap, and the lower surface at its position.
+// Minimum of the gap, and the height and derivatives of the lower surface at the same position.
 struct SplineMinimum {
   Minimum minimum;
   Jet lower;

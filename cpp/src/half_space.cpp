@@ -375,7 +375,7 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     Workspace workspace;
     grids_->kernels(0, pool).points->displacement(load, displacements, workspace, pool);
     const double deviation = standard_deviation(displacements);
-    // The bounds may be the pressures that move all points of a flat punch equally, within a tolerance.
+    // The deviation may be nearly zero, because the bounds may be the pressures that displace all points equally.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
@@ -541,7 +541,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
   // The pressures are positive at all points, like charges on a conductor.
-  // The given pressures vanish at the edges, where the solution is largest. A uniform start is as good.
+  // The given pressures vanish at the edges, where the solution is largest, so the start is uniform.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());

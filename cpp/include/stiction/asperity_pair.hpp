@@ -82,7 +82,7 @@ struct SphereOnFlat {
 /// Any type of asperity pair.
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
-/// Return the asperity pair of two spheres, or nothing if rule 3 excludes it.
+/// Return the asperity pair of two spheres, or nothing if their curvatures exclude a contact.
 /// The effective radius must be positive and finite, and the curvature rule must allow both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 
@@ -96,7 +96,7 @@ Radii radii(const AsperityPair& asperity_pair);
 /// `crossed` means that the normal does not point upwards, because the sphere centres have passed each other.
 enum class ContactClass { no_contact, crossed, contact };
 
-/// Classify a contact point by rules 1, 2 and 4.
+/// Classify a contact point by its overlap, its normal and the position of the contact centre.
 /// In a contact, the asperities overlap, and the contact centre lies in [-half_cell, half_cell) along x (Eq. 5).
 /// With an infinite `half_cell`, the position of the centre is not restricted.
 inline ContactClass classify(const ContactPoint& contact_point, double half_cell) {

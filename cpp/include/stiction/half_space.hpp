@@ -64,7 +64,7 @@ struct HalfSpaceSolution {
 /// An exception that the callback throws ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
-/// Solver for the contact at successive loads, for a given gap.
+/// Solver for the contact of surfaces with a given gap, at successive loads.
 /// The solver minimises the energy at a given total load, subject to 0 <= p <= bound.
 ///
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).

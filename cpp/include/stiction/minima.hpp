@@ -35,7 +35,7 @@ struct CellRange {
 /// This cell may lie outside the given range.
 ///
 /// The search is exhaustive. A cell is subdivided until the signs of the Bernstein coefficients decide for each part.
-/// The signs either exclude a minimum or show that the spline is convex.
+/// The signs of the coefficients either exclude a minimum or show that the spline is convex.
 /// If the spline is convex, Newton's method finds the only possible minimum.
 /// Parts of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
 /// In undecided parts, Newton's method decides whether there is a minimum.
