@@ -132,7 +132,7 @@ def test_adhesive_contact_agrees_with_tamaas_at_equal_mean_gap(rms, modulus, loa
 
 
 @pytest.mark.parametrize("tabor", [0.3, 1.0, 1.7])
-def test_pull_off_force_of_sphere_equals_maugis_for_any_period(tabor):
+def test_pull_off_force_of_sphere_equals_maugis_solution_for_any_period(tabor):
     bodies, adhesive = ball(tabor)
     assert tabor_parameter(1.0, 1.0, **{name: adhesive[name] for name in ("work_of_adhesion", "adhesion_range")}) == (
         pytest.approx(tabor)
@@ -149,7 +149,7 @@ def test_pull_off_force_of_sphere_equals_maugis_for_any_period(tabor):
 
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
-def test_sphere_with_dugdale_attraction_agrees_with_maugis_on_any_grid(tabor, monkeypatch):
+def test_sphere_with_dugdale_attraction_agrees_with_maugis_solution_on_any_grid(tabor, monkeypatch):
     """Check that differences from Maugis are due to the exponential law, not to the grid or the edge."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
@@ -185,7 +185,7 @@ def test_adhesive_cylinder_equals_barquins_solution():
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.6])
-def test_adhesive_contact_of_sinusoid_equals_johnson_and_jumps_to_full_contact(alpha):
+def test_adhesive_contact_of_sinusoid_equals_johnson_solution_and_jumps_to_full_contact(alpha):
     """Check p/p* = sin²s - α (tan s)^(1/2), s = πa/λ (Johnson, Int. J. Solids Structures 32 (1995) 423).
 
     Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it at a smaller

@@ -149,7 +149,7 @@ def hertz_contact(k, longer, overlap, modulus):
 
 class TestArealExact:
     @pytest.mark.parametrize(("k", "angle"), [(1.0, 0.0), (0.5, 25.0), (0.02, 25.0)])
-    def test_contact_of_an_ellipsoid_on_a_flat_equals_hertz(self, k, angle):
+    def test_contact_of_an_ellipsoid_on_a_flat_equals_hertz_solution(self, k, angle):
         modulus, overlap = 7.0, 1e-5
         force, area, axes, shorter = hertz_contact(k, 2.0, overlap, modulus)
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))

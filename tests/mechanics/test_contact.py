@@ -86,7 +86,7 @@ class TestProfileReference:
 
 
 class TestProfileExact:
-    def test_contact_of_two_circles_equals_hertz(self, circular_arc):
+    def test_contact_of_two_circles_equals_hertz_solution(self, circular_arc):
         spacing, points, modulus = 0.002, 1000, 7.0
         for apexes, radii in (
             ((1.0005, 1.0005), (2.0, 3.0)),
@@ -108,7 +108,7 @@ class TestProfileExact:
                 assert_close(table.area, math.pi * radius * overlap, CIRCLE_TOLERANCE)
                 assert np.allclose(table.normal[0, [0, 2]], apart / np.hypot(*apart), atol=CIRCLE_TOLERANCE)
 
-    def test_contact_of_a_ball_in_a_cup_equals_hertz(self, circular_arc):
+    def test_contact_of_a_ball_in_a_cup_equals_hertz_solution(self, circular_arc):
         spacing, points = 0.002, 1000
         ball = circular_arc(1.0307, 2.0, spacing, points, "upper")
         cup = Profile(-circular_arc(0.9811, 5.0, spacing, points, "lower").heights, spacing=spacing)
@@ -162,7 +162,7 @@ class TestProfileExact:
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
     @pytest.mark.parametrize("below", [True, False])
     @pytest.mark.parametrize("slope", [0.0, 1e-3, 0.1, 0.3])
-    def test_contact_of_a_ball_on_a_tilted_plane_equals_hertz(self, circular_arc, slope, below, detection):
+    def test_contact_of_a_ball_on_a_tilted_plane_equals_hertz_solution(self, circular_arc, slope, below, detection):
         radius, spacing, points = 12.0, 0.01, 2001
         ball = circular_arc(10.003, radius, spacing, points, "lower" if below else "upper")
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)

@@ -157,7 +157,7 @@ def test_half_space_solver_converges_for_flats_at_loads_up_to_the_pressure_bound
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9, 0.99])
-def test_traction_under_sphere_equals_mindlin(ratio):
+def test_traction_under_sphere_equals_mindlin_solution(ratio):
     """Compare with Mindlin's solution; the bound is Hertz's pressure times mu0 (Johnson, section 7.2).
 
     The stick radius relative to the contact radius is (1 - T/T_s)^(1/3).
@@ -175,7 +175,7 @@ def test_traction_under_sphere_equals_mindlin(ratio):
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.1, 0.5, 0.9, 0.99])
-def test_half_space_solution_of_sinusoid_equals_westergaard(fraction):
+def test_half_space_solution_of_sinusoid_equals_westergaard_solution(fraction):
     amplitude, full = 1e-4, np.pi * MODULUS * 1e-4  # the slopes are so small that areas equal projected areas
     wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": MODULUS}
     load = full * np.sin(np.pi / 2 * fraction) ** 2
@@ -211,7 +211,7 @@ def test_westergaard_closed_forms_are_consistent():
     np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
 
 
-def test_half_space_solution_of_line_contact_equals_hertz():
+def test_half_space_solution_of_line_contact_equals_hertz_solution():
     radius, load, errors = 5.0, 0.1, []
     half_width, peak = hertz_line(load, radius, MODULUS)
     for n in (512, 2048):
@@ -228,7 +228,7 @@ def test_half_space_solution_of_line_contact_equals_hertz():
 
 
 @pytest.mark.parametrize("radii", [(5.0, 5.0), (5.0, 15.0)])
-def test_half_space_solution_of_point_contact_equals_hertz(radii):
+def test_half_space_solution_of_point_contact_equals_hertz_solution(radii):
     force, area, axes = hertz_ellipse(0.01, *radii, MODULUS)
     errors = []
     for n in (64, 128, 256):
@@ -269,7 +269,7 @@ def test_pressure_under_flat_punch_equals_closed_form():
 
 
 @pytest.mark.parametrize("shape", [(128,), (48, 40)])
-def test_pressure_in_full_contact_equals_inverse_of_the_kernel(shape):
+def test_pressure_in_full_contact_equals_the_sum_of_fourier_components_of_the_heights(shape):
     lower = rough(shape)
     waves = np.meshgrid(
         *[2 * np.pi * np.fft.fftfreq(n, 1 / n) for n in shape[:-1]],
@@ -770,7 +770,7 @@ def test_requested_approaches_are_reached_up_to_full_contact(shape, left):
     assert abs(curve.approach[0] - full * (1 - left)) <= 1.01e-6 * body.heights.std()
 
 
-def test_approach_of_a_sphere_on_a_half_space_equals_hertz():
+def test_approach_of_a_sphere_on_a_half_space_equals_hertz_solution():
     """Compare with the approach of distant points, δ = (9 F²/(16 E*² R))^(1/3)."""
     ball = bowl(96, 2.0, (5.0, 5.0))
     curve = half_space(ball, flat_like(ball), approaches=[0.05])

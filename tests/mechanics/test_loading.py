@@ -9,7 +9,7 @@ ARC_TOLERANCE = 1e-6  # relative error of the Hertzian force of two arcs, as in 
 
 
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-def test_approach_of_circular_arcs_at_a_load_equals_hertz(circular_arc, detection):
+def test_approach_of_circular_arcs_at_a_load_equals_hertz_solution(circular_arc, detection):
     radius, spacing = 1.0, 1e-3
     lower = circular_arc(0.5003, radius, spacing, 1001, "lower")
     upper = circular_arc(0.5003, radius, spacing, 1001, "upper")

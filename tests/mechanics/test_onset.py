@@ -265,7 +265,7 @@ def test_poisson_ratio_of_a_rigid_body_does_not_change_tangential_stiffness():
     assert soft[0] == soft[1] < soft[2]
 
 
-def test_onset_of_maps_agrees_with_ciavarella_jaeger(areas):
+def test_onset_of_maps_agrees_with_ciavarella_jaeger_theory(areas):
     """Compare the traction with mu0 times the difference of the pressures at the load and at a smaller load."""
     onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
     for i, smaller in enumerate((1, 0)):
@@ -276,7 +276,7 @@ def test_onset_of_maps_agrees_with_ciavarella_jaeger(areas):
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_onset_of_profiles_agrees_with_ciavarella_jaeger(boundary):
+def test_onset_of_profiles_agrees_with_ciavarella_jaeger_theory(boundary):
     lower = rough((1024,))
     load = mean_pressure(lower, 0.05)
     curve = half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=boundary, tolerance=1e-8)
@@ -366,7 +366,7 @@ def single_ball(radii=(1.0, 1.0), approach=0.02):
     return press(flat_like(lower), lower, [approach])
 
 
-def test_onset_of_a_single_asperity_equals_mindlin():
+def test_onset_of_a_single_asperity_equals_mindlin_solution():
     curve = single_ball()
     for poisson in (0.0, 0.3):
         onset = curve.onset(0, mu0=0.3, poisson=poisson)
@@ -388,7 +388,7 @@ def test_onset_of_a_single_asperity_equals_mindlin():
 
 @pytest.mark.parametrize("radii", [(1.0, 1.0), (0.3, 1.0)])
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.3, 0.1), (0.0, 0.1)])
-def test_onset_of_a_single_asperity_agrees_with_half_space(radii, mu0, tau0):
+def test_onset_of_a_single_asperity_agrees_with_half_space_model(radii, mu0, tau0):
     lower = bowl(128, 1.0, radii)
     asperity = press(flat_like(lower), lower, [0.04])
     exact = half_space(flat_like(lower), lower, asperity.normal_elastic)

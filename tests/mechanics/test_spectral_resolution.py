@@ -42,7 +42,7 @@ def test_spectral_resolution_limits_the_elastic_pressure_to_the_hardness():
     assert math.isnan(elastic.plastic_wavelength)
 
 
-def test_spectral_resolution_agrees_with_half_space():
+def test_spectral_resolution_agrees_with_half_space_model():
     bodies = pair()
     upper, lower = both_roughnesses(bodies)
     load = 0.05 * (256 * 0.02) ** 2

@@ -108,7 +108,7 @@ def test_free_tilt_balances_a_single_contact_point():
         ({"tilt": "loose"}, "tilt must be one of 'fixed', 'free'"),
         (
             {"boundary": "periodic"},
-            "tilt must be 'fixed' for periodic or adhesive surfaces and if approaches are given, got 'free'",
+            "tilt must be 'fixed' if the surfaces are periodic or adhesive, or if approaches are given, got 'free'",
         ),
         ({"work_of_adhesion": 1e-8}, "tilt must be 'fixed' for"),
         ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' for"),

@@ -507,7 +507,7 @@ def half_space(
     if tilt == "free":
         if boundary == "periodic" or work > 0 or approaches is not None:
             raise ValueError(
-                "tilt must be 'fixed' for periodic or adhesive surfaces and if approaches are given, got 'free'"
+                "tilt must be 'fixed' if the surfaces are periodic or adhesive, or if approaches are given, got 'free'"
             )
         problem = replace(problem, turns=True)
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
