@@ -21,7 +21,7 @@ def radius_from_history(body):
 
 
 @pytest.mark.parametrize(("trend", "degree"), [("cubic", 3), ("quartic", 4), ("quintic", 5), ("sextic", 6)])
-def test_levelling_removes_polynomials_only_up_to_its_degree(trend, degree):
+def test_levelling_removes_only_polynomials_up_to_the_given_degree(trend, degree):
     t = np.linspace(-1, 2, 200)
     for power in range(8):
         rest = levelled(Profile(3 * t**power + t, spacing=0.1), trend).heights

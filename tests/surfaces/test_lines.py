@@ -143,7 +143,7 @@ def test_lines_along_both_axes_are_fitted_in_a_common_band(monkeypatch):
     assert arguments[0].band == arguments[1].band == (4.0, 12.0)
 
 
-def test_lines_along_straight_grooves_have_no_exponent():
+def test_lines_along_straight_grooves_have_no_hurst_exponent():
     grooves = self_affine(3, hurst_exponent=0.7, rms=0.1, points=300, spacing=1.0).heights + np.zeros((24, 1))
     along_x, along_y = lines_along_both(Surface(grooves, spacing=1.0))
     assert along_x.hurst_exponents.size == 24

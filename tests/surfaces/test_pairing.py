@@ -33,7 +33,7 @@ class TestLines:
             np.testing.assert_array_equal(upper.heights, -body.heights[row])
             np.testing.assert_array_equal(lower.heights, body.heights[(row + 10) % 30])
 
-    def test_line_pair_is_independent_of_pairs_created_before(self):
+    def test_line_pair_is_independent_of_pairs_created_earlier(self):
         profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
         pairs = LinePairs(profile, profile, surrogates="both", several=True)
         assert pairs.max_count() is None

@@ -83,7 +83,7 @@ def test_crop_starts_at_the_next_grid_point():
         (0, 1.1, "within the extent"),
         (0.8, None, "start and stop must leave at least 4 points"),
         (np.nan, None, "start must be a finite number"),
-        (0, "1", "stop must be a number and a unit"),
+        (0, "1", "stop must be a number with a unit"),
     ],
 )
 def test_crop_rejects_positions_outside_the_profile(start, stop, match):

@@ -50,7 +50,7 @@ class TestParameters:
         assert result.Pa / result.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
 
     @pytest.mark.parametrize("factor", [1e-45, 1e45])
-    def test_roughness_parameters_scale_with_heights(self, factor):
+    def test_roughness_heights_and_slope_scale_with_the_height_factor(self, factor):
         profile = rough_profile()
         one, other = (
             roughness_parameters(profile),

@@ -50,7 +50,7 @@ class TestSinusoid:
         found = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
         assert found.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
 
-    def test_waviness_of_a_sinusoid_at_the_cutoff_has_half_amplitude(self):
+    def test_waviness_of_a_sinusoid_at_the_cutoff_has_half_the_amplitude(self):
         found = section_parameters(sinusoid(800.0, waves=40), lc=800, ls=0)
         assert found.Wq == pytest.approx(0.5 / math.sqrt(2), rel=0.02)
         assert found.WSm == pytest.approx(800, rel=0.01)

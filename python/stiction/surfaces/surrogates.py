@@ -94,7 +94,7 @@ def surrogate(
         amplitude = np.abs(np.fft.rfft(heights))
     else:
         # The mirror image extends the profile without a jump, and halves the distance between harmonics.
-        # Every second harmonic belongs to the original profile.
+        # Every second harmonic is a harmonic of the original profile.
         # The power of every harmonic between them is split equally between its two neighbours.
         image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         image = np.append(image, image[-2])

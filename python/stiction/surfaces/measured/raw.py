@@ -114,9 +114,8 @@ class Raw:
     heights: Floats  # (n,) or (rows, columns)
     unit: str | None = None
     positions: Floats | None = None  # (n,) positions of a profile
-    digits: Digits | None = (
-        None  # function that returns the place value of the last printed digit of each position, (n,)
-    )
+    # function that returns the place value of the last printed digit of each position, (n,)
+    digits: Digits | None = None
     position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
     spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) if there are no positions
     stated: StatedLength | None = None  # declared spacing

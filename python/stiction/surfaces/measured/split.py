@@ -96,7 +96,7 @@ class NumberBlock:
     lines: Lines  # line numbers of the rows, counted from 0
     dialect: Dialect
     values: Floats  # (rows, columns)
-    # First line of the end of a table where lines have fewer cells, for example below the shorter of two profiles.
+    # First line from which lines have fewer cells, for example below the end of the shorter of two profiles.
     short: int | None = None
     omitted: tuple[int, ...] = ()  # line numbers of counts and sizes that precede the rows
 

@@ -67,7 +67,7 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
             b"".join(read_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_BYTES)), dtype=np.uint8
         )
         if bits.size * 8 < points:
-            raise FormatError(f"has a mask of valid points of only {bits.size} bytes for {points} points")
+            raise FormatError(f"has a mask of valid points with only {bits.size} bytes, too few for {points} points")
         heights[np.unpackbits(bits, count=points, bitorder="little") == 0] = np.nan
     caveats = tuple(caveat for name in absolute for caveat in axes[name].caveats)
     common: dict[str, Any] = {"unit": "m", "position_unit": "m", "caveats": caveats, "source": Source("X3P")}
