@@ -212,7 +212,7 @@ def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -
         )
 
 
-def test_gap_map_interval_comes_only_from_inputs_and_a_caveat_mentions_one_position() -> None:
+def test_gap_map_interval_includes_only_input_uncertainty_and_a_caveat_mentions_one_position() -> None:
     upper, lower = rough_surfaces(rms=0.03, points=128)
     options = {
         "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,

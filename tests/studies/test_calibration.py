@@ -83,13 +83,13 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     assert interface.tau0[1] == 0.0
 
 
-def test_common_error_of_all_friction_tests_widens_the_interval_of_the_identified_sum() -> None:
+def test_common_error_of_friction_tests_widens_the_interval_of_the_combination_they_determine() -> None:
     tests = simulate_ball_tests()
     narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
 
 
-def test_friction_tests_on_a_single_pair_determine_only_a_sum_of_mu0_and_tau0() -> None:
+def test_friction_tests_on_a_single_pair_determine_only_a_combination_of_mu0_and_tau0() -> None:
     curve = compute_rough_curve(0.02, 1)
     tests = [
         FrictionTest(curve, load, coefficient=float(y), uncertainty=0.03 * float(y))

@@ -318,7 +318,7 @@ def test_finished_height_factors_are_preserved_after_an_interrupt(bodies, tmp_pa
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
 
 
-def test_stored_height_factors_are_reused_at_new_mu0_but_not_at_new_modulus(bodies, tmp_path):
+def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new_modulus(bodies, tmp_path):
     kwargs = PAIR_OPTIONS | HARDNESS_OPTION
     first_result = pair(*bodies, directory=tmp_path, **kwargs)
     compute_factors(first_result.source, [2])

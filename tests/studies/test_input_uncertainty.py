@@ -22,7 +22,7 @@ from stiction.studies.input_uncertainty import UNCERTAINTY_PATTERN, draw_samples
         (0.3, "", (0.3, 0.3), "exact"),
     ],
 )
-def test_input_distribution_has_95_percent_of_samples_between_its_ends(text, kind, ends, distribution) -> None:
+def test_input_distribution_has_95_percent_of_samples_between_its_limits(text, kind, ends, distribution) -> None:
     result = parse_input("input", text, kind)
     assert result.distribution == distribution
     assert result.quantile([0.025, 0.975]) == pytest.approx(ends, rel=1e-3)

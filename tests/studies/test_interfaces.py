@@ -156,7 +156,7 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize("kind", DAMAGES)
-def test_damaged_interface_file_is_reported_with_its_name_and_not_listed(film_file, tmp_path, kind) -> None:
+def test_damaged_interface_file_is_reported_by_name_and_is_not_listed(film_file, tmp_path, kind) -> None:
     (tmp_path / "bad").write_text(DAMAGES[kind](film_file.read_text()))
     with pytest.raises(ValueError, match=r"bad is (not an|a damaged) interface"):
         read_interface(tmp_path / "bad")

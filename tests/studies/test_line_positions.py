@@ -141,7 +141,7 @@ def test_slider_is_shortened_so_that_it_fits_at_the_last_position(profile_pair):
     assert float(result.dataset["nominal_area"]) == pytest.approx(18.0)
 
 
-def test_stiffness_of_two_arcs_equals_hertz(circular_arc):
+def test_stiffness_of_two_arcs_equals_hertz_solution(circular_arc):
     upper, lower = (circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
     load = 0.01
     member = read_members(run_pair(upper, lower, [load], mu0=0.0)).isel(x=0, load=0)

@@ -447,7 +447,7 @@ def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_data
     assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
 
 
-def test_run_does_not_recreate_a_result_folder_removed_meanwhile(tmp_path, monkeypatch):
+def test_run_does_not_recreate_a_result_folder_removed_during_the_run(tmp_path, monkeypatch):
     path, write_block = tmp_path / "r", store.write_block
 
     def write_and_move_folder(folder, first, written, count):

@@ -300,7 +300,7 @@ class TestStudyKinds:
         with pytest.raises(StudyError, match=r"belongs to areas of measured maps, not to lines of measured files"):
             LINE_STUDY.with_changes({"surfaces.rotate": 3.0})
 
-    def test_study_rejects_too_many_conditions(self):
+    def test_study_rejects_too_many_combinations_of_load_mu0_and_tau0(self):
         strengths = {
             "friction.mu0": [index / 100 for index in range(100)],
             "friction.tau0": ["0 MPa", "1 MPa", "2 MPa"],
@@ -425,7 +425,7 @@ class TestRequestedLoads:
         with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times area"):
             self.LISTED_LOADS.with_changes({"contact.hardness": "10 MPa"})
 
-    def test_changing_load_or_mechanics_replaces_requested_loads(self):
+    def test_changing_load_or_mechanics_of_a_study_replaces_its_requested_loads(self):
         assert [float(load) for load in self.LISTED_LOADS.with_changes({"contact.load": ["1 mN"]}).friction.load] == [
             1.0
         ]

@@ -245,7 +245,7 @@ def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known_inter
     combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = combined[..., 1]
     combined[..., 1] = np.where((low < 0) & (combined[..., 0] >= 0), 0.0, low)
-    is_known = ~np.isnan(known_intervals).any(axis=-1)  # an infinite upper limit counts as known
+    is_known = ~np.isnan(known_intervals).any(axis=-1)  # intervals with an infinite upper limit are known too
     combined[is_known] = known_intervals[is_known]
     if study.surfaces.both_readings and "cut_off" in dims:  # the coefficient at the first cutoff is quoted
         over = np.moveaxis(combined, dims.index("cut_off"), 0)

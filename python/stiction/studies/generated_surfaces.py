@@ -54,7 +54,7 @@ MAX_HARMONICS = 1_000_000
 class GeneratedSurfaceKeys(Case):
     """Keys of `[surfaces]` that all generated surfaces share: fractal dimension and amplitude."""
 
-    bodies: ClassVar[str] = "generated areas"  # name of the bodies in error messages
+    bodies: ClassVar[str] = "generated areas"  # term for the bodies in error messages
     is_areal: ClassVar[bool] = True
     """True if members are pairs of height maps rather than profiles."""
 

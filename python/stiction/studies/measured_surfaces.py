@@ -467,7 +467,7 @@ class Members(Protocol):
 class MeasuredSurfaceKeys(Case):
     """Keys of `[surfaces]` that all studies of measured surfaces share."""
 
-    bodies: ClassVar[str] = "measured areas"  # name of the bodies in error messages
+    bodies: ClassVar[str] = "measured areas"  # term for the bodies in error messages
     is_areal: ClassVar[bool] = True
     """True if members are independent pairs of height maps rather than profiles."""
     pressed: ClassVar[str]

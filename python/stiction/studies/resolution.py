@@ -204,7 +204,7 @@ class YieldEstimate:
     """Estimates for a hardness H (GPa): the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
-    wavelength: float  # wavelength (µm), or NaN if the slope never becomes large enough
+    wavelength: float  # wavelength (µm), or NaN if the pressure reaches H at no wavelength
     lower: float
     upper: float
     friction: float
