@@ -65,7 +65,7 @@ class TestCharacterisationText:
         assert "given" in texts["fitted band"]
         assert "periodic" in texts["spectrum"]
 
-    def test_profile_without_band_has_no_exponent_and_bad_arguments_are_rejected(self, profile):
+    def test_profile_without_band_has_no_hurst_exponent_and_bad_arguments_are_rejected(self, profile):
         assert "none" in texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
         with pytest.raises(ValueError, match="band"):
             characterisation_text(profile, band=(1.0, 1.001))
@@ -91,7 +91,7 @@ def test_instrument_limit_is_negligible_if_its_slope_fraction_is_small(profile):
         assert (characterisation.limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION) == (rms < 1e-4)
 
 
-def test_spectrum_without_power_law_has_no_exponent(profile):
+def test_spectrum_without_power_law_has_no_hurst_exponent(profile):
     filter_gain = np.interp(power_spectrum(profile).wave_number, [0.1, 3.0, 3.01, 300], [1.0, 1.0, 0.02, 0.02])
     heights = np.fft.irfft(np.fft.rfft(profile.heights) * np.concatenate([[0.0], filter_gain]), len(profile))
     characterisation = Characterisation(Profile(heights, spacing=0.01), band=(0.1, 5.0))
