@@ -22,7 +22,7 @@ def test_number_check_accepts_zero_dimensional_arrays(of):
 
 
 @pytest.mark.parametrize("value", [np.array(True), np.array([3.0]), np.array("3"), np.bool_(True), "3", None, 1j])
-def test_number_check_rejects_other_types(value):
+def test_number_check_rejects_values_that_are_not_numbers(value):
     with pytest.raises(ValueError, match="x must be a finite number"):
         number("x", value)
 

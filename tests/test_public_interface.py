@@ -348,14 +348,14 @@ def test_surface_from_a_surfalize_object_preserves_heights(lower):
     assert converted.spacing == (0.1, 0.2)
 
 
-def test_conversion_to_a_surface_rejects_other_objects(lower):
+def test_conversion_to_a_surface_rejects_unsuitable_objects(lower):
     array = lower.to_xarray()
     missing, uneven = array.copy(), array.copy()
     missing[0, 0] = np.nan
     uneven = uneven.assign_coords(x=("x", np.square(array["x"].values), array["x"].attrs))
     for bad, words in (
         (lower.row(0), "must be a surface, got a profile; use Profile.from_"),
-        ([[0.0, 1.0]], "an object of SurfaceTopography, surfalize or xarray, got list"),
+        ([[0.0, 1.0]], "an object from SurfaceTopography, surfalize or xarray, got list"),
         (array.drop_attrs(), "must have a unit of length"),
         (array.rename(x="u"), "must have the dimensions y and x"),
         (missing, "1 points without a height"),
@@ -559,7 +559,7 @@ REJECTED_ARGUMENTS = [
     ({"mechanics": "fem"}, "mechanics must be half-space or asperities, got 'fem'"),
     ({"lines": 3}, "shifts is for the areas of two maps, without lines"),
     ({"unit": "nm"}, "unit must not be given for a body in memory"),
-    ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or an object of .* got float"),
+    ({"first": [0.0, 1.0]}, "first must be a Profile or a Surface, or an object from .* got float"),
     ({"second": "nowhere.npy"}, "nowhere.npy"),
 ]
 

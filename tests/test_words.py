@@ -52,7 +52,10 @@ def test_check_reports_rejected_sentence_openings(words):
 
 
 def test_check_reports_tests_that_do_not_begin_with_their_unit(words):
-    files = {"tests/test_x.py": "def test_the_file_is_read():\n    pass\n\n\ndef test_heights_are_read():\n    pass\n"}
+    files = {
+        "tests/test_x.py": "def test_the_profile_reader_accepts_csv_files():\n    pass\n\n\n"
+        "def test_profile_reader_accepts_csv_files():\n    pass\n"
+    }
     assert len(list(words.test_name_faults(files, {"all": ["the"]}))) == 1
 
 

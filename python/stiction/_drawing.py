@@ -53,7 +53,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     middle, mean = bins
     filled = mean > 0
     ax.loglog(middle[filled], mean[filled], color="0.1", linewidth=1.4)
-    # Without this limit, round-off harmonics would fill most of the axis.
+    # Without this limit, harmonics due to round-off would fill most of the axis.
     top = float(density.max())
     ax.set_ylim(max(float(mean[filled].min()) / 3, 1e-16 * top), 3 * top)
     ax.set_xlabel("wave number q (1/µm)")

@@ -24,7 +24,7 @@ def test_form_fields_for_reading_files_are_reader_options():
 
 
 @pytest.mark.parametrize("flag", FIELDS)
-def test_form_shows_each_field_in_one_section_only(flag):
+def test_form_shows_each_field_in_only_one_section(flag):
     places = [place for place in ("scan", "more") if f'name="{flag}"' in fields_html(place)]
     assert places == ([FIELDS[flag].place] if FIELDS[flag].place in ("scan", "more") else [])
 
@@ -71,7 +71,7 @@ def test_caveats_replace_option_names_by_form_labels():
     }
 
 
-def test_preview_names_form_fields_and_choices_by_their_labels(tmp_path):
+def test_preview_refers_to_form_fields_and_choices_by_their_labels(tmp_path):
     heights = np.random.default_rng(1).standard_normal((16, 16))
     reading = {"unit": "um", "spacing": "1 um"}
     np.save(tmp_path / "missing.npy", np.where(heights > 2, np.nan, heights))

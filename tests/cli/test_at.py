@@ -158,7 +158,7 @@ def test_at_command_accepts_comma_separated_and_repeated_options(results_folder)
         (("lines", "--load", "1 mN", "--d", "1.3"), ["--d applies only to studies"]),
         (("study", "--load", "1 mN", "--d", "flat"), ["--d must be one or more numbers"]),
         (("maps", "--load", "1 mN", "--amplitude", "1 um"), ["--amplitude applies only to studies"]),
-        (("maps", "--load", "1 mN", "--direction", "31"), ["--direction must be a direction of"]),
+        (("maps", "--load", "1 mN", "--direction", "31"), ["--direction must be one of the directions in"]),
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
     ],
 )

@@ -773,7 +773,7 @@ def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured, tm
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("lines", [4, 16])  # the mean of four lines has no interval
-def test_pair_command_presses_an_afm_map_on_surrogates_of_itself(measured, tmp_path, lines):
+def test_pair_command_presses_an_afm_map_on_its_surrogates(measured, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
     arguments = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
