@@ -15,6 +15,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_separately
@@ -350,6 +351,10 @@ class NodeAreas:
         return np.asarray(self.errors[np.abs(self.loads - loads[:, np.newaxis]).argmin(axis=1)])
 
 
+Places = tuple[NDArray[np.intp], Floats]
+"""Steps of a table below given hardnesses, and positions of the hardnesses between the steps as fractions."""
+
+
 class SampledAreas:
     """Function that computes A/F from ln H, several times faster than `area_per_load` for many hardnesses.
 
@@ -359,25 +364,37 @@ class SampledAreas:
 
     def __init__(self, nodes: Floats, at_nodes: Floats, elastic: Floats) -> None:
         self._arguments = nodes, at_nodes, elastic
-        self._first, self._last = math.log(nodes[0] / TABLE_MARGIN), math.log(nodes[-1] * TABLE_MARGIN)
+        # limits of ln H in the table
+        self.limits = math.log(nodes[0] / TABLE_MARGIN), math.log(nodes[-1] * TABLE_MARGIN)
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats]:
         """Values of A/F at equal steps of ln H, and differences between successive values."""
-        grid = np.exp(np.linspace(self._first, self._last, NUM_TABLE_STEPS + 1))
-        areas = area_per_load(grid, *self._arguments)
+        areas = area_per_load(np.exp(np.linspace(*self.limits, NUM_TABLE_STEPS + 1)), *self._arguments)
         return areas, np.diff(areas, axis=-1)
 
-    def __call__(self, log_hardness: Floats) -> Floats:
-        """Return A/F (1/GPa), of shape (..., h), for logarithms of hardnesses (GPa), of shape (h,)."""
-        is_large = log_hardness.size > NUM_TABLE_STEPS // 4
-        if not (is_large and self._first < log_hardness.min() and log_hardness.max() < self._last):
+    def __call__(self, log_hardness: Floats, places: Places | None) -> Floats:
+        """Return A/F (1/GPa), of shape (..., h), for logarithms of hardnesses (GPa), of shape (h,).
+
+        `places` is the result of `find_places` for the limits of the table.
+        """
+        if places is None:
             return area_per_load(np.exp(log_hardness), *self._arguments)
-        position = (log_hardness - self._first) * (NUM_TABLE_STEPS / (self._last - self._first))
-        step = position.astype(np.int64)
-        position -= step
-        areas, differences = self._table
-        return np.asarray(areas.take(step, axis=-1) + differences.take(step, axis=-1) * position)
+        (steps, fractions), (areas, differences) = places, self._table
+        return np.asarray(areas.take(steps, axis=-1) + differences.take(steps, axis=-1) * fractions)
+
+
+def find_places(log_hardness: Floats, first: float, last: float) -> Places | None:
+    """Find hardnesses in a table over ln H from `first` to `last`.
+
+    The result is None if a hardness is outside the table, or if the hardnesses are too few to justify a table.
+    """
+    is_large = log_hardness.size > NUM_TABLE_STEPS // 4
+    if not (is_large and first < log_hardness.min() and log_hardness.max() < last):
+        return None
+    position = (log_hardness - first) * (NUM_TABLE_STEPS / (last - first))
+    steps = position.astype(np.intp)
+    return steps, position - steps
 
 
 @dataclass(frozen=True)
@@ -494,10 +511,15 @@ class AreaInterpolator:
         array of float
             Infinite at seizure: H' is NaN, or the nominal area cannot carry the load at H'.
         """
+
+        def compute_ratio(pressure: Floats) -> Floats:
+            return self._sheared_area(load, rule, pressure, modulus) / self._area_before(load, rule, hardness, modulus)
+
+        lowest = self.cached("lowest", (under_shear,), lambda: under_shear.min(initial=np.inf))  # NaN at seizure
+        if lowest > self.pressures[load]:
+            return compute_ratio(under_shear)
         carries_load = under_shear > self.pressures[load]
-        pressure = under_shear if carries_load.all() else np.where(carries_load, under_shear, hardness)
-        ratio = self._sheared_area(load, rule, pressure, modulus) / self._area_before(load, rule, hardness, modulus)
-        return ratio if carries_load.all() else np.where(carries_load, ratio, np.inf)
+        return np.where(carries_load, compute_ratio(np.where(carries_load, under_shear, hardness)), np.inf)
 
     def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the contacts under shear, in arbitrary units."""
@@ -509,9 +531,13 @@ class AreaInterpolator:
                 elastic_areas = elastic_areas[[middle]] * self.opposing_areas[load, -1] / areas[middle, -1]
                 areas = self.opposing_areas[[load]]
             self.tables[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
+        table = self.tables[key]
         # Calls for consecutive loads and sliding rules pass the same arrays.
         log_hardness = self.cached("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))
-        sampled = self.tables[key](log_hardness.ravel()).reshape(-1, *log_hardness.shape)
+        places = self.cached(
+            "places", (log_hardness, *table.limits), lambda: find_places(log_hardness.ravel(), *table.limits)
+        )
+        sampled = table(log_hardness.ravel(), places).reshape(-1, *log_hardness.shape)
         return _interpolate_moduli(sampled, self.moduli, modulus)
 
     def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
