@@ -161,7 +161,9 @@ def draw(results: dict) -> None:
             ax.tick_params(labelsize=7)
         pair[0].set_ylabel(label, fontsize=8)
     for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, axes[0], strict=True):
-        ax.set_title({"lines": "profiles: line contacts", "surfaces": "height maps: elliptical contacts"}[kind], fontsize=9)
+        ax.set_title(
+            {"lines": "profiles: line contacts", "surfaces": "height maps: elliptical contacts"}[kind], fontsize=9
+        )
     axes[1, 0].set_yscale("log")
     axes[1, 0].yaxis.set_ticks((0.3, 0.5, 1, 2), labels=["0.3", "0.5", "1", "2"])
     axes[1, 0].yaxis.minorticks_off()
