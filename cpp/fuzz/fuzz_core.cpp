@@ -27,7 +27,7 @@ void require(bool condition, const char* invariant) {
   }
 }
 
-// Source of numbers from the bytes of the fuzzer. Most numbers are of moderate size, and some are arbitrary doubles.
+// Number source that decodes the bytes of the fuzzer. Most numbers have moderate magnitude; some are arbitrary doubles.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -110,7 +110,7 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // A different largest approach may change the index ranges, but it must not change the contacts.
+    // `contacts` searches only up to this approach, which may change the index ranges but must not change the contacts.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -119,7 +119,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Two maps of equal shape with heights at any scale. Some heights are equal, and some areas are level.
+// Two maps of equal shape, with heights of any scale. Some points have equal heights, and some regions are level.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;

@@ -87,9 +87,9 @@ void subtract(const double* upper, const double* lower, Index size, double offse
   }
 }
 
-// Mark the points of a row that are grid minima and whose gap is at most `deepest`.
+// Mark the grid minima of a row at which the gap is at most `deepest`.
 // None of the eight neighbours of a grid minimum is lower by more than round-off.
-// Both ends of the row are excluded.
+// The first and the last point of the row are excluded.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
@@ -122,7 +122,8 @@ struct Tile {
 
 std::vector<Tile> make_tiles(Index rows, Index columns) {
   constexpr Index size = 256;  // number of cells along each side of a tile
-  // Number of points around a tile. More distant points influence the spline by less than 0.268^32 = 5e-19.
+  // Number of surrounding points on each side of a tile.
+  // Points farther away influence the spline by less than 0.268^32 = 5e-19.
   constexpr Index margin = 32;
   std::vector<Tile> tiles;
   for (Index row = 0; row < rows - 1; row += size) {
@@ -138,24 +139,24 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
 }
 
 // Return sqrt(a² + b²) without intermediate overflow.
-// std::hypot is not used, because it would require a newer C library than all other functions.
+// std::hypot is not used, because it is the only function that would require a newer C library.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
   return longer > 0.0 ? longer * std::sqrt(1.0 + ratio * ratio) : longer;
 }
 
-// Return the smaller principal second derivative.
+// Return the smaller eigenvalue of a Hessian matrix.
 double smaller_curvature(double xx, double xy, double yy) { return 0.5 * (xx + yy) - length(0.5 * (xx - yy), xy); }
 
-// Grid point without a lower neighbour.
+// Grid point that has no neighbour with a smaller gap.
 struct GridMinimum {
   Index row;
   Index column;
   double gap;
 };
 
-// Minimum of the gap, and the height and derivatives of the lower surface at the same position.
+// Minimum of the gap, and the height and derivatives of the lower surface at the minimum.
 struct SplineMinimum {
   Minimum minimum;
   Jet lower;
@@ -196,8 +197,8 @@ void add_candidate(const SurfacePair& pair, const SplineMinimum& spline_minimum,
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy) {
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
-  // The metric to the power -1/2 is I - p pᵀ / (q (q + 1)).
-  // The Hessian times this power on both sides is the matrix (a, b; b, c) of an ordinary eigenvalue problem.
+  // The metric I + p pᵀ to the power -1/2 is I - p pᵀ / (q (q + 1)).
+  // Multiplying the Hessian by this power on both sides gives the matrix (a, b; b, c) of an eigenvalue problem.
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();
   const double r01 = -factor * slope.x() * slope.y();
@@ -286,7 +287,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     natural_bicubic(spline);
     for (const Minimum& minimum : minima_in_tile) {
       spline_minima.push_back({minimum, at_minimum(spline, minimum)});
-      // Slopes within round-off count as zero.
+      // Slopes that may be due to round-off count as zero.
       // Without this rule, round-off would decide by chance whether a contact opposes the motion.
       for (double* slope : {&spline_minima.back().lower.x, &spline_minima.back().lower.y}) {
         *slope = std::abs(*slope) > level_limit ? *slope : 0.0;

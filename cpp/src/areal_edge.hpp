@@ -27,7 +27,8 @@ class MapEdges {
  private:
   std::array<double, 4> distance_;  // distance of each side from the centre
   std::array<std::array<double, 2>, 4>
-      // Tangents of the angles at which each side ends. The angles are measured from the normal of the side.
+      // Tangents of the angles at which each side of the parallelogram ends.
+      // The angles are measured from the normal of the side.
       corners_;
 };
 

@@ -21,7 +21,7 @@ double elastic_area(const Ellipse& ellipse, double overlap) {
   return pi * std::sqrt(ellipse.major * ellipse.minor) * overlap;
 }
 
-// In general, the law is applied to a sphere with the mean radius.
+// Laws other than HertzSphere are applied to a sphere of the mean radius.
 template <class AnyLaw>
 ForceArea force_and_area(const AnyLaw& law, const ArealCandidate& candidate, double overlap) {
   return law(overlap, candidate.radii);
@@ -32,8 +32,8 @@ ForceArea force_and_area(const HertzSphere& law, const ArealCandidate& candidate
           elastic_area(candidate.ellipse, overlap)};
 }
 
-// Return the contact area relative to the area of the elastic ellipse.
-// A yielding contact keeps the shape of this ellipse.
+// Return the ratio of the contact area to the area of the elastic ellipse.
+// A yielding contact has the same shape as the elastic ellipse.
 template <class AnyLaw>
 double relative_area(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
   return area / elastic_area(candidate.ellipse, overlap);
@@ -51,12 +51,12 @@ void reject_cylinders(const Law& law) {
 // ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
 // Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, where c is the lateral direction.
-// The force is multiplied by all five factors. The area is multiplied by the three factors with the tangent t.
+// The force is multiplied by all five factors. The area is multiplied by the three factors that contain the tangent t.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
 
-// Compute the factors of `sliding_factors` for all directions. The factors are 0 if the contact does not slide.
+// Compute the factors of a contact for all directions. The factors are 0 if the contact does not slide.
 STICTION_MULTIVERSION
 void compute_factors(const Vector3& normal, const double* directions_xy, std::size_t direction_count, bool all,
                      double* factors) {
@@ -81,7 +81,7 @@ constexpr std::size_t contacts_per_block = 16;  // number of contacts whose sums
 
 // sums(d, m, k) += Σ_i factors(i, m, d) values(i, k) over the contacts i of a block.
 // The steps k run from `begin` to `steps`, both of which are multiples of every SIMD width.
-// The values are forces for the first sums, and areas for the other sums.
+// The values are forces for the first `num_factors` sums, and areas for the remaining sums.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,
                                       std::size_t contacts, std::size_t direction_count, std::size_t begin,
@@ -138,7 +138,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The reported axes are those of an ellipse of the same shape, whose area is the contact area inside the map.
+      // The reported axes belong to an ellipse of the same shape whose area is the contact area inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,

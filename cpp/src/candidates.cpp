@@ -67,7 +67,7 @@ class SplinedProfile {
   std::vector<double> curvature_;
 };
 
-// Point at which contact is possible according to the detection method.
+// Point at which the detection method allows contact.
 struct Site {
   std::size_t index;    // index of the grid point
   double offset;        // distance from the grid point [µm]
@@ -87,7 +87,7 @@ std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile&
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-// Store the asperity pair of a site. Returns false if its asperities cannot touch.
+// Store the asperity pair at a site. Returns false if the two asperities cannot touch.
 bool set_asperity_pair(const SplinedProfile& upper, const SplinedProfile& lower, const Site& site, Curvature curvature,
                        AsperityPair& asperity_pair) {
   const Asperity upper_asperity = upper.asperity(site.index, site.offset);
@@ -175,8 +175,8 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
   const bool by_cell = detection == Detection::cell;
   const bool two_convex_spheres = curvature == Curvature::convex && !upper.is_flat() && !lower.is_flat();
 
-  // Each cell belongs to a grid point, and its gap is the gap at this point.
-  // A minimum lies in the interval to the right of a grid point, and may be lower than both ends of this interval.
+  // In cell detection, each cell belongs to a grid point, and the gap of the cell is the gap at this point.
+  // In gap-minimum detection, a minimum lies to the right of a grid point and may be lower than both adjacent points.
   const double dip = by_cell ? 0.0 : max_dip(pair.upper, pair.lower);
   constexpr std::size_t chunk_size = 254;  // number of points in a chunk of derivatives
   std::array<unsigned char, chunk_size> marks;

@@ -10,7 +10,7 @@ namespace stiction {
 /// Throw std::invalid_argument with the given message.
 [[noreturn]] void fail(const std::string& message);
 
-/// Check that there is an approach, and that all approaches are finite, >= 0 and strictly increasing.
+/// Check that there is at least one approach, and that all approaches are finite, >= 0 and strictly increasing.
 /// No approach may exceed `deepest`, the limit of the candidates. Throws std::invalid_argument.
 void check_approaches(Values approaches, double deepest);
 

@@ -170,7 +170,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     // The contact centre is at middle - half_excess separation_x / distance.
     // The distance of the sphere centres lies between `min_distance` and `max_distance`.
     // Both sides of the comparison are multiplied by the distance, which avoids a division.
-    // Points with NaN are marked, so that the exact rules decide.
+    // Points with NaN are marked, so that the exact rules are applied to these points.
     const double shift = half_excess * separation_x;
     const double left_edge = middle - limit;
     const double right_edge = middle + limit;

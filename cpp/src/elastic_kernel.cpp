@@ -43,7 +43,8 @@ std::size_t padded_stride(std::size_t count) {
 //
 //     (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),    a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
 //
-// Since i conj(x + iy) = y + ix, these are sums of real numbers. They are read forwards at k and backwards at m - k.
+// Since i conj(x + iy) = y + ix, both terms are sums of real numbers.
+// The coefficients are read forwards at k and backwards at m - k.
 STICTION_MULTIVERSION
 void multiply_line(const float* coefficients, const float* direct_factors, const float* mirrored_factors,
                    std::size_t size, float* __restrict result) {
@@ -84,8 +85,9 @@ STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict 
 constexpr std::size_t wavenumbers_per_block = 64;
 
 // Multiply columns k and m - k by `factors` and `mirrored_factors`, with θ = πk/m.
-// The factors are given at wavenumbers along y up to half of `size`.
-// Coefficient i of one column is combined with coefficient size - i of the other column, which has the same factors.
+// The factors are given for wavenumbers along y up to half of `size`.
+// Coefficient i of one column is combined with coefficient size - i of the other column.
+// Both coefficients have the same factors.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
                                         const Real* mirrored_factors, Real sine, Real cosine, std::size_t size) {
@@ -196,7 +198,7 @@ struct Scratch {
 };
 
 // Multiply each Fourier coefficient by a real factor that is the same for k and -k.
-// The factors are stored by wavenumber along x and then by wavenumber along y.
+// The factors are stored in the order (wavenumber along x, wavenumber along y).
 template <class Real>
 class Filter {
  public:
@@ -437,7 +439,7 @@ class EvenFft {
 
 std::size_t padded_length(std::size_t points) { return 2 * fast_length(points); }
 
-// Return E*|k|/2 by wavenumber along x and then by wavenumber along y.
+// Return the values of E*|k|/2 in the order (wavenumber along x, wavenumber along y).
 std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, double effective_modulus) {
   std::vector<double> factors;
   factors.reserve(shape.factors_along_x() * shape.factors_along_y());
@@ -457,7 +459,7 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
 // On a line, the pressure acts between the origin and x.
 // In the overload below, the pressure acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
-  // This is the integral of -2/(π E*) ln|x|. The length unit in the logarithm only shifts all displacements equally.
+  // This is the integral of -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -492,7 +494,8 @@ TransformShape transform_shape(const Grid& grid) {
   return {grid.rows, grid.columns, grid.line ? 1 : padded_length(grid.rows), padded_length(grid.columns)};
 }
 
-// Return the Fourier coefficients of the displacement per pressure, by wavenumber along x and then along y.
+// Return the Fourier coefficients of the displacement per pressure.
+// The coefficients are in the order (wavenumber along x, wavenumber along y).
 std::vector<double> compliance(const TransformShape& shape, const Grid& grid, double effective_modulus, FftPlans& plans,
                                Scratch& scratch, const ThreadPool& pool) {
   if (grid.periodic) {
@@ -503,7 +506,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
   }
   // The influence coefficients are even along both axes, and so are the padded sizes.
   // Therefore one quadrant of the coefficients determines the transform.
-  // Beyond the grid, the values at its last points are repeated. No result depends on these values.
+  // Beyond the grid, the values at the last grid points are repeated. No result depends on the repeated values.
   const std::size_t width = shape.factors_along_x();
   const std::size_t height = shape.factors_along_y();
   std::vector<double> factors(width * height);
@@ -539,7 +542,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
   return factors;
 }
 
-// Return the stencil, which is the periodic stiffness operator of a small area at the origin and its neighbours.
+// Return the stencil: the periodic stiffness operator of a small area, evaluated at the origin and its neighbours.
 // The operator is summed directly over the wavenumbers of this area.
 std::array<double, 9> compute_stencil(const Grid& grid, double effective_modulus) {
   Grid small = grid;
@@ -677,7 +680,7 @@ void ElasticKernel::apply_foundation_compliance(std::span<const float> loads, do
 
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus) {
   // The displacement of a point is a combination of the integrals up to the four corners of the grid.
-  // By symmetry, a quarter of the points is enough.
+  // By symmetry, the displacements need to be computed at only a quarter of the points.
   const auto displacement = [&](std::size_t row, std::size_t column) {
     double sum = 0.0;
     for (const std::size_t j : {column + 1, grid.columns - column}) {

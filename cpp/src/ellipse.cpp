@@ -41,7 +41,7 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // This is the limit for e -> 0. Its error is about e², which barely slows the iteration.
+    // This is the limit for e -> 0. Its error is about e², which hardly affects the number of iterations.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);
@@ -55,7 +55,7 @@ Ellipse hertz_ellipse(double longer, double shorter) {
                                 format_number(longer) + " and " + format_number(shorter) + " µm");
   }
   const double target = shorter / longer;
-  // Newton's method is applied to the logarithms of both ratios, whose relation is almost linear.
+  // Newton's method is applied to the logarithms of shorter/longer and k, because their relation is almost linear.
   // The slope of this relation is 1.5 at k = 1 and 2 at k = 0.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);

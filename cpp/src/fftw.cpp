@@ -20,7 +20,7 @@ std::mutex& unguarded_planner_mutex() {
 // Executing FFTW plans is thread-safe, but creating them is not.
 std::mutex& planner_mutex() {
 #if defined(__unix__) || defined(__APPLE__)
-  // Without these handlers, a process forked while another thread creates a plan would inherit a locked mutex.
+  // Without these fork handlers, a process forked while another thread creates a plan would inherit a locked mutex.
   [[maybe_unused]] static const int fork_handlers =
       pthread_atfork([] { unguarded_planner_mutex().lock(); }, [] { unguarded_planner_mutex().unlock(); },
                      [] { unguarded_planner_mutex().unlock(); });

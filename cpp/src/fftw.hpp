@@ -11,7 +11,7 @@
 namespace stiction {
 
 /// Alignment of buffers in bytes, which is the size of a cache line and of the widest SIMD register that FFTW uses.
-/// The alignment decides which instructions FFTW uses, and therefore the last bits of the result.
+/// The alignment determines which instructions FFTW uses, and therefore the last bits of the result.
 inline constexpr std::size_t alignment = 64;
 
 /// Memory for complex numbers, aligned to a cache line.
@@ -39,7 +39,7 @@ class AlignedBuffer {
 
 /// Complex Fourier transform of fixed length between aligned buffers, without normalisation.
 /// The plans use FFTW's estimates rather than measurements, so every run uses the same plans.
-/// The plans are created on first use. Several threads may use one object at the same time.
+/// The plans are created on first use. Several threads may use the same object at the same time.
 template <class Real>
 class ComplexFft {
  public:

@@ -17,18 +17,18 @@ namespace {
 
 // Minimum number of points along an axis of the coarsest grid.
 constexpr std::size_t min_points_per_axis = 16;
-// Maximum number of points of a coarser grid for which kernels are cached.
-// The limit also applies to the storage of influence coefficients.
+// Maximum number of points of a coarser grid whose kernels are cached.
+// The same limit applies to the storage of influence coefficients.
 constexpr std::size_t max_cached_points = std::size_t{1} << 20;
-// Tolerance on the coarser grids. This tolerance can be loose, because the discretisation error is larger.
+// Solver tolerance on the coarser grids. It can be loose, because the discretisation error exceeds it on these grids.
 constexpr double coarse_tolerance = 3e-3;
 // Largest ratio of two loads on an area for which the solution at one load is a good starting point for the other load.
 constexpr double max_load_ratio = 1.3;
-// Maximum number of iterations on the finest grid, and maximum number on each coarser grid.
+// Maximum number of iterations on the finest grid, and maximum number of iterations on each coarser grid.
 // The finest grid rarely requires a hundred iterations. The solutions on coarser grids are only starting points.
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
-// Maximum number of evaluations in double precision.
+// Maximum number of times that displacements are evaluated in double precision.
 // More evaluations are needed only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
 // Largest accepted relative deviation between displacements that should be equal.
@@ -41,9 +41,9 @@ constexpr double difference_tolerance = 0.03;
 // Up to this number, the direct solution is faster than transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
 // A deviation of displacements below this limit counts as round-off.
-// The limit is a fraction of the displacement of a single cell under the same pressure.
+// The limit is a fraction of the displacement that a single cell would have under the same pressure.
 constexpr double round_off = 1e-9;
-// The search for the load at an approach is limited by three numbers:
+// The search for the load at a given approach is limited by three numbers:
 // - the largest number of loads that are tried, although more than six are rarely needed
 // - the largest ratio of successive loads
 // - the smallest distance of a new load from the ends of the bracket, as a fraction of the bracket
@@ -95,7 +95,7 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Interpolate values linearly along one axis to a grid with the same length and another number of points.
+// Interpolate values linearly along one axis to a grid of the same length with a different number of points.
 // Each value may be a whole row of `width` numbers.
 std::vector<double> interpolate_along(Values values, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                                       std::size_t width, bool periodic) {
@@ -149,8 +149,8 @@ std::vector<double> interpolate(std::vector<double> values, const Grid& from, co
   return values;
 }
 
-// Solver on one level of the grids, with its elastic kernel and preconditioner.
-// The starting pressure is scaled to a mean [GPa].
+// Solver on one level of the grid hierarchy, with the elastic kernel and the preconditioner of this level.
+// The starting pressure is scaled to the given mean [GPa].
 class LevelSolver {
  public:
   LevelSolver(const HalfSpaceGrids::Kernels& kernels, std::vector<double> start, double mean, Values bound,
@@ -392,7 +392,8 @@ double HalfSpaceSolver::scale(double mean_pressure) const {
 }
 
 // Return whether the solution at another load is a better starting point than the solution on a coarser grid.
-// If each point has its own bound, the solution at the other load is always used. On lines with one bound, it never is.
+// If each point has its own bound, the solution at the other load is always used.
+// On lines with a single bound, the solution at the other load is never used.
 bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
   if (near.empty()) {
     return false;
@@ -457,7 +458,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    // In this case, the other end of the bracket has not moved in two successive steps.
+    // If this condition holds, the other end of the bracket has not moved in two successive steps.
     if (previous_above == above && other) {
       other->excess *= 0.5;
     }
@@ -571,7 +572,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   const double mean = 1.0 / static_cast<double>(in_contact.size());
   Workspace workspace;
   LevelSolver solver(kernels, std::move(start), mean, bound, workspace, pool);
-  // Single precision resolves 1e-7 of a displacement. This is not enough for the small differences on lines.
+  // Single precision resolves 1e-7 of a displacement. Small differences of displacements on lines need more digits.
   solver.recompute_potential(std::vector<double>(in_contact.size(), 0.0), grid.line);
   for (std::int64_t i = 0; i < max_iterations; ++i) {
     const double error = solver.update_free_points();

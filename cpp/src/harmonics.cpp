@@ -28,14 +28,14 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// Exponent of the largest number of turns of a phase over the grid, which is a power of two.
-// With more turns, fewer than 20 binary digits (1e-6) would remain for the fraction of a turn.
+// Exponent of the largest number of turns that a phase may make over the grid. This number is a power of two.
+// If phases made more turns, fewer than 20 binary digits (1e-6) would remain for the fraction of a turn.
 // The exponent is 44 if a long double has 64 binary digits, and 33 if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
 // Number of points per block. The group profiles of one block must fit into the second-level cache.
 constexpr Index block = 1024;
-// Number of blocks after which a harmonic is restarted from its phase.
+// Number of blocks after which the recurrence of a harmonic is restarted from its phase.
 constexpr Index blocks_per_restart = 8;
 // Number of points by which a harmonic advances at a time. Each SIMD lane has its own recurrence.
 constexpr std::size_t lanes = 32;
@@ -339,7 +339,7 @@ struct ArealHarmonic {
   Rotations along_x;
 };
 
-// Wavenumbers of a pair of directions, in turns per point. Both directions have the same magnitudes.
+// Wavenumbers of a pair of directions, in turns per point. Both directions have wavenumbers of the same magnitude.
 struct Wavenumbers {
   long double y;
   long double x;
@@ -354,7 +354,7 @@ Wavenumbers pair_wavenumbers(const HarmonicArea& area, Index m, Index directions
           number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
 }
 
-// Harmonics to include, and the sum Σ w cos φ over these harmonics. The amplitudes include the weights w.
+// Harmonics of the surface, and the sum Σ w cos φ over these harmonics. The amplitudes include the weights w.
 struct ArealSum {
   std::vector<ArealHarmonic> harmonics;
   double constant = 0.0;

@@ -15,7 +15,7 @@ struct Point {
 };
 
 // Bracketing search for one root. `latest` is the latest estimate, and `previous` is the estimate before the latest.
-// The estimate `opposite` is on the other side of the root.
+// The estimates `latest` and `opposite` lie on opposite sides of the root.
 struct RootSearch {
   Point latest;
   Point opposite;

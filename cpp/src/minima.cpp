@@ -24,16 +24,16 @@ constexpr double merge_distance = 1e-6;
 
 // The spline in a cell lies within the range of its 16 coefficients.
 // Each derivative lies within the range of the differences of these coefficients.
-// A minimum is possible only if the lowest coefficient is low enough and both ranges of differences contain zero.
+// A minimum is possible only if the lowest coefficient is at most `max_value` and both derivatives may be zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
-// Number of cells of a row that are excluded together if no coefficient is low enough.
-// These cells depend on as many columns of coefficients as there are cells, and on three more columns.
+// Number of cells of a row that are excluded together if all coefficients exceed `max_value`.
+// A block of n cells depends on n + 3 columns of coefficients.
 constexpr Index cells_per_block = 29;
 
-// Mark the blocks of a row in which a coefficient is low enough.
+// Mark the blocks of a row in which at least one coefficient is at most `max_value`.
 STICTION_MULTIVERSION
 void mark_low(const double* coefficients, Index cells, double max_value, unsigned char* marks) {
   for (Index first = 0; first < cells; first += cells_per_block) {
@@ -222,7 +222,7 @@ STICTION_INLINE void classify_cells_kernel(double* coefficients, double max_valu
 STICTION_KERNEL(classify_cells, (double* coefficients, double max_value, double* round_off, CellClass* classes),
                 (coefficients, max_value, round_off, classes))
 
-// Compute the Bernstein coefficients of both halves of a cubic (de Casteljau).
+// Compute the Bernstein coefficients of both halves of a cubic with de Casteljau's algorithm.
 STICTION_INLINE void halve(double a, double b, double c, double d, std::array<double, 4>& first,
                            std::array<double, 4>& second) {
   const double ab = 0.5 * (a + b);
@@ -300,7 +300,7 @@ class Cell {
       : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
   // Call visit(minimum) for each minimum.
-  // The value and the derivatives of these minima are not set, and their positions may be slightly outside the cell.
+  // The values and derivatives of these minima are not set, and their positions may be slightly outside the cell.
   template <class Visit>
   void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
     search_part(net, 0.0, 0.0, 1.0, round_off, cell_class, visit);
@@ -474,7 +474,7 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
   // Remove minima that were found twice, in two cells or in two parts of a cell.
-  // At this stage, both copies of such a minimum belong to the same cell.
+  // At this stage, both copies of a minimum that was found twice belong to the same cell.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());
   for (const Minimum& minimum : all_minima) {

@@ -1,13 +1,13 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
 // The loader selects the widest instruction set that the machine supports.
 // STICTION_MULTIVERSION is for loops that the compiler vectorises automatically.
-// STICTION_KERNEL is for loops with explicit SIMD registers.
-// The speed of loops with explicit registers depends on which values stay in registers.
+// STICTION_KERNEL is for loops that use SIMD registers explicitly.
+// The speed of such loops depends on which values stay in registers.
 #pragma once
 
 #include <cstddef>
 
-// Multiversioning is disabled if the loader does not support it (other platforms and C libraries).
+// Multiversioning is disabled if the loader does not support it, as on other platforms and with other C libraries.
 // Multiversioning is also disabled under sanitizers, whose start-up is incompatible with resolver functions.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define STICTION_SANITIZED
@@ -43,7 +43,7 @@
 
 /// Define void name(parameters) from a template name_kernel<Width>(arguments).
 /// Width is the number of doubles in a register of the instruction set.
-/// GCC keeps SIMD types that are wider than a register in memory, which is 20 times slower.
+/// GCC stores SIMD types that are wider than a register in memory, and access to them is 20 times slower.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
   __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
@@ -59,7 +59,7 @@
 
 namespace stiction {
 
-// SIMD types of GCC and Clang, and their unaligned versions.
+// SIMD types of GCC and Clang, and variants of these types for unaligned memory.
 // Each width has its own definition, because attributes of types that depend on a template parameter are ignored.
 template <std::size_t Width>
 struct PackOf;
@@ -92,7 +92,7 @@ using Pack = typename PackOf<Width>::Type;
 inline constexpr std::size_t widest_pack = 8;
 
 // Load a register from unaligned memory.
-// A memcpy is not used, because GCC would split it before it knows the instruction set.
+// std::memcpy is not used, because GCC would split the copy before the instruction set is known.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

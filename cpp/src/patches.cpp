@@ -9,7 +9,7 @@
 namespace stiction {
 namespace {
 
-// At each open side, the points under pressure extend beyond the contact by this fraction of a cell.
+// At each open side, the points under pressure extend beyond the true contact by this fraction of a cell.
 // On lines, the fraction is half of 0.38 +- 0.03 points per contact, measured on Westergaard's sinusoid.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;

@@ -9,7 +9,7 @@
 namespace stiction {
 namespace {
 
-// Maximum number of conjugate-gradient steps for the blocks, and relative squared residual at which the steps end.
+// Maximum number of conjugate-gradient steps for the blocks, and squared relative residual at which the steps end.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
 // Largest relative change of the number of free points for which the foundation stiffness is reused.
@@ -161,7 +161,7 @@ void Preconditioner::sum_on_blocks(std::span<const std::int32_t> free_points, st
   }
 }
 
-// Solve the system of the blocks by conjugate gradients. The preconditioner is a half-space on a uniform foundation.
+// Solve the linear system of the blocks by conjugate gradients, preconditioned by a half-space on a uniform foundation.
 // The stiffness of this foundation is rounded to a power of two, so that few different filters are needed.
 void Preconditioner::solve_blocks(Workspace& workspace, const ThreadPool& pool) {
   const std::size_t size = loads_.size();

@@ -16,7 +16,7 @@ namespace stiction {
 namespace {
 
 // Limits of the ratio of the optimal step length to the trial length.
-// If the ratio is outside these limits, this step is shortened or the next step is lengthened.
+// If the ratio is outside these limits, the current step is shortened or the next step is lengthened.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
 constexpr double max_recovery_factor = 100.0;  // largest factor by which steps are lengthened after failed steps
@@ -42,7 +42,7 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
 }
 
 // Mark the free points of a block.
-// Free points have a pressure between 0 and their bound, or a gap that drives the pressure away from the bound.
+// A free point has a pressure between 0 and its bound, or a gap that drives the pressure away from the bound.
 // Points at a bound with a NaN gap are free too. Returns whether the block has any free point.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
@@ -187,7 +187,7 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
     }
     (excess > 0.0 ? left : right) = shift;
     double next = current.between > 0.0 ? shift + excess / current.between : left + 0.5 * (right - left);
-    // In this case, no pressure lies between the bounds, and the bracket is open on one side.
+    // If `next` is not finite, no pressure lies strictly between the bounds, and the bracket is open on one side.
     if (!std::isfinite(next)) {
       const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
       const double max_bound = *std::max_element(bound.begin(), bound.end());
@@ -227,7 +227,7 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
   if (!(total > 0.0) || !(total < max_total)) {
     throw std::invalid_argument("ProjectedCgSolver: total must be positive and below the sum of the bounds");
   }
-  // If the points under pressure cannot support the total load, all points are included.
+  // If the points under pressure cannot support the total load, the step includes all points.
   const auto include = [&](std::size_t i) {
     stepped_points_.push_back(static_cast<std::int32_t>(i));
     target_.push_back(pressure_[i]);
@@ -289,7 +289,7 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
       }
     });
   }
-  // Every point strictly between its bounds took part in the last step.
+  // Every point whose pressure is strictly between its bounds took part in the last step.
   const float* response = pending_fraction_ != 0.0 ? pending_response_.data() : residual_.data();
   const ClippedSum between =
       sum_chunks<ClippedSum>(stepped_points_.size(), pool, [&](std::size_t first, std::size_t last) {
@@ -377,7 +377,7 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 // Return the approach if no pressure lies strictly between the bounds.
 // Points at their bound must not have a gap, and points without pressure must not overlap.
 // If both conditions can be satisfied, the approach is the highest potential of the points under pressure.
-// Otherwise, the approach lies midway between both limits, so that points of both kinds become free.
+// Otherwise, the approach lies midway between the two limits, so that some points of each kind become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -392,8 +392,8 @@ double ProjectedCgSolver::approach_from_bounds() const {
 }
 
 // Call the visitor for each run of constrained points.
-// Its arguments are the list positions of the neighbouring free points, and the number of constrained points.
-// Further arguments are the segments of the run before and after the edge of the grid.
+// The visitor receives the list positions of the neighbouring free points and the number of constrained points.
+// It also receives the segments of the run before and after the edge of the grid.
 // A segment consists of its first point, its length, and its offset in the run.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {

@@ -40,7 +40,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
 }
 
 // Compute the slope at a point as the mean of the slopes of the two adjacent cubics.
-// Both slopes are equal except for round-off.
+// Both slopes are equal to within round-off.
 // The expression is symmetric in x, so a mirrored profile has bit-identical mirrored slopes.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
@@ -141,7 +141,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const double scale = load_scale(spacing);
   const Index last = size - 1;
   // At an end without curvature, the load has odd symmetry.
-  // Beyond the end, the load is its mirror image with opposite sign.
+  // Beyond the end, the load is the mirror image of the load inside, with opposite sign.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);
     const Index image = i > last ? 2 * last - i : i;

@@ -12,7 +12,7 @@
 namespace stiction {
 
 // A round is the set of tasks of one call.
-// A round ends without waiting for threads that have not started any of its tasks.
+// A round ends without waiting for threads that have not started any task of the round.
 // A thread that wakes up after the end of a round waits for the next round.
 struct ThreadPool::Workers {
   using Work = std::function<void(std::size_t, std::size_t)>;

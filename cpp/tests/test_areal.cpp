@@ -56,7 +56,7 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 
 TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all directions and sliding rules") {
   // The spline has zero curvature at the edges, which are 15 points away.
-  // The edges change the result only by a fraction of 0.268^15.
+  // The edges change the result by a relative amount of only 0.268^15.
   constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);
@@ -102,7 +102,7 @@ TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at w
 }
 
 TEST_CASE("areal press: an ellipse much larger than the map contributes the area of the map") {
-  // The fractions have full relative accuracy, even if the part of the ellipse inside the map is very small.
+  // The fractions of force and area inside the map have full relative accuracy, even if they are very small.
   const Matrix upper = paraboloid(31, 41, 1e4, 1e4);
   const Matrix lower = Matrix::Zero(31, 41);
   const ArealCandidates all_candidates = candidates({upper, lower, {spacing, spacing}}, 1e9, Curvature::signed_);
@@ -110,7 +110,8 @@ TEST_CASE("areal press: an ellipse much larger than the map contributes the area
   for (const double approach : {1e3, 1e6, 1e9}) {
     const auto table = stiction::contacts(all_candidates, approach, stiction::HertzSphere{10.0}, {1.0, 0.0});
     REQUIRE(table.size() == 1);
-    // The expected values are the area of the map, and this area times the central pressure 2 E* (d / R)^(1/2) / π.
+    // The expected area is the area of the map.
+    // The maximum force is this area times the central pressure 2 E* (d / R)^(1/2) / π.
     const double area = 40.0 * 30.0 * spacing * spacing;
     CHECK(table[0].area == doctest::Approx(area).epsilon(1e-12));
     const double radius = std::sqrt(table[0].radii.major * table[0].radii.minor);

@@ -28,7 +28,7 @@ constexpr double compliance_tolerance = 1e-6;
 constexpr double pressure_tolerance = 5e-3;  // relative error of pressures; it is squared in the energy
 const std::vector<double> unbounded{std::numeric_limits<double>::infinity()};
 
-// Return heights of a map or a line that are sums of sinusoids of several wavelengths.
+// Return the heights of a map or a line as the sum of sinusoids with several wavelengths.
 std::vector<double> sinusoids(const Grid& grid) {
   std::vector<double> heights(grid.size());
   for (std::size_t row = 0; row < grid.rows; ++row) {
@@ -42,7 +42,7 @@ std::vector<double> sinusoids(const Grid& grid) {
   return heights;
 }
 
-// Check the mean pressure, and the contact conditions within a tolerance.
+// Check the mean pressure and, to within a tolerance, the contact conditions.
 // No point under pressure may have a gap. Only points whose pressure equals the bound may overlap.
 void check_contact_conditions(const HalfSpaceGrids& grids, const std::vector<double>& gap,
                               const std::vector<double>& bound, double mean, double unit,

@@ -69,7 +69,7 @@ TEST_CASE("natural_bicubic: interpolates the points and equals the profile splin
     }
     stiction::natural_spline(row, 1.0, slope, curvature);
     for (Index i = 0; i < columns; ++i) {
-      // Evaluating the spline in the neighbouring cell gives the same value.
+      // At the end of a row or column, the spline is evaluated in the preceding cell, which gives the same value.
       const Index column = std::min(i, columns - 2);
       const Index cell = std::min(j, rows - 2);
       const Jet at =

@@ -103,7 +103,7 @@ TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach li
 
 TEST_CASE("ProjectedCgSolver: steps in which all points reach their bounds preserve the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
-  // The gap drives the pressure from one point to the other with little compliance.
+  // The gap drives the pressure from one point to the other point, and the compliance is small.
   // Therefore the optimal step length grows with each step.
   for (int count = 0; count < 100; ++count) {
     const bool odd = count % 2 == 1;

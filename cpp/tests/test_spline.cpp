@@ -34,8 +34,8 @@ Derivatives derivatives(const std::vector<double>& heights, double spacing) {
 
 TEST_CASE("natural_spline: matches GSL's spline at its knots") {
   constexpr double spacing = 0.25;
-  // GSL evaluates slopes from one side with a longer expression.
-  // In both results, the round-off is relative to the slopes, which are about 1/spacing.
+  // GSL evaluates each slope from one side, and its expression is longer than that of natural_spline.
+  // In the results of both libraries, the round-off is relative to the slopes, which are about 1/spacing.
   constexpr double tolerance = 1e-12;
   for (const std::size_t size : {4U, 5U, 64U, 1001U}) {
     const std::vector<double> heights = rough_heights(size);

@@ -26,7 +26,7 @@ struct HeightStatistics {
 
 /// Accumulates the height statistics of a profile that is added in chunks, from left to right.
 /// Each SIMD lane has a separate sum, minimum and maximum.
-/// The result does not depend on the chunk sizes if the length of each chunk except the last is a multiple of `lanes`.
+/// If every chunk except the last has a multiple of `lanes` heights, the result does not depend on the chunk sizes.
 class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;
@@ -50,7 +50,7 @@ struct Scaling {
   double factor;
 };
 
-/// Return the scaling to the amplitude `amplitude` [µm] for a profile with the given statistics.
+/// Return the scaling that gives a profile with these statistics the amplitude `amplitude` [µm].
 /// Returns nothing for a flat profile, because a flat profile cannot be scaled.
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);
@@ -58,7 +58,7 @@ std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, 
 /// Write (height - mean) * factor to `scaled`. Both arrays must have the same length.
 void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
-/// Scale `heights` to zero mean and the amplitude `amplitude` [µm], and write them to `scaled`.
+/// Scale `heights` to zero mean and to the amplitude `amplitude` [µm], and write the scaled heights to `scaled`.
 /// Returns false for a flat profile, which cannot be scaled. Throws std::invalid_argument if the lengths differ.
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled);
 

@@ -2,17 +2,17 @@
 //
 // The x axis points along a row of a map and the y axis along a column. Both maps have the same grid.
 // The approach [µm] is the displacement of the upper surface towards the lower surface.
-// The approach is measured from the first contact of grid points.
+// The approach is zero when the first grid points come into contact.
 // At a minimum of the gap, both surfaces have the same slope, so a contact has the same normal at every approach.
 // A rotation of the normal with increasing overlap is of second order in overlap/radius, and is neglected.
 //
 // If the edge of the map cuts a contact ellipse, only the part of the ellipse inside the map counts.
-// The Hertzian pressure is integrated over this part.
+// The Hertzian pressure is integrated over the part of the ellipse inside the map.
 // The force and the area of a contact therefore never decrease with the approach.
 // A long valley contributes only with the part that lies inside the map.
 //
 // In some cases, round-off would decide by chance whether there is a contact.
-// The rules below decide these cases, so that a rotated, mirrored, swapped or shifted pair gives the same result.
+// The rules below decide these cases, so that rotating, mirroring, swapping or shifting a pair preserves the result.
 // Curvatures and slopes are expressed in units of the grid spacing.
 // Curvatures and slopes below 2^-26 of the range of the gap count as zero.
 // - A minimum that is not curved upwards in every direction is a level valley or plateau.
@@ -44,7 +44,7 @@ struct SurfacePair {
   Vector2 spacing;  ///< (Δx, Δy): distance between columns, and distance between rows [µm]
 };
 
-/// Contact normal and relative curvature of two surfaces with the same slope p at a point.
+/// Contact normal and relative curvatures at a point where two surfaces have the same slope p.
 /// The gap has the Hessian `xx, xy, yy` [1/µm] at this point.
 /// The relative curvatures are the eigenvalues of the Hessian, divided by q = sqrt(1 + p²).
 /// The eigenvalues are computed in the metric I + p pᵀ of the tangent plane.
@@ -57,7 +57,7 @@ struct ContactGeometry {
 /// Compute the contact geometry from the slope and from a positive definite Hessian.
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
-/// Local minimum of the gap. The minimum is in contact at approaches larger than `gap`.
+/// Local minimum of the gap. The surfaces touch at this minimum if the approach is larger than `gap`.
 struct ArealCandidate {
   Index row;         ///< row of the first grid point of the cell that contains the minimum
   Index column;      ///< column of the first grid point of the cell that contains the minimum
@@ -74,7 +74,7 @@ struct ArealCandidate {
   double overlap(double approach) const { return (approach - gap) * normal.z(); }
 };
 
-/// Contact candidates of two maps, valid for any number of approaches up to `deepest`.
+/// Contact candidates of two maps, valid for all approaches up to `deepest`.
 struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
   std::vector<double> grid_minima;  ///< gaps [µm] at points without a lower neighbour, in ascending order
@@ -85,13 +85,13 @@ struct ArealCandidates {
   Index columns;                    ///< number of columns of the maps
 };
 
-/// Relative tolerance for equal heights.
-/// Differences below this fraction of the largest height may be round-off of the heights or of the spline.
+/// Relative tolerance within which two heights count as equal.
+/// A height difference below this fraction of the largest height may be round-off of the heights or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
-/// Relative tolerance for level valleys.
-/// A rise between neighbouring points counts as zero below this fraction of the range of the gap.
-/// This tolerance limits the accuracy of the position of a minimum to about 1e-8 of a spacing.
+/// Relative tolerance within which a valley counts as level.
+/// A height difference between neighbouring points counts as zero below this fraction of the range of the gap.
+/// This tolerance limits the accuracy with which a minimum is located to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
 /// Find all contact candidates with a gap of at most `deepest` [µm] >= 0.
@@ -112,7 +112,7 @@ struct ArealSums : Sums {
   Index unanswered_count = 0;       ///< number of these points that have no spline minimum nearby
 };
 
-/// Name, unit and description of a member of `ArealSums` that `Sums` does not have.
+/// Name, unit and description of a member of `ArealSums` that is not a member of `Sums`.
 struct ArealQuantity {
   std::string_view name;
   std::string_view unit;
@@ -120,7 +120,7 @@ struct ArealQuantity {
   std::variant<Index ArealSums::*, double ArealSums::*> member;
 };
 
-/// Descriptions of the members of `ArealSums` that `Sums` does not have.
+/// Descriptions of the members of `ArealSums` that are not members of `Sums`.
 inline constexpr std::array areal_quantities{
     ArealQuantity{"lateral_elastic", "mN", "lateral load of the elastic forces of sliding contacts",
                   &ArealSums::lateral_elastic},
@@ -140,15 +140,15 @@ inline constexpr std::array areal_quantities{
 std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
                               const Vector2& direction);
 
-/// Compute the contact sums for every direction and approach, as rows (directions, approaches).
+/// Compute the contact sums for every direction and approach. The result has the order (direction, approach).
 /// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
-/// HertzSphere uses the contact ellipse. Other laws for spheres use the sphere of the mean radius.
+/// HertzSphere is applied to the contact ellipse. Other laws for spheres are applied to a sphere of the mean radius.
 /// Throws std::invalid_argument for invalid arguments and for HertzCylinder.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
                              std::span<const Vector2> directions, Sliding sliding,
                              const CancellationCheck& check_cancellation = {});
 
-/// Compute the contact sums with the direction, the law and the sliding rule of a contact model.
+/// Compute the contact sums for the law, the direction and the sliding rule of a contact model.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const ContactModel& model,
                              const CancellationCheck& check_cancellation = {});
 

@@ -20,7 +20,7 @@ using Vector3 = Eigen::Vector3d;  ///< vector (x, y, z)
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using MatrixView = Eigen::Ref<const Matrix>;
 
-/// Heights [µm] of a profile, or other values on its grid.
+/// Heights [µm] of a profile, or other values at the grid points of a profile.
 using Values = std::span<const double>;
 
 }  // namespace stiction

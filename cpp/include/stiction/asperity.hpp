@@ -12,7 +12,7 @@ namespace stiction {
 /// Body to which a profile belongs. The lower body lies below its profile, and the upper body lies above its profile.
 enum class Side { lower, upper };
 
-/// Parse a side: "lower" or "upper". Throws std::invalid_argument for any other name.
+/// Parse the name of a side: "lower" or "upper". Throws std::invalid_argument for any other name.
 Side side(std::string_view name);
 
 /// Osculating sphere of a profile at one point.

@@ -1,11 +1,11 @@
-// Asperity pairs, and the contact point of a pair at an approach.
+// Asperity pairs, and the contact point of an asperity pair at a given approach.
 // Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 and 5.
 //
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
-// All other code uses only these two members of a pair.
+// Code that works with all types of asperity pairs uses only these two members.
 // Positions are relative to the point of the lower surface at which the asperities face each other.
-// The approach [µm] is the displacement of the upper surface towards the lower surface since their first contact.
-// `gap` [µm] is the height difference between the two surface points at first contact.
+// The approach [µm] is the displacement of the upper surface towards the lower surface since first contact.
+// `gap` [µm] is the height difference between the two surface points at first contact of the surfaces.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -23,12 +23,12 @@ struct Radii {
   double major;  ///< the larger radius
   double minor;
 
-  /// Return the radius of the sphere with the same Gaussian curvature.
+  /// Return the radius of the sphere that has the Gaussian curvature 1/(major minor).
   /// If the radii are equal, no square root is computed, so that the radius of a sphere stays exact.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
-/// Geometry of an asperity contact at an approach.
+/// Geometry of an asperity contact at a given approach.
 struct ContactPoint {
   Vector3 normal;  ///< unit vector from the lower to the upper surface
   Vector3 centre;  ///< position of the contact centre [µm]
@@ -36,16 +36,16 @@ struct ContactPoint {
   double overlap;
 };
 
-/// Rule for the curvatures of two asperities that may form a contact. `convex` requires both surfaces to be convex.
+/// Rule that selects pairs of asperities by their curvatures. `convex` requires both surfaces to be convex.
 /// `signed_` also allows a convex sphere inside a larger concave sphere.
 enum class Curvature { convex, signed_ };
 
 /// Two spheres, at most one of which is concave (Eq. 4).
 /// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap is R_u + R_l minus the signed length of X.
-/// For a nearly flat surface, this difference of large numbers would lose all digits by cancellation.
+/// For a nearly flat surface, this difference of two large numbers would lose all digits by cancellation.
 /// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
-/// For the same reason, the contact centre is measured from the smaller sphere.
+/// To avoid the same cancellation, the contact centre is measured from the smaller sphere.
 struct SpherePair {
   Vector3 separation;      ///< X at p = 0 [µm]
   double gap;              ///< gap at first contact of the surfaces [µm]
@@ -57,7 +57,7 @@ struct SpherePair {
   double smaller_radius;
   bool smaller_is_lower;  ///< true if the smaller sphere belongs to the lower surface
 
-  /// Compute the contact point at an approach [µm].
+  /// Compute the contact point at a given approach [µm].
   ContactPoint contact_at(double approach) const;
   /// Return whether contact_at(approach).overlap <= 0, without a division or a square root.
   bool is_separated(double approach) const;
@@ -82,7 +82,7 @@ struct SphereOnFlat {
 /// Any type of asperity pair.
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
-/// Return the asperity pair of two spheres, or nothing if their curvatures exclude a contact.
+/// Return the asperity pair of two spheres, or nothing if spheres of these curvatures cannot form a contact.
 /// The effective radius must be positive and finite, and the curvature rule must allow both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 

@@ -5,13 +5,13 @@
 
 namespace stiction {
 
-/// Minimum number of rows and of columns of a map.
-/// A natural cubic spline is curved only at inner points. It requires at least two inner points.
+/// A map must have at least this number of rows and at least this number of columns.
+/// A natural cubic spline has zero curvature at its end points. It requires at least two inner points.
 constexpr Index min_map_points = 4;
 
-/// Replace heights [µm] by the B-spline coefficients [µm] of their interpolating spline.
+/// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.
 /// The heights are the inner elements of the array (at least 4 by 4). The outermost rows and columns are only output.
-/// Round-off is about 1e-16 of the largest height. Throws std::invalid_argument.
+/// The round-off of the coefficients is about 1e-16 of the largest height. Throws std::invalid_argument.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
 /// Compute slopes at every point of a map from natural cubic splines along the rows (x).
@@ -20,7 +20,7 @@ void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,
                     Eigen::Ref<Matrix> along_y);
 
-/// Value and derivatives of a spline at a point. Derivatives along x and y are per grid spacing.
+/// Value and derivatives of a spline at a point. In the derivatives, x and y are in units of the grid spacing.
 struct Jet {
   double value;  ///< value of the spline [µm]
   double x;

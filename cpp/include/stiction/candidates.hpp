@@ -1,8 +1,8 @@
 // Contact candidates of two profiles: the points where the profiles may touch, for any contact law.
 //
 // Both profiles have the same grid. The approach is the displacement of the upper surface towards the lower surface.
-// The approach is measured from the first contact of grid points.
-// A profile counts as a flat of infinite radius if its points lie on a straight line, except for round-off.
+// The approach is zero when the first grid points come into contact.
+// A profile counts as a flat of infinite radius if its points lie on a straight line to within round-off.
 // The normal of the flat is the normal of this line.
 #pragma once
 
@@ -28,7 +28,7 @@ enum class Detection { cell, gap_minimum };
 Detection detection(std::string_view name);
 Curvature curvature(std::string_view name);
 
-/// Two profiles of heights [µm] on the same grid with the spacing `spacing` [µm].
+/// Two profiles with heights [µm] on the same grid, whose spacing is `spacing` [µm].
 struct ProfilePair {
   Values upper;
   Values lower;
@@ -48,7 +48,7 @@ struct Candidate {
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`
 };
 
-/// Call visit(candidate) from left to right for every candidate of a pair with a gap of at most `deepest` [µm] >= 0.
+/// Call visit(candidate), from left to right, for every candidate whose gap is at most `deepest` [µm] >= 0.
 /// With Detection::cell, candidates that cannot touch within their cell up to `deepest` may be omitted.
 /// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
 /// Throws std::invalid_argument.
@@ -56,7 +56,7 @@ void for_each_candidate(const ProfilePair& pair, double deepest, Detection detec
                         const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
 
-/// Run the prefilter on a pair of profiles. Throws std::invalid_argument if the numbers of points differ.
+/// Run the prefilter on a pair of profiles. Throws std::invalid_argument if their numbers of points differ.
 Prefilter run_prefilter(const ProfilePair& pair);
 
 /// Call visit(candidate) for every candidate of a pair whose prefilter is already available.
@@ -64,7 +64,7 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
                         Curvature curvature, const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
 
-/// Contact candidates of two profiles, valid for any number of approaches up to `deepest`.
+/// Contact candidates of two profiles, valid for all approaches up to `deepest`.
 struct Candidates {
   std::vector<Candidate> all;
   double deepest;  ///< largest approach [µm]

@@ -23,7 +23,7 @@ struct ContactModel {
   Sliding sliding = Sliding::opposing;
 };
 
-/// One contact. Positions are in the frame of the lower surface.
+/// A single contact. Positions are in the frame of the lower surface.
 struct Contact {
   Index index;      ///< index of the candidate
   Vector3 centre;   ///< centre of the contact [µm]

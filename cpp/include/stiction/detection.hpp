@@ -26,7 +26,7 @@ struct Prefilter {
   double upper_max_abs = 0.0;  ///< largest |height| of the profile [µm]
   double lower_max_abs = 0.0;
 
-  /// Add the next chunk of both profiles. Every chunk except the last must consist of complete blocks.
+  /// Add the next chunks of both profiles. Every chunk except the last must consist of complete blocks.
   void add(Values upper, Values lower);
 };
 
@@ -39,8 +39,8 @@ struct IndexRange {
   std::size_t end;
 };
 
-/// Return index ranges, in increasing order, that contain all grid points at which contact is possible.
-/// These are the points whose gap at first contact is at most `max_gap` [µm].
+/// Return, in increasing order, index ranges that contain all grid points at which contact is possible.
+/// Contact is possible at points whose gap at first contact is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the depth by which the splined gap dips below its values on the grid.
@@ -49,7 +49,7 @@ std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilte
 /// A cubic dips below its end points by at most Δx² / 8 times its largest |f''|.
 double max_dip(Values upper, Values lower);
 
-/// Return whether the points of a profile lie on a straight line, except for round-off.
+/// Return whether the points of a profile lie on a straight line to within round-off.
 /// `max_abs` is the largest |height| of the profile [µm].
 bool is_straight(Values heights, double max_abs);
 
@@ -61,10 +61,10 @@ struct Derivatives {
   const double* lower_curvature;
 };
 
-/// Mark the points at which contact is possible at some approach up to `max_approach` [µm].
+/// Mark the points at which contact is possible for at least one approach up to `max_approach` [µm].
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell.
 /// Every such point is marked. Some points at which contact is impossible may be marked too.
-/// The contact centre moves in one direction while the sphere centres approach each other, so its end points decide.
+/// The contact centre moves in one direction during the approach, so testing both ends of its path is sufficient.
 /// `zero` is the gap at first contact [µm].
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
@@ -76,7 +76,7 @@ void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks
 
 /// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one.
 /// Inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends of the interval.
-/// The slope is quadratic in the interval. Its root at which the gap is convex is the minimum.
+/// The slope is quadratic in the interval. The minimum is the root of the slope at which the gap is convex.
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
@@ -95,7 +95,7 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // At this root, the quadratic increases. This form of the solution avoids cancellation.
+  // The quadratic increases at this root. This formula for the root avoids cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
     // The signs at the ends guarantee a root in the interval. Only round-off can put the computed root outside.

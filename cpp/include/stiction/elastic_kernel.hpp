@@ -12,7 +12,7 @@
 
 namespace stiction {
 
-/// Grid on the surface of a half-space. The grid is an area or a line, which is a single row of cells of 1 µm width.
+/// Grid on the surface of a half-space: an area, or a line, which is a single row of cells that are 1 µm wide.
 struct Grid {
   std::size_t rows = 1;
   std::size_t columns = 1;
@@ -27,7 +27,7 @@ struct Grid {
 /// Return the smallest length >= `points` whose only prime factors are 2, 3 and 5. FFTs of such lengths are fast.
 std::size_t fast_length(std::size_t points);
 
-/// Buffers that successive transforms of one calculation reuse.
+/// Buffers that are reused by successive transforms of the same calculation.
 class Workspace {
  public:
   Workspace();
@@ -46,9 +46,9 @@ class Workspace {
 /// On a periodic grid, each Fourier component is multiplied by 2/(E*|k|), and by 0 for k = 0.
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
-/// On lines, the displacement depends logarithmically on the distance.
+/// On lines, the displacement depends logarithmically on the distance from the load.
 /// The approximate inverse E*|k|/2 is periodic even on a free grid, which halves the size of the transform.
-/// In a preconditioner, the resulting interaction of opposite edges is harmless.
+/// In a preconditioner, the interaction of opposite edges that results from this periodicity is harmless.
 class ElasticKernel {
  public:
   /// Compute the influence coefficients.
@@ -89,7 +89,8 @@ class ElasticKernel {
   std::unique_ptr<Transforms> transforms_;
 };
 
-/// Return the root-mean-square deviation [µm/GPa] of the displacements under uniform pressure on a free grid.
+/// Return the root-mean-square deviation [µm/GPa] of displacements from their mean.
+/// The displacements are those under uniform pressure on a free grid.
 /// The deviation is zero on a periodic grid.
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus);
 

@@ -16,9 +16,10 @@
 
 namespace stiction {
 
-/// Grid hierarchy and elastic kernels, which all problems with the same grid share.
-/// Each coarser grid has about half as many points along an axis. The coarsest grid has about 16 points along an axis.
-/// Several threads may use one object at the same time.
+/// Grid hierarchy and elastic kernels that all contact problems on the same grid share.
+/// Each coarser grid has about half as many points along an axis as the next finer grid.
+/// The coarsest grid has about 16 points along an axis.
+/// Several threads may use the same object at the same time.
 class HalfSpaceGrids {
  public:
   /// Elastic kernels of one grid: one kernel for its points, and one kernel for its blocks of points.
@@ -33,10 +34,11 @@ class HalfSpaceGrids {
   const std::vector<Grid>& levels() const { return levels_; }
   double effective_modulus() const { return effective_modulus_; }
 
-  /// Return the kernels of a level, and compute them on first use. Large kernels of coarser grids are not cached.
+  /// Return the kernels of a grid level, and compute them on first use. Large kernels of coarser grids are not cached.
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return the root-mean-square deviation [µm/GPa] of the displacements under uniform pressure on a free grid.
+  /// Return the root-mean-square deviation [µm/GPa] of displacements from their mean.
+  /// The displacements are those under uniform pressure on a free grid.
   double uniform_pressure_deviation() const;
 
   /// Return the displacement [µm/GPa] of each point due to a pressure on the first point.
@@ -60,7 +62,7 @@ struct HalfSpaceSolution {
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
-/// Progress callback, which each iteration on the finest grid calls with the iteration number and the error.
+/// Progress callback. Each iteration on the finest grid calls it with the iteration number and the error.
 /// An exception that the callback throws ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
@@ -74,7 +76,7 @@ using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.
-  /// A gap of 0 everywhere defines a traction problem instead of a contact.
+  /// A gap of 0 everywhere defines a traction problem instead of a contact problem.
   /// `bound` [GPa] has a single value for all points, which may be infinite, or one value for each point.
   /// Points with a bound of 0 carry no pressure and may overlap.
   /// Throws std::invalid_argument for wrong sizes and for a tolerance that is not positive.
@@ -91,7 +93,7 @@ class HalfSpaceSolver {
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),
                        const HalfSpaceProgress& progress = {}) const;
 
-  /// Solve for an approach [µm]. This requires about six solutions, because the load is found by iteration.
+  /// Solve for an approach [µm]. This takes about six solutions at trial loads, because the load is found by iteration.
   HalfSpaceSolution at_approach(double approach, Values near = {}, const ThreadPool& pool = ThreadPool(),
                                 const HalfSpaceProgress& progress = {}) const;
 

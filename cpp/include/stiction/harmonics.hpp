@@ -15,7 +15,7 @@
 
 namespace stiction {
 
-/// Grid of a profile, and the harmonics to include.
+/// Grid of a profile, and the harmonics whose sum is the profile.
 struct HarmonicGrid {
   double spacing;             ///< Δx [µm] > 0; point j lies at j Δx
   Index points;               ///< number of points, at least 1
@@ -45,7 +45,7 @@ inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const Har
   return profiles;
 }
 
-/// Grid of a surface, and the harmonics to include. Point (i, j) lies at x = j Δx, y = i Δy.
+/// Grid of a surface, and the harmonics whose sum is the surface. Point (i, j) lies at x = j Δx, y = i Δy.
 struct HarmonicArea {
   double spacing_y;           ///< Δy [µm] > 0
   double spacing_x;           ///< Δx [µm] > 0
@@ -57,7 +57,7 @@ struct HarmonicArea {
 /// Write the areal form of Eq. 1 to `heights` [µm] (rows along y, columns along x).
 /// The phases are (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn. Each frequency has one weight w_n [µm].
 /// By cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
-/// Accuracy and exceptions are the same as for `harmonic_profiles`.
+/// Accuracy and exceptions are the same as those of `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});
 

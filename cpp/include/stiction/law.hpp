@@ -51,7 +51,7 @@ struct HertzSphere {
 };
 
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
-/// The overlap is the overlap of the undeformed circles, a²/R, where 2a is the contact width.
+/// The overlap a²/R is that of the undeformed circles, where 2a is the contact width.
 /// Source: Johnson, Contact Mechanics (1985), eq. 4.45. The force at a given half-width is exact for a << R.
 /// In a line contact, the approach of distant points is unbounded, so it cannot define the overlap.
 struct HertzCylinder {
@@ -68,7 +68,7 @@ struct HertzCylinder {
 };
 
 /// An elastic, perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
-/// Hertz theory applies up to 1.9 times the critical interference. Above this limit, a fit to finite elements applies.
+/// Hertz theory applies up to 1.9 times the critical interference. Above it, a fit to finite-element results applies.
 /// The fit covers contact radii up to 0.41 R. The load jumps by less than 1 % at the transition.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0
@@ -89,7 +89,7 @@ struct JacksonGreen {
 
 /// Any contact law of the library.
 /// The call operator of a law takes an overlap [µm] > 0 and the principal radii [µm] > 0 of an asperity pair.
-/// All laws in this file treat the asperity pair as spheres of the mean radius.
+/// All laws in this file use only the mean of the two principal radii.
 using Law = std::variant<HertzSphere, HertzCylinder, JacksonGreen>;
 
 /// Create a contact law from its name and its named parameters.

@@ -32,17 +32,17 @@ struct CellRange {
 /// The spline is specified by its coefficients (see natural_bicubic).
 /// Minima above `max_value` [µm], minima on the edge of the map and valleys whose curvature is round-off do not count.
 /// A minimum within 1e-6 of the boundary of two cells belongs to the right or the upper of these cells.
-/// This cell may lie outside the given range.
+/// The cell to which such a minimum belongs may lie outside the given range of cells.
 ///
-/// The search is exhaustive. A cell is subdivided until the signs of the Bernstein coefficients decide for each part.
-/// The signs of the coefficients either exclude a minimum or show that the spline is convex.
-/// If the spline is convex, Newton's method finds the only possible minimum.
+/// The search is exhaustive. Each cell is subdivided until the signs of the Bernstein coefficients classify every part.
+/// The signs of the coefficients either exclude a minimum in a part or show that the spline is convex in this part.
+/// In a convex part, Newton's method finds the only possible minimum.
 /// Parts of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
-/// In undecided parts, Newton's method decides whether there is a minimum.
+/// In undecided parts, Newton's method shows whether there is a minimum.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});
 
-/// Evaluate another spline at the position of a minimum, in the cell that contains the position.
+/// Evaluate a different spline at the position of a minimum, in the cell that contains this position.
 Jet at_minimum(const MatrixView& coefficients, const Minimum& minimum);
 
 /// Return whether two minima of one cell are equal except for round-off.

@@ -20,8 +20,8 @@ struct Patches {
   std::int32_t count = 0;                ///< number of patches
 };
 
-/// Find the connected patches of the points under pressure.
-/// Neighbouring points (eight on areas) are connected, also across the edges of a periodic grid.
+/// Find the connected patches formed by the points under pressure.
+/// A point is connected to its neighbours (eight on areas), also across the edges of a periodic grid.
 /// A side of a cell under pressure is open if the adjacent cell carries no pressure.
 /// Each open side reduces the contact fraction of the cell by 0.19 on lines, and by (π - 1 + ln 2)/24 on areas.
 /// Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.

@@ -13,7 +13,7 @@
 
 namespace stiction {
 
-/// Approximate inverse of the elastic kernel. Its result is the pressures that roughly cause given displacements.
+/// Approximate inverse of the elastic kernel. It returns the pressures that approximately cause given displacements.
 ///
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
 /// At long range, distant points cause a slowly varying displacement.
@@ -27,16 +27,17 @@ class Preconditioner {
   /// Number of points along each side of a block.
   static constexpr std::size_t block_size = 16;
 
-  /// Return the periodic grid of the blocks of an area.
+  /// Return the periodic grid whose points represent the blocks into which an area is divided.
   static Grid block_grid(const Grid& area);
 
-  /// Create the preconditioner from the stencil of an area and the kernel of its blocks.
+  /// Create the preconditioner from the stencil of an area and the elastic kernel of its blocks.
   /// The kernel must outlive this object.
   /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
   Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks);
 
   /// Compute pressures [GPa] at the free points from displacements [µm] on the grid.
-  /// The indices of the free points must increase. Displacements must be 0 at all other points.
+  /// The indices of the free points must be in increasing order.
+  /// Displacements must be 0 at all points that are not free.
   /// Elements of the result at points that are not free are unspecified.
   /// The result is valid until the next call.
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
@@ -45,11 +46,11 @@ class Preconditioner {
  private:
   /// Apply the stencil at each free point to values on the grid, which are continued periodically beyond the edges.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
-  /// Sum the result over each block, with the bilinear weights.
+  /// Sum the result of the stencil over each block, using the bilinear weights.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
   /// Compute the foundation stiffness of the blocks.
   void update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool);
-  /// Solve the system of the blocks for the loads on the blocks.
+  /// Solve the linear system of the blocks for the loads on the blocks.
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);
 
   // Weights of the linear interpolation between blocks along an axis.

@@ -1,5 +1,5 @@
 // Contact of many pairs of profiles in one call, for example for one set of phases and many fractal dimensions.
-// Each pair consists of the same row of two matrices.
+// Each pair consists of one row of a matrix and the same row of a second matrix.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -28,7 +28,7 @@ struct Amplitudes {
 /// The profiles are scaled to each amplitude, and the sums are computed for each model and approach.
 /// The result has the order (row, amplitude, model, approach). The heights are overwritten.
 /// For the last amplitude, the profiles are scaled in place, which halves the memory traffic.
-/// For all other amplitudes, the profiles are scaled into the two rows of `scratch`.
+/// For all amplitudes except the last, the profiles are scaled into the two rows of `scratch`.
 /// Throws as `press` does, and also if shapes do not match or a profile is flat.
 std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,
                                         const Amplitudes& amplitudes, Values approaches,

@@ -19,20 +19,21 @@ namespace stiction {
 /// The caller applies K, and a preconditioner M that approximates the inverse of K.
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
-/// A point at a bound is free if its gap drives its pressure away from the bound. One iteration consists of the calls
+/// A point at a bound is free if its gap drives its pressure away from the bound.
+/// One iteration consists of these calls:
 ///
 ///     restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
 ///     ->  advance(K step)
 ///
-/// Let the residual r be continued from the free points to the other points.
-/// On the free points, r·(inverse of K)r is the minimum of r·Mr over all continuations of r.
-/// On areas, the continuation by zero is close to this minimum.
-/// On lines with short contacts, the continuation by zero is far from this minimum.
+/// Let the residual r be extended from the free points to the constrained points.
+/// On the free points, r·(inverse of K)r is the minimum of r·Mr over all extensions of r.
+/// On areas, extension by zero comes close to this minimum.
+/// On lines with short contacts, extension by zero is far from this minimum.
 /// On lines, the residual is therefore interpolated linearly between free points.
 /// The transpose of the interpolation is applied to M r.
 /// The interpolation continues across the edges of the grid, because M is periodic.
 ///
-/// Each step leads from one feasible pressure to another.
+/// Each step leads from one feasible distribution of pressures to another.
 /// Only pressures at free points change, so restoring the sum never puts a small pressure on other points.
 /// The method is described by Polonsky & Keer, Wear 231 (1999) 206. The energy never increases.
 class ProjectedCgSolver {
@@ -46,12 +47,12 @@ class ProjectedCgSolver {
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line);
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
-  /// No point under pressure has a larger gap, and no point below its bound has a larger overlap.
+  /// The gap at points under pressure and the overlap at points below their bound do not exceed the returned value.
   /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
   /// Return the residual [µm]. At free points, it is the mean potential of the free points minus the potential.
-  /// At other points, the residual is continued by 0 on areas, and by linear interpolation on lines.
+  /// At points that are not free, the residual is extended by 0 on areas, and by linear interpolation on lines.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
   /// Return the free points found by the last `update_free_points`, in increasing order.
@@ -61,7 +62,7 @@ class ProjectedCgSolver {
   /// A steepest-descent step uses the residual instead of M residual, and is certain to lower the energy.
   bool is_steepest_descent() const { return steepest_descent_; }
 
-  /// Compute the direction of the next step of the pressures [GPa]. It is 0 at points that are not free.
+  /// Compute the direction of the next pressure step [GPa]. The direction is 0 at points that are not free.
   /// `response` is K times the previous step, or empty.
   std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response,
                               const ThreadPool& pool = ThreadPool());
@@ -70,8 +71,8 @@ class ProjectedCgSolver {
   /// `response` must stay valid until the next `update_free_points`. Returns whether the pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale the pressures that are below their bounds, so that the sum of all pressures is exact except for round-off.
-  /// The potential must then be recomputed.
+  /// Scale the pressures that are below their bounds, so that all pressures have the exact sum to within round-off.
+  /// After this scaling, the potential must be recomputed.
   void rescale_to_total();
 
   /// Replace the potential by a recomputed potential, and restart with steepest descent.
@@ -122,7 +123,7 @@ class ProjectedCgSolver {
   std::vector<double> preconditioned_;        // preconditioned residual at free points
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
-  // K times the last step. The potential lacks `pending_fraction_` times this response.
+  // K times the last step. This response times `pending_fraction_` has not been added to the potential yet.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
   std::vector<std::vector<std::int32_t>> task_free_points_;  // free points that each task of a thread has found

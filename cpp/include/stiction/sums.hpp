@@ -20,7 +20,7 @@ namespace stiction {
 
 /// Rule that selects the contacts at which friction acts.
 /// `opposing` selects only contacts whose slope opposes the motion, as in the paper. `all` selects every contact.
-/// With `all`, contacts that slope the other way push the body forward.
+/// With `all`, contacts whose slope assists the motion push the upper surface forward.
 enum class Sliding { opposing, all };
 
 /// Parse a sliding rule: "opposing" or "all". Throws std::invalid_argument for any other name.
@@ -37,18 +37,18 @@ struct Sums {
   double normal_adhesive = 0.0;        ///< Σ_sliding A t_z    [mN] per GPa of tau0
   double tangential_adhesive = 0.0;    ///< -Σ_sliding A s·t   [mN] per GPa of tau0
 
-  // Sums from which the indicators of the validity of the model are computed. R is the mean radius of a contact.
+  // Sums from which the validity indicators of the model are computed. R is the mean radius of a contact.
   double overlap_load = 0.0;       ///< Σ F n_z overlap/R                       [mN]
   double load_beyond_hertz = 0.0;  ///< Σ F n_z of contacts with overlap > R/10 [mN]
   double load_below_grid = 0.0;    ///< Σ F n_z of contacts with R < Δx         [mN]
   Index crossed_count = 0;         ///< number of pairs rejected because their sphere centres have crossed
 
-  /// Add a contact from its geometry, its force and its area.
+  /// Add the contributions of a contact with the given geometry, force and area.
   /// The upper surface moves along `direction`, and the grid spacing is Δx [µm].
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
 
-  /// Add the sums of a contact that do not depend on the direction. Returns the load F n_z [mN].
+  /// Add those contributions of a contact that do not depend on the direction. Returns the load F n_z [mN].
   double add(const Vector3& normal, double overlap, double radius, const ForceArea& force_area, double spacing);
 };
 

@@ -11,7 +11,7 @@
 
 namespace stiction {
 
-/// Pool of `threads` threads, including the caller's thread. A pool with a single thread starts no further thread.
+/// Pool of `threads` threads, including the caller's thread. If `threads` is 1, no thread is started.
 /// Results must not depend on the thread that runs a task, so that they are bit-identical for any number of threads.
 /// Only one calculation may use a pool at a time.
 class ThreadPool {
@@ -26,7 +26,7 @@ class ThreadPool {
 
   /// Run `work(task, thread)` for each task, and return when all tasks are done.
   /// The calling thread is number 0 and checks for cancellation after each of its tasks.
-  /// Exceptions of a task or of the check are rethrown.
+  /// Exceptions thrown by a task or by the cancellation check are rethrown.
   void run(std::size_t tasks, const std::function<void(std::size_t, std::size_t)>& work) const;
 
   /// Run `work(first, last)` on consecutive chunks of at most `chunk` indices.
