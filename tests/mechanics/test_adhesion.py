@@ -110,7 +110,7 @@ def test_adhesive_contact_minimizes_energy_up_to_the_pull_off_force(case):
 
 
 @pytest.mark.parametrize(("rms", "modulus", "load"), [(1e-3, 80.0, 0.01), (3e-3, 80.0, 0.1), (3e-3, 2.0, 2e-3)])
-def test_adhesive_contact_agrees_with_tamaas_at_equal_mean_gap(rms, modulus, load):
+def test_adhesive_contact_agrees_with_tamaas_solution_at_the_same_mean_gap(rms, modulus, load):
     tamaas = pytest.importorskip("tamaas")
     (flat, lower), adhesive = rough(rms, 5e-5, points=64, modulus=modulus)
     area = lower.heights.size * lower.spacing[0] ** 2
@@ -132,7 +132,7 @@ def test_adhesive_contact_agrees_with_tamaas_at_equal_mean_gap(rms, modulus, loa
 
 
 @pytest.mark.parametrize("tabor", [0.3, 1.0, 1.7])
-def test_pull_off_force_of_sphere_equals_maugis_solution_for_any_period(tabor):
+def test_pull_off_force_of_a_sphere_equals_maugis_solution_for_any_period(tabor):
     bodies, adhesive = ball(tabor)
     assert tabor_parameter(1.0, 1.0, **{name: adhesive[name] for name in ("work_of_adhesion", "adhesion_range")}) == (
         pytest.approx(tabor)
@@ -149,7 +149,7 @@ def test_pull_off_force_of_sphere_equals_maugis_solution_for_any_period(tabor):
 
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
-def test_sphere_with_dugdale_attraction_agrees_with_maugis_solution_on_any_grid(tabor, monkeypatch):
+def test_contact_of_a_sphere_with_dugdale_attraction_agrees_with_maugis_solution_on_any_grid(tabor, monkeypatch):
     """Check that differences from Maugis are due to the exponential law, not to the grid or the edge."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
@@ -170,7 +170,7 @@ def test_sphere_with_dugdale_attraction_agrees_with_maugis_solution_on_any_grid(
     assert np.sqrt(curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=MAUGIS_TOLERANCE)
 
 
-def test_adhesive_cylinder_equals_barquins_solution():
+def test_contact_of_an_adhesive_cylinder_equals_barquins_solution():
     """Check F = π E* a²/(4R) - (2π E* w a)^(1/2) per µm of length (Barquins, The Journal of Adhesion 26 (1988) 1)."""
     work, length = 1e-6, 1024
     radius = (2 * work / np.pi) ** (1 / 3)  # at pull-off
@@ -185,7 +185,7 @@ def test_adhesive_cylinder_equals_barquins_solution():
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.6])
-def test_adhesive_contact_of_sinusoid_equals_johnson_solution_and_jumps_to_full_contact(alpha):
+def test_adhesive_contact_of_a_sinusoid_equals_johnson_solution_and_jumps_to_full_contact(alpha):
     """Check p/p* = sin²s - α (tan s)^(1/2), s = πa/λ (Johnson, Int. J. Solids Structures 32 (1995) 423).
 
     Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it at a smaller
@@ -215,7 +215,7 @@ PULL_OFF_TOLERANCE = 0.01
 
 
 @pytest.mark.parametrize("tension", [1.02, 1.05, 1.13, 1.7, 2.3])
-def test_pull_off_force_of_sinusoid_in_full_contact_equals_opening_load(tension):
+def test_pull_off_force_of_a_sinusoid_in_full_contact_equals_opening_load(tension):
     """Complete contact under a load of 0.05 p* opens where the lowest pressure is 0: at a tension of w/ρ - p*."""
     points, height = 512, 0.005
     x, full = np.arange(points) / points, np.pi * height
@@ -265,7 +265,7 @@ def soft_in_complete_contact():
     return rough(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
 
 
-def test_attraction_decreases_everywhere_as_the_load_decreases_to_pull_off():
+def test_attraction_decreases_at_every_point_as_the_load_decreases_to_pull_off():
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     attraction = Attraction(curve._problem, tolerance=1e-6, report=None)
@@ -326,7 +326,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
 
 
 @pytest.mark.soak
-def test_random_adhesive_problems_converge_and_few_pull_off_forces_are_lower_bounds():
+def test_random_adhesive_problems_converge_and_few_give_only_a_lower_bound_of_pull_off_force():
     """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
 
     Some of them have a hardness.
@@ -349,7 +349,7 @@ def test_random_adhesive_problems_converge_and_few_pull_off_forces_are_lower_bou
     assert bounds <= MAX_BOUNDS
 
 
-def test_maugis_dugdale_tends_to_jkr_and_dmt():
+def test_maugis_dugdale_solution_tends_to_jkr_and_dmt_solutions():
     work = {"work_of_adhesion": 1e-4}
     loads = np.array([2e-4, 0.0, -2e-4])
     soft = maugis_dugdale(loads, 1.0, 1e-4, **work, adhesion_range=1e-3)
@@ -360,7 +360,7 @@ def test_maugis_dugdale_tends_to_jkr_and_dmt():
         assert np.isnan(law(-1.0, 1.0, 1.0, **work)[0])
 
 
-def test_fuller_tabor_pull_off_equals_the_sum_over_summit_heights():
+def test_fuller_tabor_pull_off_force_equals_the_sum_over_summit_heights():
     radius, modulus, work = 2.0, 1.3, 1e-3
     a = np.geomspace(1e-3, 3.0, 200_000)
     force = 4 * modulus * a**3 / (3 * radius) - np.sqrt(8 * np.pi * work * modulus * a**3)
@@ -405,7 +405,7 @@ def test_half_space_pressures_are_bit_identical_with_zero_adhesion_and_without_a
     assert little.contact_area == pytest.approx(plain.contact_area, rel=1e-6)
 
 
-def test_pull_off_force_is_positive_if_consecutive_iterations_change_nothing():
+def test_pull_off_force_is_positive_if_consecutive_iterations_do_not_change_the_solution():
     """Solve a case in which two consecutive iterations change nothing, so that the ratio of their changes is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
     heights = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]
@@ -420,7 +420,7 @@ def test_pull_off_force_is_positive_if_consecutive_iterations_change_nothing():
     assert curve.pull_off > 0
 
 
-def test_half_space_rejects_bad_adhesion_arguments():
+def test_half_space_rejects_invalid_adhesion_arguments():
     bodies, adhesive = ball(1.0)
     with pytest.raises(ValueError, match="strictly increasing or strictly decreasing"):
         half_space(*bodies, [1.0, 0.0, 1.0], **adhesive)

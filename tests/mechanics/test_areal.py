@@ -177,7 +177,7 @@ class TestArealExact:
         assert table.normal[0].tolist() == [0, 0, 1]
 
     @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
-    def test_friction_coefficient_on_a_slope_equals_tangent_of_summed_slope_and_friction_angles(self, angle):
+    def test_friction_coefficient_on_a_slope_equals_the_tangent_of_slope_angle_plus_friction_angle(self, angle):
         slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
         def ramp(x, y):
@@ -211,7 +211,7 @@ class TestArealExact:
         # The lateral load is positive to the left of the motion. Left of +y is -x, so the sign changes.
         assert_close(curve.lateral_load(mu0=0.3), -force * math.sin(theta), ROUND_OFF)
 
-    def test_extruded_profiles_have_the_same_contacts_as_the_profiles(self):
+    def test_extruded_profiles_have_the_same_contacts_as_the_original_profiles(self):
         upper, lower = (
             self_affine(
                 5, hurst_exponent=0.8, rms=0.02, points=200, spacing=0.05, shortest_wavelength=0.5, periodic=True,
@@ -289,7 +289,7 @@ class TestArealIdentities:
         )
         assert_close(halves.tangential_frictional.sum(axis=0), whole.tangential_frictional[0], IDENTITY_TOLERANCE)
 
-    def test_sums_for_several_directions_equal_sums_for_single_directions(self):
+    def test_contact_sums_for_several_directions_equal_those_for_each_direction_alone(self):
         upper, lower = rough_pair()
         many = self.press_all(upper, lower)
         assert many.direction.tolist() == [angle % 360 for angle in ANGLES]
@@ -430,7 +430,7 @@ class TestLoading:
         at = approach_at_load(flat, ball, 4 / 3 * 10.0 * 0.01**1.5, mu0=0.3)
         assert float(at) == pytest.approx(0.01 - touch, rel=SPLINE_TOLERANCE)
 
-    def test_candidates_can_be_pressed_repeatedly_up_to_their_depth_limit(self):
+    def test_candidates_can_be_pressed_repeatedly_at_approaches_up_to_their_limit(self):
         upper, lower = rough_pair()
         points = candidates(upper, lower, deepest=0.2)
         assert points.curvature == "signed"
@@ -449,7 +449,7 @@ class TestLoading:
 class TestProfiles:
     """Tests of the sliding rules on profiles."""
 
-    def test_profile_loads_with_friction_at_all_contacts_equal_sums_over_contacts(self):
+    def test_profile_loads_equal_the_sums_over_contacts_if_friction_acts_at_all_contacts(self):
         upper, lower = (
             self_affine(5, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.01, shortest_wavelength=0.2, side=side)
             for side in ("upper", "lower")
@@ -486,11 +486,11 @@ class TestBadInput:
             ({"direction": 10.0, "shear": "-x"}, "shear"),
         ],
     )
-    def test_press_rejects_bad_contact_models_for_maps(self, changes, match):
+    def test_press_rejects_invalid_contact_models_for_maps(self, changes, match):
         with pytest.raises(ValueError, match=match):
             press(*rough_pair(), [0.1], **changes)
 
-    def test_press_and_contacts_reject_bad_surfaces(self):
+    def test_press_and_contacts_reject_invalid_surfaces(self):
         upper, lower = rough_pair()
         flat = Surface(np.zeros((10, 10)), spacing=1.0)
         for bad, match in (
@@ -553,7 +553,7 @@ class TestGrid:
 
 
 class TestGentleSurfaces:
-    def test_areal_friction_agrees_with_closed_forms_of_both_sliding_rules(self):
+    def test_areal_friction_agrees_with_the_closed_form_for_each_sliding_rule(self):
         pairs, mu0, tau0 = 16, 0.4, 0.1
         loads = {rule: np.zeros((2, pairs)) for rule in ("opposing", "all")}
         area = force = slope = 0.0
@@ -602,7 +602,7 @@ def test_press_rejects_straight_grooves():
         ({"shear": "-x"}, {}, 180.0),
     ],
 )
-def test_direction_keywords_override_the_contact_model(model, arguments, angle):
+def test_direction_keywords_override_the_direction_of_the_contact_model(model, arguments, angle):
     upper, lower = rough_maps(points=32)
     curve = press(upper, lower, [0.02], model=ContactModel(**model), **arguments)
     assert float(curve.direction) == angle

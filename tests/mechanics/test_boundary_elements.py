@@ -35,7 +35,7 @@ def exact_fraction(pressure):
 
 
 @pytest.mark.parametrize("relative", [0.02, 0.1, 0.3, 0.5])
-def test_boundary_elements_agree_with_westergaard(relative):
+def test_boundary_element_solution_agrees_with_westergaard_solution(relative):
     """Check area, mean gap and stiffness, to detect errors of the modulus, the point count and the sign of the gap."""
     random, pressure = np.random.default_rng(7), relative * FULL_CONTACT
     solid = [PeriodicHalfSpace(sinusoid(256, shift), WAVELENGTH) for shift in random.random(20)]
@@ -48,7 +48,7 @@ def test_boundary_elements_agree_with_westergaard(relative):
 
 
 @pytest.mark.parametrize("relative", [0.01, 0.3, 0.9])
-def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
+def test_asperity_model_of_a_sinusoid_equals_closed_forms(relative):
     """Compare with closed forms: relative to Westergaard, the area is √r / arcsin √r and the stiffness is ln(1/r)/4."""
     asperities, pressure = PeriodicAsperities(sinusoid(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
     fraction, count, stiffness = asperities.measure(pressure)
@@ -73,7 +73,7 @@ def test_periodic_asperity_model_is_invariant_under_shifts():
         )
 
 
-def test_asperity_interaction_explains_the_difference_from_boundary_elements():
+def test_asperity_interaction_explains_how_the_asperity_model_differs_from_boundary_elements():
     """Compare both asperity models with boundary elements for H = 0.75, bandwidth 32 and p̄ = 0.02 E* h'rms.
 
     The profile has half of the points of the published table. Another law or detection, and lost or doubly counted

@@ -71,15 +71,15 @@ class TestCandidates:
         assert (points.radii[:, 0] == points.radii[:, 1]).all()
         assert not points.gap.flags.writeable
 
-    def test_pressing_candidates_rejects_options_that_contradict_their_search(self, pair):
+    def test_pressing_candidates_rejects_options_that_contradict_the_search_for_candidates(self, pair):
         points = candidates(*pair, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
         ):
             press(points, [0.04])
-        with pytest.raises(ValueError, match=r"^detection must be 'gap-minimum', .* got 'cell'"):
+        with pytest.raises(ValueError, match=r"^detection must be 'gap-minimum' for these candidates, got 'cell'"):
             press(points, [0.01], detection="cell")
-        with pytest.raises(ValueError, match=r"^curvature must be 'convex', .* got 'signed'"):
+        with pytest.raises(ValueError, match=r"^curvature must be 'convex' for these candidates, got 'signed'"):
             contacts(points, 0.01, curvature="signed")
         with pytest.raises(ValueError, match="deepest"):
             candidates(*pair, deepest="deep")
@@ -109,7 +109,7 @@ class TestContactModel:
         assert press(*pair, [0.01], model=again).contact_area == ours.contact_area
         assert press(*pair, [0.01], model=dataclasses.replace(again, shear="+x")).contact_area == ours.contact_area
 
-    def test_contact_model_rejects_bad_fields(self, pair):
+    def test_contact_model_rejects_invalid_fields(self, pair):
         with pytest.raises(ValueError, match="direction must have at least one element"):
             ContactModel(direction=[])
         with pytest.raises(ValueError, match="effective_modulus must be"):
@@ -122,7 +122,7 @@ class TestContactModel:
             press(*pair, [0.01], modulus=3.0)
 
 
-def test_sum_names_match_the_core_and_contact_law_names_are_unique():
+def test_sum_names_match_those_of_the_core_and_contact_law_names_are_unique():
     assert tuple(field.name for field in dataclasses.fields(Sums)) == SUMS
     assert all(name in QUANTITIES for name in (*SUMS, *VALIDITY))
     assert tuple(LAWS_BY_NAME) == LawName.__args__

@@ -47,7 +47,7 @@ def test_contact_laws_of_the_core_equal_closed_forms(overlap, radius, modulus):
 @given(
     ratio=st.floats(1e-2, 1e3), radius=lengths, modulus=moduli, strain=st.floats(1e-4, 0.05), poisson=st.floats(0, 0.5)
 )
-def test_jackson_green_law_equals_the_published_fit(ratio, radius, modulus, strain, poisson):
+def test_jackson_green_law_of_the_core_equals_the_published_fit(ratio, radius, modulus, strain, poisson):
     strength = strain * modulus
     critical, force, area = elastic_plastic.jackson_green(ratio, radius, modulus, strength, poisson)
     law = JacksonGreen(yield_strength=strength, poisson_ratio=poisson)
@@ -69,7 +69,9 @@ def reference():
 class TestAgainstContactMechanics:
     @settings(max_examples=50)
     @given(overlap=lengths, radius=lengths, modulus=moduli)
-    def test_hertz_sphere_agrees_with_contact_mechanics_package(self, reference, overlap, radius, modulus):
+    def test_hertz_solution_of_a_sphere_agrees_with_the_contact_mechanics_package(
+        self, reference, overlap, radius, modulus
+    ):
         force, area = hertz_sphere(overlap, radius, modulus)
         assert reference[0].normal_load(overlap, radius, modulus) == pytest.approx(
             float(force), rel=REORDERING_TOLERANCE
@@ -77,7 +79,7 @@ class TestAgainstContactMechanics:
         contact_radius, _ = reference[0].radius_and_pressure(float(force), radius, modulus)
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=REORDERING_TOLERANCE)
 
-    def test_westergaard_fraction_agrees_with_contact_mechanics_package(self, reference):
+    def test_westergaard_contact_fraction_agrees_with_the_contact_mechanics_package(self, reference):
         # ContactMechanics gives the half-width of the contact in wavelengths.
         # Its pressure is in units of π E* Δ / λ, where 2Δ is the total height of the sinusoid.
         pressures = np.linspace(0.01, 0.99, 20)
@@ -86,7 +88,7 @@ class TestAgainstContactMechanics:
         assert np.allclose(ours, theirs, rtol=REORDERING_TOLERANCE, atol=0)
 
 
-def test_asperities_on_sinusoid_tend_to_westergaard_at_light_load():
+def test_asperity_model_of_a_sinusoid_tends_to_westergaard_solution_at_light_load():
     """At light loads the crests of a sinusoid on a flat do not interact, and the areas agree.
 
     The first correction of arcsin is p̄/p*/6, so the difference is proportional to the load.
@@ -124,7 +126,7 @@ class TestFractalMoments:
         # Long wavelengths (small |cos|) do not have a whole number of periods.
         assert np.allclose(measured / count, [exact.height, exact.slope, exact.curvature], rtol=0.05)
 
-    def test_exact_spectral_moments_depend_on_convention_and_band_limit(self):
+    def test_exact_spectral_moments_depend_on_the_dimension_convention_and_the_band_limit(self):
         paper = weierstrass_mandelbrot_moments(1.6)
         classical = weierstrass_mandelbrot_moments(1.2, convention="classical")
         assert classical.height == pytest.approx(paper.height, rel=REORDERING_TOLERANCE)
@@ -133,7 +135,7 @@ class TestFractalMoments:
         assert limited.height < paper.height
         assert limited.curvature < 0.5 * paper.curvature
 
-    def test_exact_spectral_moments_reject_bad_arguments(self):
+    def test_exact_spectral_moments_reject_invalid_arguments(self):
         for bad in ({"directions": 0}, {"gamma": 1.0}, {"length_scale": -1}, {"convention": "x"}):
             with pytest.raises(ValueError, match=next(iter(bad))):
                 weierstrass_mandelbrot_moments(1.5, **bad)
@@ -163,7 +165,7 @@ def test_effective_modulus_of_equal_materials_is_half_of_plane_strain_modulus():
         (lambda: force_and_area(JacksonGreen(0.1, 0.7), overlap=1, radius=1), "poisson_ratio"),
     ],
 )
-def test_closed_forms_reject_bad_arguments(call, word):
+def test_closed_forms_reject_invalid_arguments(call, word):
     with pytest.raises(ValueError, match=word):
         call()
 

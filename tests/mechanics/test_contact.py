@@ -139,7 +139,7 @@ class TestProfileExact:
         steps = np.array([0.2e-3, 0.9e-3, 1.1e-3, 1.9e-3, 2.1e-3])
         assert press(upper, lower, steps, detection=detection).contact_count.tolist() == [1, 1, 2, 2, 3]
 
-    def test_friction_of_a_single_opposing_contact_equals_that_of_a_wedge(self, circular_arc):
+    def test_friction_of_a_single_opposing_contact_equals_friction_of_a_wedge(self, circular_arc):
         upper = circular_arc(0.9411, 2.0, 0.002, 1000, "upper")
         lower = circular_arc(1.0307, 3.0, 0.002, 1000, "lower")
         mu0 = np.array([0.0, 0.1, 0.4, 1.0])
@@ -197,7 +197,7 @@ class TestProfileExact:
         assert curve.status(mu0=0.4).tolist() == ["no-contact", "no-contact"]
         assert np.isnan(curve.friction_coefficient(mu0=0.4)).all()
 
-    def test_loads_with_friction_equal_reference_sums_over_contacts(self, rough_pair):
+    def test_normal_and_tangential_loads_with_friction_are_equal_to_reference_sums_over_contacts(self, rough_pair):
         upper, lower = rough_pair(1.45)
         rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01)
         for shear, sigma in (("+x", 1), ("-x", -1)):
@@ -386,7 +386,7 @@ class TestGapMinimum:
         order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]
         assert 1.7 < order < 2.3
 
-    def test_cell_detection_tends_to_gap_minimum_detection_for_fine_grids(self):
+    def test_loads_with_cell_detection_tend_to_loads_with_gap_minimum_detection_on_fine_grids(self):
         differences = []
         for points, approach in ((150_000, 0.02), (600_000, 0.005), (2_400_000, 0.00125)):
             each = []
@@ -420,7 +420,7 @@ class TestInterface:
             curve.normal_load(mu0=0.4, tau0=200)
 
     @pytest.mark.parametrize("bad", [{"mu0": -0.1}, {"mu0": math.nan}, {"mu0": "x"}, {"mu0": 0.1, "tau0": -1}])
-    def test_friction_coefficient_rejects_bad_parameters(self, rough_pair, bad):
+    def test_friction_coefficient_rejects_invalid_parameters(self, rough_pair, bad):
         curve = press(*rough_pair(1.2), [0.01])
         with pytest.raises(ValueError, match=list(bad)[-1]):
             curve.friction_coefficient(**bad)
@@ -439,7 +439,7 @@ class TestInterface:
             ({"shear": "+y"}, "shear must be one of"),
         ],
     )
-    def test_press_and_contacts_reject_bad_arguments(self, rough_pair, call, change, message):
+    def test_press_and_contacts_reject_invalid_arguments(self, rough_pair, call, change, message):
         upper, lower = rough_pair(1.2)
         arguments = {"approach": 0.01} | change
         with pytest.raises(ValueError, match=message):
@@ -462,7 +462,7 @@ class TestInterface:
             ([0.1, np.nan], "finite"),
         ],
     )
-    def test_press_rejects_bad_approaches(self, rough_pair, approaches, message):
+    def test_press_rejects_invalid_approaches(self, rough_pair, approaches, message):
         with pytest.raises(ValueError, match=message):
             press(*rough_pair(1.2), approaches)
 

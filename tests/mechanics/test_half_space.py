@@ -65,7 +65,7 @@ def bowl(n, extent, radii):
 @pytest.mark.parametrize("shape", [(64,), (63,), (12, 15)])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("pressed", [0.02, 0.3])
-def test_half_space_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
+def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, boundary, pressed):
     lower = rough(shape, longest=1, shortest=5)
     load = pressed * MODULUS * 0.1
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-11)
@@ -116,7 +116,7 @@ def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness,
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("flat", [False, True])
 @pytest.mark.parametrize("part", [0.05, 0.95])
-def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part):
+def test_bounded_pressures_agree_with_a_dense_matrix_calculation(shape, boundary, flat, part):
     """Use bounds that vary between points, like a hardness on a rough gap or limits of a traction on a flat."""
     random = np.random.default_rng(5)
     periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
@@ -157,7 +157,7 @@ def test_half_space_solver_converges_for_flats_at_loads_up_to_the_pressure_bound
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9, 0.99])
-def test_traction_under_sphere_equals_mindlin_solution(ratio):
+def test_traction_under_a_sphere_equals_mindlin_solution(ratio):
     """Compare with Mindlin's solution; the bound is Hertz's pressure times mu0 (Johnson, section 7.2).
 
     The stick radius relative to the contact radius is (1 - T/T_s)^(1/3).
@@ -175,7 +175,7 @@ def test_traction_under_sphere_equals_mindlin_solution(ratio):
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.1, 0.5, 0.9, 0.99])
-def test_half_space_solution_of_sinusoid_equals_westergaard_solution(fraction):
+def test_half_space_solution_of_a_sinusoid_equals_westergaard_solution(fraction):
     amplitude, full = 1e-4, np.pi * MODULUS * 1e-4  # the slopes are so small that areas equal projected areas
     wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": MODULUS}
     load = full * np.sin(np.pi / 2 * fraction) ** 2
@@ -211,7 +211,7 @@ def test_westergaard_closed_forms_are_consistent():
     np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
 
 
-def test_half_space_solution_of_line_contact_equals_hertz_solution():
+def test_half_space_solution_of_a_line_contact_equals_hertz_solution():
     radius, load, errors = 5.0, 0.1, []
     half_width, peak = hertz_line(load, radius, MODULUS)
     for n in (512, 2048):
@@ -228,7 +228,7 @@ def test_half_space_solution_of_line_contact_equals_hertz_solution():
 
 
 @pytest.mark.parametrize("radii", [(5.0, 5.0), (5.0, 15.0)])
-def test_half_space_solution_of_point_contact_equals_hertz_solution(radii):
+def test_half_space_solution_of_a_point_contact_equals_hertz_solution(radii):
     force, area, axes = hertz_ellipse(0.01, *radii, MODULUS)
     errors = []
     for n in (64, 128, 256):
@@ -244,7 +244,7 @@ def test_half_space_solution_of_point_contact_equals_hertz_solution(radii):
     assert curve.contact_count[0] == 1
 
 
-def test_hertz_ellipse_tends_to_sphere_and_line_contact():
+def test_elliptic_hertz_contact_tends_to_sphere_contact_and_line_contact():
     force, area, (a, b) = hertz_ellipse(0.01, 3.0, 3.0, MODULUS)
     np.testing.assert_allclose((force, area), hertz_sphere(0.01, 3.0, MODULUS), rtol=ROUND_OFF)
     np.testing.assert_allclose(a, b, rtol=ROUND_OFF)
@@ -259,7 +259,7 @@ def test_hertz_ellipse_tends_to_sphere_and_line_contact():
     np.testing.assert_allclose([b / a, area / sphere[1], force / sphere[0]], [0.346, 0.9680, 1.0536], atol=5e-4)
 
 
-def test_pressure_under_flat_punch_equals_closed_form():
+def test_pressure_under_a_flat_punch_equals_closed_form():
     n = 1024
     flat = Profile(np.zeros(n), spacing=1 / n)
     p = half_space(flat, flat, [1.0]).contact(0).pressure
@@ -328,7 +328,7 @@ def test_contact_stiffness_equals_derivative_of_load():
 
 @pytest.mark.parametrize("hardness", [None, 0.06 * MODULUS], ids=["elastic", "yielding"])
 @pytest.mark.parametrize(("shape", "boundary"), [((63,), "periodic"), ((12, 15), "periodic"), ((12, 15), "free")])
-def test_contact_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
+def test_contact_stiffness_agrees_with_a_dense_matrix_calculation(shape, boundary, hardness):
     """Compare the stiffness with dense matrices; unloading is elastic also at points that yielded.
 
     Without a hardness, the stiffnesses of loading and unloading are equal.
@@ -600,7 +600,7 @@ def test_half_space_results_are_invariant_under_mirroring_and_exchange_of_bodies
             np.testing.assert_allclose(getattr(one, name), getattr(curve, name), rtol=1e-6, err_msg=name)
 
 
-def test_half_space_solution_of_extruded_profile_equals_that_of_the_profile():
+def test_half_space_solution_of_an_extruded_profile_equals_the_solution_of_the_profile():
     lines = [rough((256,), seed=seed, shortest=16) for seed in (1, 2)]
     wide = [Surface(np.tile(line.heights, (8, 1)), spacing=(1 / 8, 1 / 256)) for line in lines]
     one = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT_TOLERANCE)
@@ -670,13 +670,13 @@ EXAMPLE_MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
         ({"progress": "x"}, "progress must be a function of three arguments or None, got 'x'"),
     ],
 )
-def test_half_space_rejects_bad_arguments(arguments, message):
+def test_half_space_rejects_invalid_arguments(arguments, message):
     options = {"upper": EXAMPLE_LINE, "lower": EXAMPLE_LINE, "loads": [1.0]} | arguments
     with pytest.raises(ValueError, match=message):
         half_space(**options)
 
 
-def test_half_space_curve_is_read_only_and_rejects_bad_indices():
+def test_half_space_curve_is_read_only_and_rejects_invalid_indices():
     curve = half_space(flat_like(EXAMPLE_LINE), EXAMPLE_LINE, [1.0])
     assert isinstance(curve, HalfSpaceCurve)
     with pytest.raises(ValueError, match="read-only"):
@@ -790,14 +790,14 @@ def test_approach_of_a_sphere_on_a_half_space_equals_hertz_solution():
         ({"approaches": [1.0]}, "approaches must be below .* at which all points are in contact"),
     ],
 )
-def test_half_space_rejects_bad_approaches(arguments, message):
+def test_half_space_rejects_invalid_approaches(arguments, message):
     body = rough((64,))
     with pytest.raises(ValueError, match=message):
         half_space(flat_like(body), body, **({"boundary": "periodic"} | arguments))
 
 
 @pytest.mark.parametrize("spacing", [1e-320, (0.1, 1e-13), (1e-160, 1e-160)])
-def test_half_space_rejects_bad_spacing(spacing):
+def test_half_space_rejects_invalid_spacing(spacing):
     heights = rough((16, 16)).heights
     with pytest.raises(ValueError, match="spacing must"):
         half_space(Surface(0 * heights, spacing=spacing), Surface(heights, spacing=spacing), [1e-3])
@@ -872,7 +872,7 @@ def test_half_space_results_are_bit_identical_for_any_thread_count(boundary, har
     assert np.array_equal(alone.contact(0).pressure, together.contact(0).pressure)
 
 
-def test_closure_of_a_masked_surface_differs_from_that_of_a_complete_surface():
+def test_closure_of_a_masked_surface_differs_from_closure_of_the_complete_surface():
     body = rough((32, 32))
     missing = np.zeros((32, 32), bool)
     missing[:8] = True

@@ -16,7 +16,7 @@ contacts."""
 
 # The contact is fully plastic, partly plastic, or nearly elastic.
 @pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])
-def test_area_interpolated_over_hardness_agrees_with_direct_solutions(rms: float) -> None:
+def test_contact_area_interpolated_over_hardness_agrees_with_direct_solutions(rms: float) -> None:
     upper, lower = rough_maps(rms=rms, points=96, spacing=0.05, shortest_wavelength=0.3)
 
     def ratio(hardness: float | None) -> float:
@@ -35,7 +35,7 @@ def test_area_interpolated_over_hardness_agrees_with_direct_solutions(rms: float
     assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION_TOLERANCE)
 
 
-def test_area_interpolated_over_hardness_equals_its_formula() -> None:
+def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:
     random = np.random.default_rng(4)
     nodes, elastic = np.sort(random.uniform(0.2, 3.0, 7)), np.array([0.3, 1.1])
     at_nodes = random.uniform(0.8, 1.2, (2, 7)) / nodes
@@ -62,7 +62,7 @@ def test_area_interpolated_over_hardness_equals_its_formula() -> None:
     np.testing.assert_allclose(area_per_load(hardness, nodes, at_nodes, elastic), expected, rtol=1e-13)
 
 
-def test_area_interpolated_over_hardness_equals_solved_areas_at_nodes_and_in_elastic_limit() -> None:
+def test_contact_area_interpolated_over_hardness_equals_solved_areas_at_nodes_and_in_elastic_limit() -> None:
     assert area_per_load([0.5], [0.5, 1.0], [2.1, 1.1], 0.3)[0] == pytest.approx(2.1)
     soft = area_per_load([1e3], [1e2, 1e4], [0.3, 0.3], 0.3)
     assert soft[0] == pytest.approx(0.3)

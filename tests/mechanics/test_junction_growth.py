@@ -27,7 +27,7 @@ def beyond(friction, mu0, ratio, alpha):
     return friction - mu0 - ratio * np.sqrt(1 + alpha * friction**2)
 
 
-def test_tabor_friction_solves_its_equation_and_agrees_with_the_hardness():
+def test_tabor_friction_solves_its_equation_and_agrees_with_the_hardness_under_shear():
     for hardness, mu0, tau0, alpha in random_cases():
         ratio = tau0 / hardness
         highest = 1 + (mu0 + ratio) / (1 - ratio * np.sqrt(alpha))
@@ -73,6 +73,6 @@ def test_half_space_friction_at_hardness_under_shear_equals_tabor_friction(alpha
     ((0.0, 0.2, 0.1, 9.0), "hardness"), ((1.0, -0.2, 0.1, 9.0), "mu0"), ((1.0, 0.2, -0.1, 9.0), "tau0"),
     ((1.0, 0.2, 0.1, -9.0), "alpha"),
 ])  # fmt: skip
-def test_errors_of_junction_growth_functions_name_the_bad_argument(law, arguments, word):
+def test_errors_of_junction_growth_functions_name_the_invalid_argument(law, arguments, word):
     with pytest.raises(ValueError, match=word):
         law(*arguments)

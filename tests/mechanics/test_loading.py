@@ -81,7 +81,7 @@ def test_approach_at_load_is_nan_for_unreachable_loads(circular_arc):
         ({"shear": "x"}, "shear must be one of"),
     ],
 )
-def test_approach_at_load_rejects_bad_arguments(rough_pair, arguments, words):
+def test_approach_at_load_rejects_invalid_arguments(rough_pair, arguments, words):
     upper, lower = rough_pair(1.2)
     with pytest.raises(ValueError, match=words):
         approach_at_load(upper, lower, **({"loads": 1e-3, "mu0": 0.4} | arguments))

@@ -161,7 +161,7 @@ def contact_strength(curve, mu0, tau0):
 @pytest.mark.parametrize("shape", [(32, 32), (24, 32), (256,)])
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.0, 0.02), (0.2, 0.004)])
-def test_onset_agrees_with_active_set_solver(shape, boundary, mu0, tau0):
+def test_onset_of_sliding_agrees_with_active_set_solver(shape, boundary, mu0, tau0):
     lower = rough(shape, slope=1e-4)
     tau0 *= 1e-2  # The adhesive strength must have the order of magnitude of the pressures.
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10)
@@ -249,7 +249,7 @@ def test_onset_quantities_increase_with_tangential_load(areas):
         assert onset.traction(i).sum() * areas._problem.cell == pytest.approx(onset.tangential_load[i], rel=1e-6)
 
 
-def test_initial_tangential_stiffness_equals_mindlin_ratio(areas):
+def test_ratio_of_normal_to_initial_tangential_stiffness_equals_mindlin_ratio(areas):
     for poisson, upper, lower in ((0.3, 0.3, 0.3), ((0.1, 0.45), 0.1, 0.45), (0.5, 0.5, 0.5)):
         onset = areas.onset(0, mu0=0.3, poisson=poisson, steps=1)
         ratio = 0.5 * (2 - upper) / (2 * (1 - upper)) + 0.5 * (2 - lower) / (2 * (1 - lower))
@@ -265,7 +265,7 @@ def test_poisson_ratio_of_a_rigid_body_does_not_change_tangential_stiffness():
     assert soft[0] == soft[1] < soft[2]
 
 
-def test_onset_of_maps_agrees_with_ciavarella_jaeger_theory(areas):
+def test_onset_of_sliding_of_maps_agrees_with_ciavarella_jaeger_theory(areas):
     """Compare the traction with mu0 times the difference of the pressures at the load and at a smaller load."""
     onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
     for i, smaller in enumerate((1, 0)):
@@ -276,7 +276,7 @@ def test_onset_of_maps_agrees_with_ciavarella_jaeger_theory(areas):
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_onset_of_profiles_agrees_with_ciavarella_jaeger_theory(boundary):
+def test_onset_of_sliding_of_profiles_agrees_with_ciavarella_jaeger_theory(boundary):
     lower = rough((1024,))
     load = mean_pressure(lower, 0.05)
     curve = half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=boundary, tolerance=1e-8)
@@ -293,7 +293,7 @@ def test_onset_of_profiles_agrees_with_ciavarella_jaeger_theory(boundary):
 
 
 @pytest.mark.parametrize("factor", [10.0, 0.01])
-def test_displacement_stiffness_and_energy_loss_of_onset_scale_with_size(areas, factor):
+def test_displacement_stiffness_and_energy_loss_before_sliding_scale_with_size(areas, factor):
     problem = areas._problem
     lower = Surface(-problem.gap * factor, spacing=problem.spacing[0] * factor)
     boundary = "periodic" if problem.periodic else "free"
@@ -306,7 +306,7 @@ def test_displacement_stiffness_and_energy_loss_of_onset_scale_with_size(areas, 
     )
 
 
-def test_onset_reaches_requested_displacements(areas):
+def test_onset_of_sliding_reaches_requested_displacements(areas):
     farthest = areas.onset(0, mu0=0.3, steps=1).displacement_at_sliding
     onset = areas.onset(0, mu0=0.3, displacements=[0.2 * farthest, 0.7 * farthest, farthest])
     np.testing.assert_allclose(onset.displacement, np.array([0.2, 0.7, 1.0]) * farthest, rtol=1e-6)
@@ -330,7 +330,7 @@ def test_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():
     assert 0 < onset.stiffness < np.inf
 
 
-def test_full_contact_is_rigid_until_sliding():
+def test_surfaces_in_full_contact_are_rigid_until_sliding():
     lower = rough((32, 32))
     curve = half_space(flat_like(lower), lower, [3.0], boundary="periodic")
     onset = curve.onset(0, mu0=0.2, steps=10)
@@ -366,7 +366,7 @@ def single_ball(radii=(1.0, 1.0), approach=0.02):
     return press(flat_like(lower), lower, [approach])
 
 
-def test_onset_of_a_single_asperity_equals_mindlin_solution():
+def test_onset_of_sliding_of_a_single_asperity_equals_mindlin_solution():
     curve = single_ball()
     for poisson in (0.0, 0.3):
         onset = curve.onset(0, mu0=0.3, poisson=poisson)
@@ -388,7 +388,7 @@ def test_onset_of_a_single_asperity_equals_mindlin_solution():
 
 @pytest.mark.parametrize("radii", [(1.0, 1.0), (0.3, 1.0)])
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.3, 0.1), (0.0, 0.1)])
-def test_onset_of_a_single_asperity_agrees_with_half_space_model(radii, mu0, tau0):
+def test_onset_of_sliding_of_a_single_asperity_agrees_with_half_space_model(radii, mu0, tau0):
     lower = bowl(128, 1.0, radii)
     asperity = press(flat_like(lower), lower, [0.04])
     exact = half_space(flat_like(lower), lower, asperity.normal_elastic)
@@ -402,7 +402,7 @@ def test_onset_of_a_single_asperity_agrees_with_half_space_model(radii, mu0, tau
 
 
 @pytest.mark.parametrize("direction", [0.0, 30.0, 90.0])
-def test_tangential_stiffness_of_ellipse_equals_cerruti_quadrature(direction):
+def test_tangential_stiffness_of_an_elliptical_contact_equals_cerruti_quadrature(direction):
     """Compare with a numerical integral: the displacement in the middle of an ellipse under a flat punch."""
     poisson, turned = 0.3, np.radians(direction)
     curve = single_ball((0.3, 1.0))
@@ -429,7 +429,7 @@ def many_asperities():
     return bodies, press(*bodies, [0.01, 0.04], direction=[0.0, 90.0])
 
 
-def test_onset_of_many_asperities_is_the_sum_over_contacts(many_asperities):
+def test_onset_of_sliding_of_many_asperities_is_the_sum_over_their_contacts(many_asperities):
     bodies, curve = many_asperities
     onset = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0)
     assert curve.contact_count[1] > 20
@@ -460,7 +460,7 @@ def test_energy_lost_equals_area_of_the_hysteresis_loop(many_asperities):
         assert load.min() == pytest.approx(-part * onset.sliding_load)
 
 
-def test_onset_accepts_sphere_and_elastic_plastic_laws_on_profiles():
+def test_onset_of_sliding_accepts_sphere_and_elastic_plastic_laws_for_profiles():
     bodies = [
         weierstrass_mandelbrot(random_phases(3, side=side), 1.2, points=20_000).with_amplitude(0.1)
         for side in ("upper", "lower")
@@ -560,13 +560,13 @@ BAD_ARGUMENTS = [
 
 
 @pytest.mark.parametrize(("arguments", "message"), BAD_ARGUMENTS)
-def test_onset_rejects_bad_arguments(ball, arguments, message):
+def test_onset_rejects_invalid_arguments(ball, arguments, message):
     for curve in (ball[0], single_ball()):
         with pytest.raises(ValueError, match=message):
             curve.onset(0, **arguments)
 
 
-def test_onset_rejects_bad_indices_steps_and_amplitudes(ball):
+def test_onset_rejects_invalid_indices_steps_and_amplitudes(ball):
     with pytest.raises(ValueError, match="index must be at least -1 and below 1, the number of loads"):
         ball[0].onset(1, mu0=0.3)
     with pytest.raises(ValueError, match="index must be at least -1 and below 1, the number of approaches"):
@@ -587,7 +587,7 @@ def test_onset_rejects_bad_indices_steps_and_amplitudes(ball):
     assert onset.energy_lost([[0.0, onset.sliding_load]]).shape == (1, 2)
 
 
-def test_onset_of_a_ball_equals_closed_form_if_mu0_is_zero(ball):
+def test_onset_of_sliding_of_a_ball_equals_closed_form_if_mu0_is_zero(ball):
     """Compare with the closed form of the asperity model: with tau0 alone the bound is uniform over the contact."""
     curve, radius = ball
     onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=LOAD_FRACTIONS)

@@ -113,7 +113,7 @@ def test_max_friction_of_a_sample_equals_the_upper_end_of_its_bracket():
     assert ends[2] == value[2]
 
 
-def test_bracket_of_few_contacts_includes_a_finer_result_with_larger_area():
+def test_bracket_of_few_contacts_includes_a_finer_result_with_a_larger_contact_area():
     """Use a pair of seven contacts whose finest result has more area than a coarser result."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
@@ -285,7 +285,7 @@ def test_resolution_is_nan_at_an_unsolved_load_and_reports_complete_progress(mon
         ({"direction": 1j}, "direction must be"),
     ],
 )
-def test_resolution_rejects_bad_arguments(changes, message):
+def test_resolution_rejects_invalid_arguments(changes, message):
     upper, lower = pair(points=32, spacing=0.16)
     arguments = {"upper": upper, "lower": lower, "loads": [0.5], "hardness": 4.0} | changes
     with pytest.raises(ValueError, match=message):

@@ -77,7 +77,7 @@ def test_spectral_resolution_of_a_surface_on_a_flat_uses_only_slopes_of_the_surf
         ({"wavelengths": [0.0]}, "wavelength must be above 0"),
     ],
 )
-def test_spectral_resolution_rejects_bad_arguments(changes, message):
+def test_spectral_resolution_rejects_invalid_arguments(changes, message):
     upper, lower = both_roughnesses(pair(32))
     with pytest.raises(ValueError, match=message):
         spectral_resolution(upper, lower, **OPTIONS | changes)

@@ -67,7 +67,7 @@ def test_closure_equals_the_decrease_of_the_mean_gap(boundary):
         assert (curve.closure < curve.approach).all()
 
 
-def test_approach_and_moments_caused_by_tilt_agree_with_dense_matrices():
+def test_approach_and_moments_caused_by_tilt_agree_with_a_dense_matrix_calculation():
     from stiction.mechanics.half_space_problem import TiltResponse, lever_arms
 
     one = half_space(*make_pair(3, (24, 32)), [1.0]).at(0)
@@ -110,10 +110,10 @@ def test_free_tilt_balances_a_single_contact_point():
             {"boundary": "periodic"},
             "tilt must be 'fixed' if the surfaces are periodic or adhesive, or if approaches are given, got 'free'",
         ),
-        ({"work_of_adhesion": 1e-8}, "tilt must be 'fixed' for"),
-        ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' for"),
+        ({"work_of_adhesion": 1e-8}, "tilt must be 'fixed' if"),
+        ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' if"),
     ],
 )
-def test_half_space_rejects_bad_tilt_arguments(arguments, message):
+def test_half_space_rejects_invalid_tilt_arguments(arguments, message):
     with pytest.raises(ValueError, match=message):
         half_space(*make_pair(1, (16, 16)), **({"loads": [1.0], "tilt": "free"} | arguments))

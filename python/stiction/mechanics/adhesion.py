@@ -1,4 +1,4 @@
-"""Adhesive half-space contacts, solved with an attraction that decays with the gap.
+"""Adhesive contacts of elastic half-spaces. The attraction between the surfaces decays with the gap.
 
 The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration solves the contact of the gap g0 - Kσ and evaluates σ at the new
 gap, until σ no longer changes.
@@ -24,24 +24,24 @@ from stiction.mechanics.half_space_problem import ContactSolution, Problem, Stat
 
 # Number of plain steps between two extrapolated steps. Plain steps damp the modes that extrapolated steps overshoot.
 PLAIN = 2
-MAX_STEP = 10.0  # largest extrapolated step, as a multiple of the plain step
-MAX_SOLUTIONS = 2000  # maximum number of solutions for one external load, including jumps
-MAX_SETTLING = 60  # maximum number of solutions for one contact load
-PATIENCE = 20  # maximum number of successive solutions without improvement
-RESIDUAL_FACTOR = 10.0  # largest accepted relative residual of the attraction, as a multiple of the tolerance
-MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; round-off may stall the solver if the tolerance is smaller
-INEXACT = 0.05  # tolerance of a solution, as a fraction of the previous residual
-MAX_TOLERANCE = 1e-3  # largest tolerance of a solution
-# Largest increase of the attraction, as a fraction of its maximum, that counts as numerical error during separation.
+MAX_STEP = 10.0  # maximum extrapolated step, as a multiple of the plain step
+MAX_SOLUTIONS = 2000  # maximum number of contact solutions for one external load, including solutions during jumps
+MAX_SETTLING = 60  # maximum number of contact solutions for one contact load
+PATIENCE = 20  # maximum number of successive solutions that do not reduce the residual
+RESIDUAL_FACTOR = 10.0  # maximum accepted relative residual of the attraction, as a multiple of the tolerance
+MIN_TOLERANCE = 1e-8  # minimum tolerance of a contact solution; at smaller tolerances, round-off may stall the solver
+INEXACT = 0.05  # tolerance of a contact solution, as a fraction of the residual of the previous solution
+MAX_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
+# During separation, an increase of the attraction below this fraction of its maximum counts as numerical error.
 MAX_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the attraction at first contact.
 MIN_CONTACT = 1e-3
 STRIDE = 0.6  # ratio of successive contact loads during separation
 NEGLECTED = 0.01  # accepted relative error of the minimum load
-FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower load that is tried
-# An additional solution is computed only if the interpolated load is below the minimum load by this fraction.
+FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower load that the search tries
+# An additional solution is computed only if the interpolated load is below the minimum load by at least this fraction.
 MIN_GAIN = 0.003
-MIN_WIDTH = 0.01  # loads are interpolated only between contact loads that differ by at least this fraction
+MIN_WIDTH = 0.01  # loads are interpolated only if the two contact loads differ by at least this fraction
 MAX_REFINED = 6  # maximum number of additional solutions at interpolated loads
 MAX_TRIALS = 24  # maximum number of external loads that are tried during separation
 
@@ -51,7 +51,7 @@ class UnsolvedError(RuntimeError):
 
 
 class Attraction:
-    """Adhesive attraction of a contact problem, with methods that find the equilibrium states."""
+    """Adhesive attraction in a contact problem, with methods that find the equilibrium states of the contact."""
 
     def __init__(self, problem: Problem, *, tolerance: float, report: Callable[[int, float], object] | None) -> None:
         self.problem, self.report, self.solver_tolerance, self.max_residual = (
@@ -60,7 +60,7 @@ class Attraction:
             tolerance,
             RESIDUAL_FACTOR * tolerance,
         )
-        # The string `uncertain` explains why the minimum load is uncertain. It is empty if the load is certain.
+        # The string `uncertain` explains why the minimum load is uncertain. It is empty if the minimum load is certain.
         self.range, self.uncertain = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
@@ -74,7 +74,7 @@ class Attraction:
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def settle(self, near: State, contact: float, *, before: State) -> State:
-        """Iterate from a nearby state to the equilibrium at a mean contact pressure (GPa), and return it.
+        """Iterate from a nearby state to the equilibrium at a mean contact pressure (GPa). Return the final state.
 
         No point may be closer than in the state `before`; the bodies then support the load when they are pulled apart.
         Otherwise, or if the iteration fails, `UnsolvedError` is raised.
@@ -95,7 +95,7 @@ class Attraction:
         raise UnsolvedError("the computation of the attraction did not converge")
 
     def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
-        """Find the equilibrium at an external load per area (GPa). Return it and True, or the closest state and False.
+        """Find the equilibrium at an external pressure (GPa). Return a state, and True if this state is in equilibrium.
 
         The iteration starts from `near`, or without contact if `near` is None.
 
@@ -111,7 +111,7 @@ class Attraction:
                 return state, True
             if count == MAX_SOLUTIONS:
                 raise UnsolvedError("the computation of the attraction did not converge")
-            # ignore the first states, which may be near an equilibrium by chance
+            # ignore the first states, which may lie near an equilibrium by chance
             if residual < min(before, least) and count > 1:
                 slowest, least = state, residual
             before = residual
@@ -121,7 +121,7 @@ class Attraction:
     def _iterate(
         self, near: State | None, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[State, float]]:
-        """Yield the state and the relative change of attraction after each iteration, until the bodies separate.
+        """Yield the state and the relative change of the attraction after each iteration, until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `PLAIN` plain steps, a step is extrapolated
         as a geometric series with the ratio of the last two changes, limited to `longest` times the last change.
@@ -129,7 +129,8 @@ class Attraction:
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
         pressure = None if near is None else near.pressure
-        plain_attraction: Floats | None = None  # attraction after the plain step, if the last step was extrapolated
+        # Attraction after the plain step, kept if the last step was extrapolated.
+        plain_attraction: Floats | None = None
         residual = least = math.inf
         inexact, slow = INEXACT, 0
         for count in itertools.count():
@@ -157,7 +158,7 @@ class Attraction:
                 yield State(pressure, attraction, mean, mean - mean_attraction, *convergence), residual
             slow = 0 if residual < least else slow + 1
             least = min(least, residual)
-            if slow > PATIENCE:  # the remaining residual may be caused by errors of the solutions
+            if slow > PATIENCE:  # the remaining residual may be due to inexact contact solutions
                 inexact, slow = inexact / 10, 0
             ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
@@ -167,7 +168,7 @@ class Attraction:
             attraction = following
 
     def at(self, load: float, near: State | None) -> State:
-        """Find the equilibrium at a mean external load (GPa), starting from `near` or, if None, without contact."""
+        """Find the equilibrium at an external pressure (GPa). The iteration starts from `near`, or without contact."""
         if near is None and load < 0:
             near = self.relax(None, 0.0)[0]
         state, is_balanced = self.relax(near, load)
@@ -184,7 +185,7 @@ class Attraction:
         return state
 
     def separate(self, start: State) -> list[State]:
-        """Return states in order of decreasing contact load, at least from the start to the state of minimum load.
+        """Return states of decreasing contact load, at least down to the minimum of the external load.
 
         States of decreasing contact load lead close to the minimum. Lower loads are then tried, first with extrapolated
         steps and finally with plain steps from the start. The minimum is certain if the bodies separate under a load
@@ -249,7 +250,7 @@ class Attraction:
         return states
 
     def opening(self, state: State) -> State | None:
-        """Return the state in which complete contact opens (minimum pressure 0), or None if contact is incomplete.
+        """Return the state in which complete contact begins to open, or None if the contact is incomplete.
 
         Until then all points move together, and the attraction is that of contact everywhere.
         """
@@ -269,7 +270,7 @@ class Attraction:
         )
 
     def refine(self, states: list[State]) -> list[State]:
-        """Add states where the interpolated external load is below the minimum of all states, and return all states."""
+        """Add states where interpolation predicts a lower external load than any state has. Return all states."""
         states = list(states)
         for _ in range(MAX_REFINED):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -298,7 +299,7 @@ def lowest(states: list[State]) -> State:
 
 
 def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tuple[float, float]:
-    """Interpolate the external load between states. Return its minimum (GPa) and the contact load at this minimum.
+    """Interpolate the external pressure between contact states. Return its minimum and the contact pressure there.
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -331,14 +332,14 @@ def solve_with_adhesion(
 
 
 def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
-    """Return the contacts during separation, down to the minimum load, and the reason if the minimum is uncertain."""
+    """Return the contacts during separation, and the reason why the minimum load is uncertain ("" if it is certain)."""
     problem, total_area = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
     start_values = float(pressure.mean()), pressed.load / total_area, pressed.approach
     start = State(pressure.ravel(), np.asarray(pressed.attraction), *start_values)
     descending_states, least = [], start.load
-    # Under a decreasing load, the bodies pass only through contacts that carry less load than all earlier contacts.
+    # When the load decreases, the bodies pass only through states that carry less load than all earlier states.
     for state in attraction.separate(start)[1:]:
         if state.load < least:
             descending_states.append(state)

@@ -1,4 +1,4 @@
-"""Intervals for the area and friction that finer scans would give, and extrapolation to shorter wavelengths."""
+"""Intervals for the contact area and friction that finer scans would give, and extrapolation to shorter wavelengths."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_spread(contact_count: Floats) -> Floats:
-    """Return the factor within which the area coefficient κ of finer scans equals κ of this scan in 95 % of cases.
+    """Return the factor by which the area coefficient κ may change when the scan becomes finer (95 % of cases).
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -53,7 +53,7 @@ def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the wavelength, and its interval, at which the gradient of the gap reaches a given value.
+    """Return the wavelength at which the rms gradient of the gap reaches a given value, and its interval.
 
     The interval is computed from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
     """
@@ -70,14 +70,14 @@ def plastic_wavelength(
 def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Extrapolate the gradient of this scan to finer scans. Return value, lower and upper end for each wavelength.
+    """Extrapolate the gradient of this scan to finer scans. Return the gradient and its interval for each wavelength.
 
     NaN is returned if there is no Hurst exponent.
     """
     finer = np.array(WAVELENGTH_RATIOS) * shortest
     if estimate is None:
         return np.full((finer.size, 3), np.nan)
-    # The scale is matched to the slopes of this scan, so that the extrapolation is continuous.
+    # Scale the extrapolation so that it continues the gradients of this scan without a jump.
     scale = gradient / float(roughness.gradient_at(shortest))
     gradients = scale * np.stack([roughness.continued(finer, line) for line in interval_power_laws(estimate)], axis=1)
     gradients[:, 1:] = np.sort(gradients[:, 1:], axis=1)
@@ -85,7 +85,7 @@ def extrapolated_gradients(
 
 
 def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Compute the area fractions of elastic contacts at given gradients from the fractions at a gradient of 1.
+    """Compute area fractions of elastic contacts for given gradients. `area_of_slope` applies to a gradient of 1.
 
     The arrays have the dimensions wavelength, load and statistic.
     """
@@ -94,7 +94,7 @@ def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Fl
 
 
 def interface_stretch(gradient: Floats) -> Floats:
-    """Return the ratio of interface area to projected area, which is 1 + h'²/8 for two surfaces with equal slopes."""
+    """Return the ratio of interface area to projected area, 1 + h'²/8, for two surfaces with equal rms slopes h'."""
     return np.asarray(1 + np.square(gradient) / 8)
 
 
@@ -107,7 +107,7 @@ def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
 
 
 def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Return the largest real contact area that a yielding pair can have in finer scans, in units of F/H.
+    """Return the largest real contact area, in units of F/H, that finer scans of a yielding pair can give.
 
     Shorter wavelengths redistribute the load between contacts, so the elastic rims of yielding contacts may grow. The
     limit does not apply to a scan without yielding, which is limited only by κ. None of 300 pairs of 256² points with 2
@@ -131,7 +131,7 @@ def friction_bracket(
 
 
 def max_friction(value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contacts: float) -> Floats:
-    """Return the largest mu_s that finer scans of a yielding pair can give, for samples of mu_s, mu0 and tau0/H."""
+    """Return the largest mu_s that finer scans of a yielding pair can give. Arguments are numbers or samples."""
     strength, stuck = np.asarray(adhesion), np.asarray(value - mu0)
     area_ratio = stuck / np.where(strength > 0, strength, 1.0)
     increase = strength * max_area(area_ratio, contacts) - np.maximum(stuck, strength)
@@ -139,7 +139,7 @@ def max_friction(value: Floats | float, mu0: Floats | float, adhesion: Floats | 
 
 
 def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """Add the plastic limit to a `resolution` dataset, and the bounds that hold if friction acts at all contacts."""
+    """Add the plastic limit and the bounds for finer scans to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness

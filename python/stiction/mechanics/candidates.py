@@ -33,7 +33,7 @@ _GROOVE_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Candidates:
-    """Local minima of the splined gap between two surfaces, in grid order. All arrays are read-only.
+    """Local minima of the spline-interpolated gap between two surfaces, in grid order. All arrays are read-only.
 
     Returned by `candidates`; `contacts` and `press` accept it instead of two surfaces. Positions are in the frame of
     the lower surface.
@@ -171,7 +171,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the candidates and the contact model. The candidates are None if two surfaces were given instead."""
+    """Return the candidates, or None if two surfaces were given, and the contact model."""
     if not isinstance(upper, Candidates):
         return None, model_for_pair(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

@@ -20,7 +20,7 @@ from stiction.mechanics.model import Sliding
 # With this number of bisections, the logarithm of an aspect ratio is exact to the last bit.
 _BISECTIONS = 64
 _SLOPE_TOLERANCE = 1e-9  # largest relative amount by which the rms slope may exceed the rms gradient
-# If the standard deviation of slopes is below this limit, two terms of a series are exact to the last bit.
+# If the standard deviation of the slopes is below this limit, two terms of the series are exact to the last bit.
 _SMALL_SLOPE = 1e-3
 
 _P = ParamSpec("_P")
@@ -554,7 +554,7 @@ def hertz_cylinder(
 def hertz_line(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, width: ArrayLike = 1.0
 ) -> tuple[Floats, Floats]:
-    r"""Compute the half-width and the peak pressure of two parallel elastic cylinders in contact (Hertz).
+    r"""Compute the half-width and the peak pressure of the contact between two parallel elastic cylinders (Hertz).
 
     Parameters
     ----------
@@ -778,7 +778,8 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Solve for the pressure that `hardness_under_shear` returns, without checking the arguments."""
     shear = alpha * (mu0 * tau0)
-    excess = np.square(hardness) - alpha * tau0**2  # zero or negative if the contact seizes
+    # Difference of two squares, which is zero or negative if the contact seizes.
+    excess = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = excess / (shear + np.sqrt(shear**2 + (1 + alpha * mu0**2) * excess))
     return np.where(excess > 0, pressure, np.nan)

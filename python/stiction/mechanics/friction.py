@@ -1,4 +1,4 @@
-"""Normal and tangential loads, computed from contact sums as F = elastic + mu0 · frictional + tau0 · adhesive.
+"""Normal and tangential loads computed from contact sums: F = elastic + mu0 · frictional + tau0 · adhesive.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 """
@@ -73,7 +73,7 @@ class Sums:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextRepr):
-    """Validity indicators of the model. Load fractions refer to the load Σ F n_z, and are NaN without contact.
+    """Validity indicators of the model. Load fractions refer to the load Σ F n_z and are NaN if there is no contact.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Validity(TextRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Validity indicators of the model for surfaces: all indicators of `Validity`, and three more.
+    """Validity indicators of the model for surfaces. They include all indicators of `Validity` and three more.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -145,7 +145,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute a validity indicator from contact sums. It is NaN where it would be 0/0.
+    """Compute a validity indicator from contact sums. The result is NaN where numerator and denominator are zero.
 
     The sums are given as a mapping or as attributes.
     """
@@ -168,7 +168,7 @@ def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Float
 
 
 def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Compute the normal and the tangential load (mN), with shape (..., mu0, tau0), from sums of shape (...)."""
+    """Compute the normal and tangential loads (mN) from contact sums. The axes mu0 and tau0 are appended."""
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in SIX_SUMS}
     mu0 = mu0[:, np.newaxis]
     return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)
@@ -222,7 +222,7 @@ class FrictionCurve(PlotRepr):
         strengths = friction_parameter("tau0", tau0)
         check_shear_strength(strengths, self.effective_modulus)
         materials = np.broadcast_arrays(friction_parameter("mu0", mu0), strengths)
-        # The new axes precede the axes of the sums, which are steps, or directions and steps.
+        # In the result, the axes of mu0 and tau0 precede the axes of the sums (steps, or directions and steps).
         axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return materials[0][axes], materials[1][axes]
 
@@ -230,7 +230,7 @@ class FrictionCurve(PlotRepr):
 def combine_status(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Derive the status of each curve, ensemble or member from boolean conditions, which are broadcast together.
+    """Return the status of each curve, ensemble or member. The boolean arguments are broadcast against each other.
 
     `locked` refers to the last step. `below` means that the first step already supports more than the load.
     """
@@ -247,7 +247,7 @@ def combine_status(
 
 
 def status_at(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return the status at an approach. Unlike loads, all approaches can be reached."""
+    """Return "ok", "self-locked" or "no-contact" for each approach, given the contact count and the normal load."""
     return combine_status(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 

@@ -45,13 +45,13 @@ MIN_PROCESS_ZONE_POINTS = 2.0
 
 
 def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
-    """Return the smallest resolved adhesion range (µm) for a work of adhesion (mN/µm), spacing (µm) and E* (GPa)."""
+    """Return the shortest adhesion range (µm) that a grid resolves, for a work of adhesion (mN/µm) and E* (GPa)."""
     return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotRepr):
-    """Half-space contact of two surfaces at one load, as read-only arrays on the grid.
+    """Half-space contact of two surfaces at one load. The fields are read-only arrays on the grid.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off(self) -> float:
-        """Largest tension (mN) that the surfaces support during separation. Separation starts from the smallest load.
+        """Largest tension (mN) that the surfaces support when they are pulled apart, starting from the smallest load.
 
         The force is computed on first use. The surfaces separate under a tension that is 1 % larger. If separation is
         not certain, a warning contains "at least", and `pull_off_is_bound` is True.
@@ -196,7 +196,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Values of `pull_off` (mN) and `pull_off_is_bound`, obtained without the warning about a lower bound."""
+        """Values of `pull_off` (mN) and `pull_off_is_bound`. Unlike `pull_off`, this property issues no warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._apart[0][-1].load, bool(self._apart[1])
@@ -213,7 +213,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _apart(self) -> tuple[list[ContactSolution], str]:
-        """Contacts during separation, and the reason if the largest tension is uncertain."""
+        """Contacts during separation, and the reason why the largest tension is uncertain ("" if it is certain)."""
         from stiction.mechanics.adhesion import pull_apart
 
         return pull_apart(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
@@ -233,7 +233,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Stiffness dF/dδ (mN/µm, shape (k,)) for unchanged contact points; infinite at full periodic contact.
+        """Stiffness dF/dδ (mN/µm, shape (k,)) for unchanged contact points. It is infinite for a closed periodic gap.
 
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
         computed on first use.
@@ -250,7 +250,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def tilt(self) -> Floats:
-        """Slopes along y and x by which the upper surface is tilted, with shape (k, 2), or (k, 1) for profiles.
+        """Tilt of the upper surface: slopes along y and x with shape (k, 2), or along x with shape (k, 1) for profiles.
 
         The slopes are 0 if the tilt is fixed.
         """
@@ -260,7 +260,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def unloading_stiffness(self) -> Floats:
-        """Stiffness dF/dδ (mN/µm, shape (k,)) during unloading, which is also called ultrasonic stiffness.
+        """Unloading stiffness dF/dδ (mN/µm, shape (k,)), also called ultrasonic stiffness.
 
         Yielded points respond elastically as well.
 
@@ -294,7 +294,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def sliding(self) -> Sliding:
-        """Sliding rule that selects the patches that contribute to friction: "opposing" or "all"."""
+        """Sliding rule, "opposing" or "all". It determines which patches contribute to friction."""
         return self._model.sliding
 
     @property
@@ -303,11 +303,11 @@ class HalfSpaceCurve(FrictionCurve):
         return self._problem.hardness
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
-        """Return a curve of the same contacts with another sliding rule, without solving the contacts again."""
+        """Return the curve for another sliding rule, computed from the same contacts without a new solution."""
         return self._interpolate(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return a curve of the same contacts for other directions of motion, without solving the contacts again.
+        """Return the curve for other directions of motion, computed from the same contacts without a new solution.
 
         Parameters
         ----------
@@ -545,7 +545,7 @@ def _solve(
 
 
 def _with_adhesion(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
-    """Add a work of adhesion (mN/µm) and its range (µm) to a problem. Increase a range too short for the grid."""
+    """Add a work of adhesion (mN/µm) and its range (µm) to a problem. A range too short for the grid is increased."""
     smallest = resolved_range(work, max(problem.spacing), effective_modulus)
     if smallest > length:
         warnings.warn(
@@ -585,7 +585,7 @@ def _sum_patches(
 
 
 def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """Combine results at k loads into arrays of shape (k,), or (d, k) for quantities with values in d directions."""
+    """Combine results at k loads into arrays of shape (k,). Quantities with d directions get the shape (d, k)."""
     columns = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows])

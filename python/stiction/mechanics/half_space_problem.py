@@ -28,12 +28,12 @@ MAX_CACHED_POINTS = 2**20
 Computing the kernels takes a quarter of the time of a free solution.
 """
 
-# Edge displacement caused by the tilt in a linear response, as a fraction of the mean displacement under the load.
+# In a linear response to a tilt, the edge displacement is this fraction of the mean displacement under the load.
 TILT_FRACTION = 0.01
-RESPONSE_TOLERANCE = 1e-7  # relative tolerance of the solver for linear responses of a fixed contact
-# Upper bound on the pressure in linear responses to a mean pressure of 1. This bound is high enough for coarse grids.
+RESPONSE_TOLERANCE = 1e-7  # relative tolerance of the solver for linear responses with a fixed set of contact points
+# Upper bound on the pressure in linear responses to a mean pressure of 1. It is high enough even for coarse grids.
 RESPONSE_BOUND = 1e9
-MAX_CELL_RATIO = 1e6  # largest ratio of the longer to the shorter side of a grid cell
+MAX_CELL_RATIO = 1e6  # maximum ratio of the longer to the shorter side of a grid cell
 
 
 _grids_by_key: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
@@ -45,7 +45,7 @@ _uniform: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.Weak
 def get_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    """Return the grids of a problem with their kernels. Problems with equal arguments share the same grids."""
+    """Return half-space grids with their elastic kernels. Calls with equal arguments share the same grids."""
     key = shape, spacing, effective_modulus, periodic
     grids = _grids_by_key.get(key)
     if grids is None:
@@ -67,7 +67,7 @@ copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_gri
 
 
 def threads() -> int:
-    """Return the number of threads for a solution, as configured by `scipy.fft.set_workers`."""
+    """Return the number of threads that a solver uses, as configured by `scipy.fft.set_workers`."""
     fft = sys.modules.get("scipy.fft")
     return 1 if fft is None else int(fft.get_workers())
 
@@ -87,7 +87,7 @@ class Problem:
     adhesion_range: float = 0.0
     # mask of the points at which a height is missing in at least one surface; these points make no contact
     missing: NDArray[np.bool_] | None = None
-    # slopes along y and x (profiles: along x) by which the upper surface is rotated about its centre
+    # slopes along y and x (only along x for profiles) by which the upper surface is rotated about its centre
     tilt: Floats | float = 0.0
     turns: bool = False  # True if the upper surface rotates until the resultant force acts at the centre
 
@@ -118,7 +118,7 @@ class Problem:
 
     @cached_property
     def even(self) -> Floats:
-        """Displacement (µm) under a uniform pressure of 1 GPa on the measured points.
+        """Displacement (µm) of each point under a uniform pressure of 1 GPa on the measured points.
 
         It is 0 for complete periodic surfaces.
         """
@@ -130,7 +130,7 @@ class Problem:
 
     @cached_property
     def slope(self) -> list[Floats]:
-        """Slopes of the deformed interface at every point, along y and x for maps, and along x for profiles."""
+        """Slopes of the deformed interface at every point. Maps have slopes along y and x, and profiles along x."""
         fraction = self.compliance_share
         interface = (1 - fraction) * self.lower + fraction * self.upper
         return [along.ravel() for along in slopes(interface, self.spacing, periodic=self.periodic)]
@@ -170,7 +170,7 @@ class ContactSolution:
         return grid.reshape(self.problem.gap.shape)
 
     def sums(self, directions: Floats) -> PatchSums:
-        """Compute the friction sums over each patch for motion along horizontal unit vectors with shape (m, 2)."""
+        """Compute the friction sums of each patch for m directions of motion, given as unit vectors of shape (m, 2)."""
         problem = self.problem
         slope = [along[self.points] for along in problem.slope]
         return patch_sums(self.values * problem.cell, self.share * problem.cell, slope, self.patch, directions)
@@ -231,7 +231,7 @@ class ContactSolution:
         return self._compute_response(self.free)
 
     def _compute_response(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (sum: 1 GPa) that displace all free points equally, and this displacement (µm)."""
+        """Return the pressures (sum: 1 GPa) that displace all free points equally, and this displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free), threads=threads())
         return TiltResponse.solve(self.problem, self.on_grid(free)).to_load()
@@ -244,7 +244,7 @@ class ContactSolution:
         return problem.cell / compliance if compliance > 0 else np.inf
 
 
-MAX_GAP_RATIO = 1e6  # largest ratio of the gap to the length, because the model assumes slopes far below 1
+MAX_GAP_RATIO = 1e6  # maximum ratio of the gap to the length; the model assumes slopes far below 1
 
 
 def make_problem(
@@ -314,7 +314,7 @@ def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike
 
 
 def lever_arms(problem: Problem) -> list[Floats]:
-    """Return the distances (µm) of the grid points from the centre of the measured points along each axis.
+    """Return, for each axis, the distances (µm) of the grid points from the centre of the measured points.
 
     Each array has a shape for broadcasting over the grid.
     """
@@ -329,13 +329,13 @@ def lever_arms(problem: Problem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Responses of fixed contact points to a mean pressure of 1 GPa, and to unit slopes of the upper surface."""
+    """Responses of fixed contact points to a mean pressure of 1 GPa and to unit slopes of the upper surface."""
 
     pressure: Floats  # pressure under the load, GPa
     approach: float  # approach under the load, µm
-    moments: Floats  # (n,) moments under the load, GPa µm
-    slope_pressures: list[Floats]  # pressure (GPa) per unit slope at constant load, for each axis
-    turning: Floats  # (n, n) moments per unit slope; negative definite unless only one point is free
+    moments: Floats  # (n,) moments of the pressure under the load, GPa µm
+    slope_pressures: list[Floats]  # response of the pressure (GPa) to a unit slope along each axis, at constant load
+    turning: Floats  # (n, n) change of the moments per unit slope; negative definite unless only one point is free
 
     @classmethod
     def solve(cls, problem: Problem, free: NDArray[np.bool_]) -> TiltResponse:
@@ -370,12 +370,12 @@ class TiltResponse:
 
 
 def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
-    """Return the mean moments (GPa µm) of a pressure about the centre."""
+    """Return the mean moments of a pressure (GPa µm) about the centre. The mean is taken over all grid points."""
     return np.array([float((pressure * arm).mean()) for arm in arms])
 
 
 class Solver:
-    """Solver of a contact problem at loads (mN) or approaches (µm) up to a limit. Missing points never touch."""
+    """Solver for a contact problem at loads (mN) or approaches (µm) up to a limit. Missing points never touch."""
 
     def __init__(
         self, problem: Problem, name: StepKind, limit: float, *, tolerance: float,
@@ -437,7 +437,7 @@ def to_contact_solution(
     problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a solution to the contact at a load (mN). If the load is None, it is computed from the pressures."""
+    """Convert a solver solution to a `ContactSolution`. If the load (mN) is None, compute it from the pressures."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     patches: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)

@@ -1,4 +1,4 @@
-"""Ratio of real contact area to load, interpolated between the hardnesses for which contacts were solved.
+"""Real contact area per load, interpolated between the hardnesses for which contacts were solved.
 
 With the elastic mean pressure p, (A/F)^m = H^-m + p^-m contains both limits: the plastic area F/H and the elastic area.
 For self-affine surfaces (Hurst exponents 0.5 and 0.8, p from 0.17 to 2.9 GPa, H from 0.23 to 1.7 GPa), m was 3.2
@@ -17,7 +17,7 @@ MIXING_EXPONENT, MIXING_POWER = 3.2, 0.28
 
 
 def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, elastic: ArrayLike) -> Floats:
-    """Interpolate the area-to-load ratio A/F (1/GPa) between the hardnesses for which contacts were solved.
+    """Interpolate the real area per load, A/F (1/GPa), between the hardnesses for which contacts were solved.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, el
 
 
 def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
-    """Estimate ln(A/F) from the logarithms of the hardness (GPa) and of the A/F of an elastic contact (1/GPa).
+    """Estimate ln(A/F) from the logarithm of the hardness (GPa) and the logarithm of the elastic A/F (1/GPa).
 
     Using logarithms is several times faster than using powers.
     """
@@ -59,7 +59,7 @@ def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
 
 
 def _piecewise_linear(x: Floats, nodes: Floats, values: Floats) -> Floats:
-    """Interpolate values of shape (..., n) linearly between n increasing nodes; beyond the nodes, they are constant.
+    """Interpolate values of shape (..., n) linearly between n increasing nodes. Beyond the nodes, use the end values.
 
     A sum over the changes of the slope is faster than a search for the panel of each x.
     """

@@ -42,7 +42,7 @@ class Law:
 
 @dataclass(frozen=True)
 class HertzSphere(Law):
-    """Elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact for a << R.
+    """Elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact if the contact radius is a << R.
 
     Notes
     -----
@@ -58,7 +58,7 @@ class HertzSphere(Law):
 
 @dataclass(frozen=True)
 class HertzCylinder(Law):
-    """Elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). Exact for a << R.
+    """Elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). Exact if the half-width is a << R.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ LAWS_BY_NAME: dict[str, Law] = {
 
 
 def as_law(law: Law | LawName) -> Law:
-    """Convert the name of a contact law to the law. A law is returned unchanged; other values raise a `ValueError`."""
+    """Return the contact law with a given name. A law is returned unchanged; other values raise a `ValueError`."""
     if isinstance(law, str):
         check_choice("law", law, LawName)
         return LAWS_BY_NAME[law]

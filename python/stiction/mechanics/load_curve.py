@@ -213,7 +213,7 @@ def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[Contact
 
 @show_model_keywords
 def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
-    """Compute the loads and the contact area of two surfaces at given approaches with the asperity model.
+    """Use the asperity model to compute the loads and the contact area of two surfaces at given approaches.
 
     The call is ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
 

@@ -24,10 +24,10 @@ _MIN_APPROACH_RATIO = 1e-6
 # Ratio of successive sampled approaches.
 # A load that the curve crosses twice between two samples may be missed.
 _APPROACH_RATIO = 1.1
-# Number of approaches that are sampled together.
-# Sampling stops after the group in which all loads are reached, because larger approaches take longer.
+# Number of approaches in a batch.
+# Sampling stops after the batch in which all loads are reached, because larger approaches take longer to sample.
 _CHUNK_STEPS = 16
-# Ratio of the depth to which candidates are searched to the requested depth.
+# Candidates are searched to this multiple of the requested depth.
 _DEPTH_MARGIN = 5.0
 
 
@@ -120,14 +120,14 @@ class SurfacePair:
     def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
-        """Find the approach for each load, between `left` (F_N is too small) and `right` (F_N is large enough)."""
+        """Find the approach that supports each load. F_N is too small at `left`, and large enough at `right`."""
         arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
         return np.asarray(self._call_core(stiction._core.approaches_at, float(right.max()), model, arguments))
 
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a core function with the gap minima up to an approach or, for "cell" detection, with both surfaces."""
+        """Call a core function with the gap minima up to an approach, or with both surfaces for "cell" detection."""
         model = model_for_pair(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":
@@ -143,7 +143,7 @@ class SurfacePair:
 def find_crossings(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach that supports each load, and its status: "ok", or why the approach is NaN."""
+    """Return the smallest approach that supports each load, and "ok" or the reason why the approach is NaN."""
 
     def normal_load(sums: Sums) -> Floats:
         return friction.compute_load("normal", sums, mu0, tau0)

@@ -55,7 +55,7 @@ class MaterialValue(float):
 
 @dataclass(frozen=True)
 class Material:
-    """Solid with its contact properties.
+    """Solid material: elastic constants, hardness and junction growth, each as a range with its source.
 
     Attributes
     ----------
@@ -253,7 +253,7 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
 
 
 def softer_material(*bodies: Material) -> Material | None:
-    """Return the material that yields first, or None if there are no bodies or one of them is an elastomer."""
+    """Return the material with the lowest hardness, or None if there are no materials or one has no hardness."""
     hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 

@@ -43,7 +43,7 @@ def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, 
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Return the stiffness π E* a/K(1 - b²/a²) (mN/µm) of c elliptic punches with semi-axes of shape (c, 2).
+    """Return the stiffnesses π E* a/K(1 - b²/a²), in mN/µm, of elliptic punches with semi-axes of shape (c, 2).
 
     The formula is in Johnson (1985), section 3.8.
     """
@@ -53,7 +53,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def load_across(axes: Floats, angle: Floats) -> Floats:
-    """Return the argument `across` of `compliance_ratio`, a mean of sin², for each elliptic contact.
+    """Return, for each elliptic contact, the mean of sin² that `compliance_ratio` accepts as `across`.
 
     The angles (rad) are between the motion and the larger axis.
     """
@@ -127,7 +127,7 @@ class SlidingAsperities:
         )  # fmt: skip
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) dissipated by the springs that slip: Σ Q (δ - 2 Q/k)."""
+        """Return the energy (mN µm) dissipated by slip: Σ Q (δ - 2 Q/k) over springs of strength Q and stiffness k."""
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_NODES)
         # Integrate over φ, where t = cos φ, from the edge (φ = 0) to the end of the slip zone.
@@ -138,7 +138,7 @@ class SlidingAsperities:
         return float(((strength * slipped * sine) @ weights * end[:, 0]).sum())
 
     def _strength(self, sine: Floats) -> Floats:
-        """Return the strength 3/4 mu0 F (1 - t²) + 2/π tau0 A (1 - t²)^(1/2) for `sine` = (1 - t²)^(1/2)."""
+        """Return the spring strengths 3/4 mu0 F s² + 2/π tau0 A s. The array `sine` contains s = (1 - t²)^(1/2)."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
@@ -195,7 +195,7 @@ class SlidingHalfSpace:
         return {name: value for name, value in vars(self).items() if name != "_solver"}
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the state whose tractions support a tangential load with the least energy."""
+        """Return the slip state of minimum energy among all states whose tractions support a tangential load."""
         if load >= self.sliding_load:
             return self._slip(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
         load_fraction = load / self.sliding_load
@@ -209,7 +209,7 @@ class SlidingHalfSpace:
         return self._slip(load, solution.pressure[self.points], solution.approach * self.ratio)
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) dissipated by slip: the sum over the points of traction bound times slip.
+        """Return the energy (mN µm) dissipated by slip: the sum of traction bound times slip over all points.
 
         The energy does not depend on the displacement of distant points.
         """

@@ -1,4 +1,4 @@
-"""Contact model: parameters of a contact calculation, passed from the study file to the core."""
+"""Parameters of a contact calculation (contact model), passed from the study file to the C++ core."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Curvature = Literal["convex", "signed"]
 Shear = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 Sliding = Literal["opposing", "all"]
-DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus of the paper, GPa
+DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus used in the paper, GPa
 THICKNESS = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 FLIPPED_STEP = "turned over"  # history entry that the function `flipped` adds
-# largest difference of heights that count as equal, as a fraction of their range
+# Heights count as equal if they differ by at most this fraction of their range.
 _SAME_HEIGHT_TOLERANCE = 1e-9
 
 
@@ -196,7 +196,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
         return model
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
         raise TypeError(f"unknown keyword argument {min(unknown)!r}")
-    # `shear` and `direction` exclude each other, so each argument also resets the other parameter of the model.
+    # `shear` and `direction` exclude each other, so setting one of them resets the other.
     if "shear" in changes and changes.get("direction") is None:
         changes["direction"] = None
     elif changes.get("direction") is not None and "shear" not in changes:
@@ -231,7 +231,7 @@ def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) ->
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` if any source is a file, because the modulus of a measured surface must be given."""
+    """Raise a `ValueError` if any source is a file. For measured surfaces, the modulus must be given."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}; the default "
@@ -260,7 +260,7 @@ def show_model_keywords(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that two bodies are both profiles or both surfaces, with equal spacings. `whole` rejects missing points."""
+    """Check that two bodies have the same type and equal spacings. If `whole` is True, also reject missing points."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:
@@ -303,7 +303,7 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _find_source(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the history of a surface without its flip entries."""
+    """Return the history of a surface without the entries for flips."""
     return tuple(step for step in body.history if step != FLIPPED_STEP)
 
 

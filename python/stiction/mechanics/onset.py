@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 # Loads that differ by less than this fraction of the sliding load share one solution.
 LOAD_TOLERANCE = 1e-9
-# Tolerance of a requested displacement, as a fraction of the displacement at which the surfaces slide.
+# Tolerance of a requested displacement, as a fraction of the displacement at which the surfaces begin to slide.
 DISPLACEMENT_TOLERANCE = 1e-7
 
 
@@ -43,7 +43,7 @@ class SlipState:
 
 
 class TangentialProblem(Protocol):
-    """Contact under constant normal load, to which a tangential load is applied.
+    """Contact under a constant normal load and a variable tangential load.
 
     `bound` is the largest traction (GPa) at each point.
     """
@@ -162,7 +162,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(self._slips[self._place(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the smallest `tangential_load` (mN) at which each point slips, or NaN for a point that never slips.
+        """Return the smallest `tangential_load` (mN) at which each point slips. It is NaN for points that never slip.
 
         For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
@@ -172,7 +172,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(first, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
-        """Return the energy loss (mN µm) per load cycle, for an array of amplitudes of the tangential load.
+        """Return the energy loss (mN µm) per load cycle for each tangential load amplitude in an array.
 
         Parameters
         ----------
@@ -283,7 +283,7 @@ def compute_onset(
     tangential_problem: TangentialProblem, *, mu0: float, tau0: float, direction: float, steps: int | Sequence[float],
     displacements: ArrayLike | None,
 ) -> Onset:  # fmt: skip
-    """Compute the onset curve at given fractions of the sliding load, or at given displacements."""
+    """Compute the onset curve for given fractions of the sliding load, or for given displacements."""
     at_sliding = tangential_problem.at(tangential_problem.sliding_load)
     slips: list[SlipState] = []
     if displacements is None:
@@ -359,7 +359,7 @@ def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
 
 
 def load_fractions(steps: int | Sequence[float]) -> Floats:
-    """Return fractions of the sliding load, given as a number of equal steps up to 1 or as the fractions themselves."""
+    """Return fractions of the sliding load. An integer n gives n equal steps up to 1; a sequence is used unchanged."""
     if np.ndim(steps) == 0:
         count = whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count

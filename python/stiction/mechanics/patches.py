@@ -22,7 +22,7 @@ Level patches do not oppose the motion. For a sphere on a flat, solver errors gi
 
 
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
-    """Compute the slopes along each axis, spectrally for periodic heights, and otherwise with natural splines."""
+    """Compute the slopes along each axis, with a spectral method for periodic heights and natural splines otherwise."""
     if periodic:
         return [_spectral_slope(heights, axis, step) for axis, step in enumerate(spacing)]
     rows = np.atleast_2d(heights)
@@ -63,7 +63,7 @@ class PatchSums:
         return np.asarray(self.leaning > MAX_LEVEL_SLOPE * self.steepness * self.force)
 
     def total(self, sliding: Sliding) -> dict[str, Any]:
-        """Return the sums over the patches that contribute to friction according to a sliding rule.
+        """Return the area and normal force of all patches, and the other sums over patches that contribute to friction.
 
         Sums that depend on the direction have the shape (directions,).
         """
@@ -82,6 +82,6 @@ class PatchSums:
 def patch_sums(
     force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
 ) -> PatchSums:
-    """Compute the sums over each patch from forces (mN), areas (µm²), slopes and unit vectors of motion (m, 2)."""
+    """Compute friction sums over each patch from forces (mN), areas (µm²), slopes and m unit vectors of motion."""
     along_y = slope[0] if len(slope) == 2 else None
     return PatchSums(**_core.patch_sums(force, area, along_y, slope[-1], patch, list(directions)))

@@ -81,7 +81,7 @@ class FourParameterIwan(TextRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LuGre(TextRepr):
-    """LuGre presliding model: bristles that deflect and, at the sliding load, yield.
+    """LuGre presliding model, in which bristles deflect and finally yield at the sliding load.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Table of the quantities in results, with their units, names, dimensions and uses.
+"""Table of all quantities in results, with the unit, name, dimensions and uses of each quantity.
 
 All lists of quantities are selections from `QUANTITIES`. Texts, reports and CSV files list quantities in the order of
 the table.
@@ -44,19 +44,19 @@ class ResultQuantity:
     kind: Kind
     along: tuple[Axis, ...] = ()
     dtype: type = float
-    # Numerator of a ratio or, if the quantity is a sum at zero load, the corresponding sum under load.
+    # Numerator, if the quantity is a ratio. For a sum at zero load, the corresponding sum under load.
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a ratio
     bounds: tuple[float, float] = (-math.inf, math.inf)  # limits that the ends of an interval cannot exceed
     interval: Interval = "sampling"  # kind of the 95 % interval
     percent: bool = False  # True if tables and reports show the quantity in percent
-    column_unit: str = ""  # unit in spreadsheets, if different from `unit`
+    column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
     column_factor: float = 1.0
     # True if the value is roughly proportional to the load.
     # The ratio of such a value to the load is interpolated over the logarithm of the load.
     proportional: bool = False
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
-    bound_fraction: str = ""  # name of the fraction of members for which only a lower bound is known
+    bound_fraction: str = ""  # name of the quantity that gives the fraction of members with only a lower bound
     stored: frozenset[Source] = frozenset()
     shown: frozenset[View] = frozenset()
 
@@ -88,7 +88,7 @@ _MEASURED: frozenset[Source] = frozenset({"measured"})
 
 
 def _sum(name: str, *more: Source, **properties: Any) -> ResultQuantity:
-    """Return the table entry of a contact sum, with the unit and the description that the core declares."""
+    """Return the table entry of a contact sum, using the unit and the description declared by the core."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: Source = "asperities" if name in CORE_SUMS else "areal"
     of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP, "stored": frozenset({source, *more})}
@@ -425,7 +425,7 @@ def select(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
 
 
 def shown_in(view: View) -> tuple[str, ...]:
-    """Return the names of the quantities that a view shows."""
+    """Return the names of the quantities that a view, such as "csv" or "report", shows."""
     return select(lambda each: view in each.shown)
 
 
@@ -502,13 +502,13 @@ INTERPOLATED_QUANTITIES = tuple(
 
 
 def attributes_of(name: str) -> dict[str, str]:
-    """Return the attributes of the dataset variable for a quantity."""
+    """Return the attributes that describe a quantity as a variable of a dataset."""
     quantity = QUANTITIES[name]
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
 
 
 def column_of(name: str) -> tuple[str, float]:
-    """Return the title of the spreadsheet column of a quantity (with unit), and the conversion factor to this unit."""
+    """Return the spreadsheet column title of a quantity, and the factor that converts its values to the column unit."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit
     return quantity.short + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor

@@ -1,4 +1,4 @@
-"""Area and friction as functions of the shortest resolved wavelength, and their limits if the bodies yield."""
+"""Area and friction as functions of the shortest resolved wavelength, and limits for both if the bodies yield."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
 TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 """Default hardnesses (GPa) for which the plastic wavelength is computed, from polymers and soft metals to ceramics."""
 
-_MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, as a fraction of the shortest side
-# The first sliding rule is the rule that corresponds to most measured values of mu0.
+_MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, as a fraction of the shortest side of the surfaces
+# The first sliding rule is the rule to which most measured values of mu0 refer.
 _SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_TEXT = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA = 2.2  # value of A E* h'/F at small loads, which is 2.1 to 2.4 on Gaussian surfaces
+KAPPA = 2.2  # A E* h'/F at small loads; the value on Gaussian surfaces is 2.1 to 2.4
 # fields of a curve that have one value per load and do not depend on the direction
 _CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _RENAMED_VARIABLES = {
     "load_share_at_hardness": "load_fraction_at_hardness"
-}  # variables of the result whose names differ from the names of the curve's fields
+}  # result variables that are named differently from the fields of the curve
 
 
 def resolution(
@@ -59,7 +59,7 @@ def resolution(
     tolerance: float = 1e-6,
     progress: Callable[[int, int], object] | None = None,
 ) -> xr.Dataset:
-    r"""Compute area, pressure and friction of a pair as functions of a cutoff wavelength, and limits for finer scans.
+    r"""Compute area, pressure and friction of a pair for several cutoff wavelengths, and bounds for finer scans.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ class _SolvedPair:
 
     @property
     def shortest(self) -> float:
-        """Shortest possible cutoff wavelength (µm), which is twice the larger spacing."""
+        """Shortest possible cutoff wavelength (µm), twice the largest grid spacing."""
         return 2 * max(self.upper.spacings)
 
     def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
@@ -311,7 +311,7 @@ def _cutoff_dataset(
     pair: _SolvedPair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return areas, pressures and sums as functions of the cutoff, with NaN where there is no solution."""
+    """Return areas, pressures and contact sums as functions of the cutoff. Values without a solution are NaN."""
     import xarray as xr
 
     gaps = [pair.gap(*pair.cut_off_at(length)) for length in lengths]
@@ -362,7 +362,7 @@ def _with_limits(
     result: xr.Dataset, pair: _SolvedPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Add the plastic limit, the plastic wavelength, and the elastic extrapolation towards this wavelength."""
+    """Extend a dataset by the plastic limit, the plastic wavelength and elastic values extrapolated to it."""
     gap = pair.gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = brackets.gap_exponent(gap, pair.periodic)
@@ -434,7 +434,7 @@ def spectral_resolution(
     kappa: float = KAPPA,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
-    r"""Compute area and friction of two surfaces as functions of the shortest wavelength, in closed form.
+    r"""Compute area and friction of two surfaces as functions of the shortest wavelength, using closed-form solutions.
 
     Parameters
     ----------

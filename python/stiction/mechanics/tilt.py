@@ -23,17 +23,17 @@ from stiction.mechanics.half_space_problem import (
     to_contact_solution,
 )
 
-# Largest distance of the resultant force from the centre along an axis, as a fraction of the length along this axis.
+# Maximum distance of the resultant force from the centre along an axis, as a fraction of the length of the axis.
 MAX_OFF_CENTRE = 1e-4
 MAX_TILT_SOLUTIONS = 60  # maximum number of solutions per load
-MAX_EDGE_STEP = 0.5  # largest edge displacement in one step, in standard deviations of the gap
+MAX_EDGE_STEP = 0.5  # maximum edge displacement in one step, in standard deviations of the gap
 # Smallest change of the moment per unit slope for which the tilt is defined.
-# The unit is the load times the squared length, divided by the standard deviation of the gap.
+# The change is relative to the load times the squared length, divided by the standard deviation of the gap.
 MIN_RESPONSE = 1e-6
 
 
 def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
-    """Tilt the upper surface of a problem about its centre by slopes along y and x or, for profiles, along x."""
+    """Tilt the upper surface of a problem about its centre. `slopes` are along y and x, or along x for profiles."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(problem, upper=problem.upper + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes)
 
@@ -41,7 +41,7 @@ def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
 def solve_balanced(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
-    """For each load (mN), find the tilt at which the resultant force acts at the centre, and return the contact."""
+    """Find the tilt at which the resultant force acts at the centre. Return the contact at each load (mN)."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     arms, shape = lever_arms(problem), problem.gap.shape
