@@ -51,7 +51,7 @@ def test_low_pass_filter_of_a_surface_acts_along_both_axes():
 
 @pytest.mark.parametrize("wavelength", [0.2, 0.25, 0.4, 1.0, 5.0])
 @pytest.mark.parametrize("periodic", [True, False])
-def test_low_pass_filter_has_gaussian_transmission_and_half_at_the_cutoff(wavelength, periodic):
+def test_low_pass_filter_has_gaussian_transmission_that_is_one_half_at_the_cutoff(wavelength, periodic):
     x = 0.1 * np.arange(2000)
     for length in (0.25, 0.4, 0.5, 1.0, 5.0, 20.0):
         waves = np.stack([np.cos(2 * np.pi * x / length), np.sin(2 * np.pi * x / length)], axis=1)
@@ -119,10 +119,10 @@ def test_low_pass_filter_is_recorded_in_the_history_and_preserves_the_grid():
         ([1.0, 2.0], 1.0, "body must be a Profile or a Surface, got list"),
     ],
 )
-def test_low_pass_filter_rejects_bad_arguments(body, wavelength, message):
+def test_low_pass_filter_rejects_invalid_arguments(body, wavelength, message):
     with pytest.raises(ValueError, match=message):
         cut_off(body, wavelength)
 
 
-def test_low_pass_filter_accepts_smallest_and_largest_cutoff():
+def test_low_pass_filter_accepts_the_smallest_and_the_largest_allowed_cutoff():
     assert len(cut_off(rough_profile(), 0.02)) == len(cut_off(rough_profile(), 10 / 3)) == 1000

@@ -15,7 +15,7 @@ from support.rough_surfaces import self_affine_map
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("pruning", [0.0, 0.05, 0.2])
-def test_significant_peaks_equal_those_of_literal_wolf_pruning(seed, pruning):
+def test_significant_peaks_equal_those_found_by_literal_wolf_pruning(seed, pruning):
     heights = self_affine_map(seed, 0.6, (22, 27)).heights
     for sign in (1, -1):
         threshold = pruning * float(np.ptp(heights))
@@ -63,7 +63,7 @@ def test_five_point_heights_are_nan_with_fewer_than_five_peaks():
     assert result.density == pytest.approx(1 / 600)
 
 
-def test_dominant_wavelength_equals_that_of_the_largest_fourier_coefficient():
+def test_dominant_wavelength_equals_the_wavelength_of_the_largest_fourier_coefficient():
     surface = self_affine_map(3, 0.6, (18, 24), spacing=(0.5, 0.25))
     z = surface.heights - surface.heights.mean()
     assert surface_parameters(surface).Ssw == pytest.approx(slow.dominant_wavelength(z, surface.spacing), rel=1e-9)

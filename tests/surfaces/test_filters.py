@@ -129,7 +129,7 @@ class TestRobust:
         ({"cutoff": 1.0, "robust": True, "periodic": True}, "periodic must be False for a robust filter"),
     ],
 )
-def test_filter_rejects_bad_arguments(options, message):
+def test_filter_rejects_invalid_arguments(options, message):
     with pytest.raises(ValueError, match=message):
         filtered(rough_profile(points=300), **options)
 

@@ -131,7 +131,7 @@ class TestProfileExponent:
             ({"band": (0.5, 0.51)}, "at least 8 harmonics"),
         ],
     )
-    def test_hurst_estimate_rejects_bad_arguments(self, bad, match):
+    def test_hurst_estimate_rejects_invalid_arguments(self, bad, match):
         with pytest.raises(ValueError, match=match):
             estimate_hurst_exponent(rough_profile(), **bad)
 

@@ -123,6 +123,6 @@ def test_surface_generated_from_a_joined_spectrum_has_that_spectrum(complete_sur
         ([Surface(np.ones((9, 9)), spacing=1.0)], {}, "surface must not be flat"),
     ],
 )
-def test_joined_spectrum_rejects_bad_arguments(complete_surface, scans, options, message):
+def test_joined_spectrum_rejects_invalid_arguments(complete_surface, scans, options, message):
     with pytest.raises(ValueError, match=message):
         joined_spectrum([complete_surface] if scans is None else scans, **options)

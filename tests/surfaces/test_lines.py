@@ -45,7 +45,7 @@ def test_line_roughness_equals_the_mean_over_single_lines():
     )
 
 
-def test_roughness_along_y_equals_roughness_along_x_of_transposed_surface():
+def test_roughness_along_y_equals_roughness_along_x_of_the_transposed_surface():
     surface = stacked_rows(0.6, lines=12, points=300)
     on_its_side = Surface(surface.heights.T, spacing=(0.02, 0.5))
     for one, other in (("x", "y"), ("y", "x")):
@@ -113,7 +113,7 @@ def test_line_roughness_has_no_band_if_few_lines_have_a_band():
         ),
     ],
 )
-def test_line_roughness_rejects_bad_arguments(surface, options, message):
+def test_line_roughness_rejects_invalid_arguments(surface, options, message):
     with pytest.raises(ValueError, match=message):
         line_roughness(surface, **options)
 
@@ -151,7 +151,7 @@ def test_lines_along_straight_grooves_have_no_hurst_exponent():
     assert np.isnan(along_y.misfit)
 
 
-def test_misfit_is_near_1_for_a_power_law_and_larger_for_a_bent_spectrum():
+def test_misfit_is_near_1_for_a_power_law_and_larger_for_a_spectrum_with_a_bend():
     straight = Surface(
         [
             self_affine(2, hurst_exponent=0.7, rms=0.1, points=512, spacing=1.0, periodic=True, amplitudes="fixed",

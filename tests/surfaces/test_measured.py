@@ -606,7 +606,7 @@ def npy_bytes(array):
         (npy_bytes(np.array([1, None])), "a.npy", "damaged .npy file, or contains Python objects instead of numbers"),
         (npy_bytes(np.ones((1, 9))).replace(b"(1, 9), }   ", b"(True, 9), }"), "a.npy", "damaged .npy file"),
         (npy_bytes(np.zeros(9))[:-5], "a.npy", "damaged"),
-        (npy_bytes(np.zeros(9, complex)), "a.npy", "array of complex128"),
+        (npy_bytes(np.zeros(9, complex)), "a.npy", "array of type complex128"),
         (npy_bytes(np.zeros((2, 2, 2))), "a.npy", "shape (2, 2, 2)"),
         (npy_bytes(np.zeros((5, 5))), "a.npy", "5 rows of 5 columns"),
         (npy_bytes(np.zeros(9)), "a.csv", "is named .csv, but its content is a NumPy array (.npy)"),
@@ -666,7 +666,7 @@ def test_text_file_with_too_many_lines_or_cells_is_rejected(file, monkeypatch, s
         ({"columns": (0, 1, 2, 3)}, r"columns must be one column \(heights\), two \(positions and heights\)"),
     ],
 )
-def test_readers_reject_bad_arguments(file, options, message):
+def test_readers_reject_invalid_arguments(file, options, message):
     for read in (read_profile, read_measurement, *([] if "columns" in options else [read_surface])):
         with pytest.raises(ValueError, match=message) as caught:
             read(file(TEXT_FORMATS["comma"]), **options)

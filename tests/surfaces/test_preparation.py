@@ -61,7 +61,7 @@ def test_levelling_rejects_a_trend_meant_for_another_kind_of_body():
 
 
 @given(points=st.integers(8, 200), cut=st.floats(0.05, 0.95), spacing=st.sampled_from([0.1, 0.3, 1 / 3, 7.0]))
-def test_adjacent_crops_together_equal_the_profile(points, cut, spacing):
+def test_adjacent_crops_joined_together_equal_the_original_profile(points, cut, spacing):
     profile = rough_profile(points, spacing)
     place = min(max(round(cut * points), 4), points - 4) * spacing
     left, right = cropped(profile, stop=place), cropped(profile, place)

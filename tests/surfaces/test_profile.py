@@ -60,18 +60,18 @@ def test_profile_scaled_to_an_amplitude_has_this_amplitude(measure, size):
         (np.array(["2020-01-01"] * 4, "M8[D]"), "real numbers"),
     ],
 )
-def test_profile_rejects_bad_heights(heights, message):
+def test_profile_rejects_invalid_heights(heights, message):
     with pytest.raises(ValueError, match=message):
         Profile(heights, spacing=1.0)
 
 
 @pytest.mark.parametrize("spacing", [0, -1.0, np.nan, np.inf, None, True, 10**400, 2 + 1j])
-def test_profile_rejects_bad_spacings(spacing):
+def test_profile_rejects_invalid_spacings(spacing):
     with pytest.raises(ValueError, match="spacing must be a finite number above 0 µm, got"):
         Profile(HEIGHTS, spacing=spacing)
 
 
-def test_scaling_a_profile_rejects_bad_amplitudes():
+def test_scaling_a_profile_rejects_invalid_amplitudes():
     profile = Profile(HEIGHTS, spacing=1.0)
     with pytest.raises(ValueError, match="amplitude must be a finite number above 0"):
         profile.with_amplitude(0)

@@ -64,7 +64,7 @@ class TestParameters:
     def test_skewness_is_negative_for_deep_valleys(self):
         assert roughness_parameters(Profile([0.0] * 20 + [-1.0] + [0.0] * 20, spacing=1.0)).Psk < -1
 
-    def test_roughness_parameters_reject_bad_arguments(self):
+    def test_roughness_parameters_reject_invalid_arguments(self):
         with pytest.raises(ValueError, match="flat"):
             roughness_parameters(Profile([1.0] * 10, spacing=1.0))
         with pytest.raises(ValueError, match="7 points"):
@@ -161,7 +161,7 @@ def test_surface_parameters_equal_their_definitions(factor):
         assert getattr(result, name) == pytest.approx(value, rel=loss), name
 
 
-def test_seven_point_slope_of_surface_equals_slopes_of_its_lines():
+def test_seven_point_slope_of_a_surface_is_computed_from_slopes_of_its_rows_and_columns():
     surface = gaussian_surface()
     rows = [roughness_parameters(surface.row(index)).Pdq for index in range(40)]
     columns = [roughness_parameters(surface.column(index)).Pdq for index in range(50)]
@@ -236,7 +236,7 @@ def test_core_roughness_of_known_distributions_equals_closed_forms():
     assert result.Svk == pytest.approx(result.Spk, rel=5e-3)
 
 
-def test_reduced_peak_height_is_that_of_a_triangle_of_equal_area():
+def test_reduced_peak_height_is_the_height_of_a_triangle_of_equal_area():
     surface = gaussian_surface(seed=5)
     result = surface_parameters(surface)
     z = np.sort(surface.heights.ravel() - surface.heights.mean())[::-1]
@@ -300,6 +300,6 @@ def test_surface_parameters_agree_with_the_surface_topography_package():
         (Surface(np.eye(9), spacing=1.0), {"derivative": "spline"}, "derivative must be one of"),
     ],
 )
-def test_surface_parameters_reject_bad_arguments(surface, options, message):
+def test_surface_parameters_reject_invalid_arguments(surface, options, message):
     with pytest.raises(ValueError, match=message):
         surface_parameters(surface, **options)

@@ -360,12 +360,12 @@ class TestNoiseOfAnisotropicMap:
         (instrument_limit, {"body": sinusoid(16), "tip_radius": 0.0}, "tip_radius must be a finite number above 0 µm"),
     ],
 )
-def test_instrument_limit_rejects_bad_arguments(function, arguments, message):
+def test_instrument_limit_rejects_invalid_arguments(function, arguments, message):
     with pytest.raises(ValueError, match=message):
         function(**arguments)
 
 
-def test_interpolation_of_gradient_and_wavelength_rejects_bad_arguments():
+def test_interpolation_of_gradient_and_wavelength_rejects_invalid_arguments():
     result = scale_dependent_roughness(sinusoid(16))
     with pytest.raises(ValueError, match="wavelength must be above 0"):
         result.gradient_at(0.0)

@@ -180,7 +180,7 @@ class TestSettingClass:
         ({"lc": 40.0, "sections": 0}, "sections must be a whole number of at least 1"),
     ],
 )
-def test_section_parameters_reject_bad_arguments(options, message):
+def test_section_parameters_reject_invalid_arguments(options, message):
     with pytest.raises(ValueError, match=message):
         section_parameters(Profile(np.sin(np.arange(100.0)), spacing=0.5), **options)
 

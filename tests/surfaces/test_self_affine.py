@@ -31,7 +31,7 @@ class TestSelfAffineProfile:
         # Subtraction of the mean reduces it by another 4 %.
         assert np.mean(squares) == pytest.approx(0.1**2, rel=0.12)
 
-    def test_profile_on_a_finer_grid_contains_the_same_points(self):
+    def test_profile_on_a_finer_grid_contains_the_points_of_the_coarser_grid(self):
         options = {"shortest_wavelength": 0.05}
         for periodic in (True, False):
             coarse = rough_profile(points=1000, spacing=0.01, periodic=periodic, **options)
@@ -68,7 +68,7 @@ class TestSelfAffineProfile:
             ({"seed": -1}, "seed"),
         ],
     )
-    def test_self_affine_profile_rejects_bad_arguments(self, bad, match):
+    def test_self_affine_profile_rejects_invalid_arguments(self, bad, match):
         with pytest.raises(ValueError, match=match):
             rough_profile(**bad)
 
@@ -134,7 +134,7 @@ def test_self_affine_surface_is_periodic():
     assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(created.heights, axis=0)).max() * 1.5
 
 
-def test_surface_on_a_finer_grid_contains_the_same_points():
+def test_surface_on_a_finer_grid_contains_the_points_of_the_coarser_grid():
     coarse = surface(shortest_wavelength=0.1, longest_wavelength=0.8)
     fine = surface(shortest_wavelength=0.1, longest_wavelength=0.8, shape=(288, 256), spacing=(0.02 / 3, 0.005))
     assert np.abs(fine.heights[::3, ::2] - coarse.heights).max() < ROUND_OFF
@@ -181,7 +181,7 @@ def test_phases_of_a_generated_profile_match_the_documented_random_numbers():
         ({"rms": np.nan}, "rms"),
     ],
 )
-def test_self_affine_surface_rejects_bad_arguments(changes, match):
+def test_self_affine_surface_rejects_invalid_arguments(changes, match):
     with pytest.raises(ValueError, match=match):
         surface(**changes)
 
@@ -198,7 +198,7 @@ class TestAmplitude:
             assert scaled.history == ("made", f"scaled to {measure} 0.3 µm")
             assert np.corrcoef(scaled.heights.ravel(), created.heights.ravel())[0, 1] == pytest.approx(1, rel=ROUND_OFF)
 
-    def test_scaling_a_surface_rejects_flat_surfaces_and_bad_arguments(self):
+    def test_scaling_a_surface_rejects_flat_surfaces_and_invalid_arguments(self):
         flat = Surface(np.full((5, 5), 2.0), spacing=1.0)
         assert flat.is_flat
         assert not surface().is_flat

@@ -76,7 +76,7 @@ class TestSpectrum:
         assert np.mean(plain[high] / expected[high]) > 1.3
 
     @pytest.mark.parametrize("bad", [{"periodic": "yes"}, {"periodic": None}])
-    def test_power_spectrum_rejects_bad_arguments(self, bad):
+    def test_power_spectrum_rejects_invalid_arguments(self, bad):
         for function in (power_spectrum, estimate_hurst_exponent, spectral_moments):
             with pytest.raises(ValueError, match="periodic"):
                 function(rough_profile(), **bad)
@@ -101,10 +101,10 @@ class TestSpectralMoments:
         for name in ("height", "slope", "curvature"):
             assert sum(getattr(part, name) for part in parts) == pytest.approx(getattr(whole, name), rel=ROUND_OFF)
 
-    def test_spectral_moments_reject_bad_arguments(self):
+    def test_spectral_moments_reject_invalid_arguments(self):
         with pytest.raises(ValueError, match="longest_wavelength must be above"):
             spectral_moments(rough_profile(), shortest_wavelength=2.0, longest_wavelength=1.0)
-        with pytest.raises(ValueError, match="must include a wavelength of the profile"):
+        with pytest.raises(ValueError, match="must contain a wavelength of the profile"):
             spectral_moments(rough_profile(), shortest_wavelength=20.0)
         with pytest.raises(ValueError, match="flat"):
             spectral_moments(Profile([1.0] * 10, spacing=1.0))

@@ -28,7 +28,7 @@ def test_rows_of_a_surface_are_along_x_and_columns_along_y():
         (np.zeros((3, 3)), np.array("1"), "spacing"),
     ],
 )
-def test_surface_rejects_bad_heights(heights, spacing, match):
+def test_surface_rejects_invalid_heights(heights, spacing, match):
     with pytest.raises(ValueError, match=match):
         Surface(heights, spacing=spacing)
 

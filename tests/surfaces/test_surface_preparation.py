@@ -53,7 +53,7 @@ def test_flipping_rotates_a_surface_about_the_x_axis():
     assert over.history == ("turned over",)
 
 
-def test_adjacent_crops_together_equal_the_surface():
+def test_adjacent_crops_joined_together_equal_the_original_surface():
     surface, _ = bumpy_surface()
     pieces = [
         [cropped(surface, (y0, x0), (y1, x1)).heights for x0, x1 in ((0, 3.05), (3.05, 8.0))]

@@ -91,7 +91,7 @@ class TestSurrogate:
         for one, two in pairwise(others):
             assert not np.allclose(one.heights, two.heights)
 
-    def test_surrogate_rejects_bad_arguments(self):
+    def test_surrogate_rejects_invalid_arguments(self):
         with pytest.raises(ValueError, match="flat"):
             surrogate(Profile([1.0] * 10, spacing=1.0), 1)
         with pytest.raises(ValueError, match="seed"):
@@ -142,7 +142,7 @@ def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_section(hurs
         assert again.moments(0).slope == pytest.approx(again.moments(90).slope, rel=2 * GRADIENT_SCATTER)
 
 
-def test_mean_slope_of_isotropic_surfaces_equals_that_of_their_section():
+def test_mean_slope_of_isotropic_surfaces_equals_the_mean_slope_of_their_section():
     section = known_surface(0.7, shape=(64, 512)).row(3)
     fitted = isotropic_spectrum(section, periodic=True)
     slopes = [
@@ -185,7 +185,7 @@ def test_isotropic_surface_scales_with_its_section_and_depends_on_seed():
         ({"periodic": "yes"}, "periodic must be True or False"),
     ],
 )
-def test_isotropic_surface_rejects_bad_arguments(changes, words):
+def test_isotropic_surface_rejects_invalid_arguments(changes, words):
     arguments = {"profile": known_surface(0.7, shape=(64, 256)).row(0), "seed": 1} | changes
     with pytest.raises(ValueError, match=words):
         isotropic_surface(arguments.pop("profile"), arguments.pop("seed"), **arguments)

@@ -82,7 +82,7 @@ def _find_peaks_of_points(rank: NDArray[np.int64], order: _IndexArray) -> _Index
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the two hills and the rank of each saddle in the maximum spanning tree, highest rank first."""
+    """Return the saddles of the maximum spanning tree, highest rank first: two hills and a rank for each saddle."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 

@@ -1,4 +1,4 @@
-"""Linear and robust Gaussian filters of ISO 16610 for profiles and surfaces, with end correction."""
+"""Linear and robust Gaussian filters of ISO 16610 for profiles and surfaces, corrected for end effects."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FilterKind = Literal["S", "L"]
 Powers = tuple[int, ...]
 # Shortest cutoff, in points. At this cutoff, the filter transmits 96 % of the amplitude of the shortest wavelength.
 MIN_CUTOFF_POINTS = 0.5
-_MIN_REGRESSION_POINTS = 4.0  # shortest cutoff, in points, for which straight lines are fitted near the ends
+_MIN_REGRESSION_POINTS = 4.0  # straight lines are fitted near the ends only if the cutoff has at least this many points
 # Half width of the weight function, in cutoff wavelengths.
 # Beyond this distance, all weights are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
@@ -28,7 +28,7 @@ _WEIGHT_HALF_WIDTH = 1.6
 _MIN_WEIGHTS = 64
 # The mean line is estimated only where at least this fraction of the weights lies on measured points.
 _MIN_COVERAGE = 1e-6
-_MIN_PIVOT = 1e-9  # below this pivot, the normalised local equations count as singular
+_MIN_PIVOT = 1e-9  # the normalised local equations count as singular if a pivot is below this limit
 # Biweight scale, in median absolute deviations.
 # For normally distributed heights, this scale is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
@@ -113,7 +113,7 @@ def filtered(
 
 
 def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Return a cutoff (µm) after checking that it is between half a point and `longest` times the shortest side."""
+    """Check a cutoff (µm), and return it. Its limits are half the spacing and `longest` times the shortest side."""
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(sides)
@@ -176,7 +176,7 @@ def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
 
 
 def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Filter periodic heights along each axis, with the cutoffs `lengths` given in points."""
+    """Filter periodic heights along each axis. `lengths` contains the cutoff along each axis, in points."""
     from scipy.fft import irfft, rfft, rfftfreq
 
     for axis, length in enumerate(lengths):
@@ -187,7 +187,7 @@ def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Filter heights after subtracting their tilt and reflecting them at their ends.
+    """Filter heights that are extended by reflection at their ends. The tilt of the heights is not filtered.
 
     Reflection is used for short cutoffs (in points), whose weights oscillate. A straight line fitted with the weights
     on one side would then be unstable.
@@ -230,7 +230,7 @@ def _quadratic_exponents(ndim: int) -> list[Powers]:
 
 
 class _Kernel:
-    """Gaussian weights times powers of the offset, zero-padded for convolution along an axis with `points` points."""
+    """Gaussian weights for convolution along one axis, multiplied by powers of the offset and padded with zeros."""
 
     def __init__(self, points: int, length: float) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
@@ -256,7 +256,7 @@ class _Kernel:
 
 
 def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
-    """Fit a local straight line with Gaussian weights at each point along an axis; return its value at the point."""
+    """Fit a line around each point along an axis, with Gaussian weights. Return the fitted value at each point."""
     from scipy.fft import irfft, rfft
 
     kernel = _Kernel(heights.shape[axis], length)
@@ -270,7 +270,7 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
 
 
 def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
-    """Fit a local polynomial at each point, with Gaussian weights times `weights`; return its value at the point."""
+    """Fit a polynomial around each point, with Gaussian weights times `weights`. Return its value at the point."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_Kernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
@@ -313,7 +313,7 @@ def _solve_constant_terms(
     terms = range(len(basis))
     total = np.where(moments[basis[0]] > _MIN_COVERAGE, moments[basis[0]], 1)
     # The dictionary contains the lower triangle of the normal equations, with row k for term k.
-    # The Schur complements remain symmetric.
+    # The Schur complements remain symmetric, so the upper triangle is not needed.
     rows = {(k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
     values = [side / total for side in right_sides]
     constant = values[0]

@@ -10,8 +10,8 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MIN_FLOOR_GAIN = 2.0  # smallest log-likelihood gain over power laws alone that makes a floor significant
-# initial level of the fitted floor, as a fraction of the highest level that the lowest density allows
+MIN_FLOOR_GAIN = 2.0  # minimum log-likelihood gain of a significant noise floor over power laws alone
+# initial level of the fitted floor, as a fraction of the maximum level that the lowest density allows
 _START_LEVEL = 0.3
 
 
@@ -25,7 +25,7 @@ class BinnedSpectrum(NamedTuple):
 
 
 class FloorFit(NamedTuple):
-    """Fitted power laws with a common noise floor: the densities are A q^-s + level * floor."""
+    """Power laws with a common noise floor, fitted to spectra. The densities are A q^-s + level * floor."""
 
     level: float
     gain: float  # log-likelihood gain over the best power laws without a floor
@@ -39,7 +39,7 @@ class FloorFit(NamedTuple):
 
 
 def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> FloorFit:
-    """Fit a common noise floor (level at least 0) and power laws with exponents in a given range to several spectra."""
+    """Fit spectra by power laws plus a common non-negative noise floor. The exponents stay within a given range."""
     from scipy.optimize import minimize
 
     unit = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)

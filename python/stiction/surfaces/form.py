@@ -15,7 +15,7 @@ from stiction._repr import format_with_unit
 RoundForm = Literal["circle", "sphere", "cylinder"]
 Points = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
 _FormModel = Callable[[Floats, Points], Floats]
-# Lower limit of the squared cosine of the slope angle, with which heights stay finite beyond the equator of the form.
+# Lower limit of the squared cosine of the slope angle. It keeps heights finite beyond the equator of the form.
 _MIN_COSINE_SQUARED = 1e-6
 _FIT_TOLERANCE = 1e-12  # relative change below which the fit has converged
 
@@ -58,7 +58,7 @@ def round_form(
 
 
 def _arc_heights(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Compute heights on an arc from the squared distance to its middle and the product of slope and distance."""
+    """Compute heights on an arc, given the squared distance to its middle and the product of slope and distance."""
     rise = curvature * square + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
@@ -110,7 +110,7 @@ def _estimate_parameters(form: RoundForm, points: Points, heights: Floats) -> Fl
 
 
 def _parameter_scales(form: RoundForm, points: Points, heights: Floats) -> Floats:
-    """Return typical magnitudes of the parameters, which scale the least-squares problem."""
+    """Return typical magnitudes of the parameters for scaling the least-squares problem."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))
     slopes = {"circle": [height / size], "sphere": [height / size] * 2, "cylinder": [height / size] * 2 + [1.0]}

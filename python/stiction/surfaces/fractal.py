@@ -93,7 +93,7 @@ def weierstrass_mandelbrot_family(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Floats:
-    r"""Compute Weierstrass-Mandelbrot profiles with several fractal dimensions from the same phases.
+    r"""Compute Weierstrass-Mandelbrot profiles that have the same phases and different fractal dimensions.
 
     Parameters
     ----------
@@ -260,7 +260,7 @@ def weierstrass_mandelbrot_surface(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Surface:
-    r"""Generate a Weierstrass-Mandelbrot surface (Eq. 1 of the paper over an area).
+    r"""Generate a Weierstrass-Mandelbrot surface (Eq. 1 of the paper, evaluated over an area).
 
     Without a band limit, the first row is the profile with the same phases.
 

@@ -8,16 +8,16 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance between harmonics, in bins. With a smaller distance, the spectrum between them cannot be assessed.
+# Minimum distance between harmonics, in bins. At a smaller distance, the spectrum between them cannot be assessed.
 MIN_HARMONIC_DISTANCE = 10
 # Smallest bin in which a first harmonic may lie.
 # The limit is above 2, because a Hann window spreads a spectral line over two bins on each side.
 _MIN_PERIODS = 2.5
-_MAX_COMPARED_HARMONICS = 8  # largest number of harmonics that are compared with the spectrum between them
+_MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics that are compared with the spectrum between them
 # Minimum number of significant harmonics above the first.
-# At least a third of the compared harmonics must also be significant.
+# In addition, at least a third of the compared harmonics must be significant.
 _MIN_SIGNIFICANT_HARMONICS = 2
-_MAX_CANDIDATES = 6  # largest number of peaks that are tested as the first harmonic
+_MAX_CANDIDATES = 6  # maximum number of peaks that are tested as the first harmonic
 # Minimum ratio of the density of a harmonic to the density between harmonics.
 # About one bin in 1000 exceeds this ratio by chance.
 _MIN_LINE_RATIO = 10.0
@@ -28,7 +28,7 @@ _BACKGROUND_QUANTILE = 0.3
 
 
 def find_period(density: Floats) -> tuple[float, float]:
-    """Find the first harmonic of a periodic texture and the distance between harmonics, in bins.
+    """Find the first harmonic of a periodic texture and the distance between harmonics, both as numbers of bins.
 
     Returns NaN if there is no periodic texture.
 
@@ -65,7 +65,7 @@ def find_period(density: Floats) -> tuple[float, float]:
 
 
 def density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the density between the harmonics of a texture as a low quantile over one period.
+    """Estimate the density between texture harmonics from a low quantile of the densities over one harmonic spacing.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
 
 
 def _median_between_harmonics(padded: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density around each harmonic up to halfway to the next one, excluding the harmonic's peak."""
+    """Return the median density near each harmonic: up to half the spacing away, but outside the harmonic peak."""
     bins = np.arange(padded.size)
     levels = []
     for position in harmonics.tolist():

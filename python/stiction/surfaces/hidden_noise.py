@@ -1,4 +1,4 @@
-"""White instrument noise that is hidden below the spectrum of the surface, so that the spectrum has no flat end."""
+"""Estimation of white instrument noise that is too weak to flatten the end of a spectrum."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from stiction.surfaces.surface import Surface
 
 MAX_FITTED_POINTS = 16.0  # longest fitted wavelength, in points
 _BINS_PER_OCTAVE = 8
-_MIN_BINS = 8  # smallest number of bins for a fit
+_MIN_BINS = 8  # minimum number of bins for a fit
 _RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectrum from a power law in each bin
 _EXPONENTS = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
-# Largest accepted ratio of the fitted noise of a map to its median density at the shortest wavelengths.
+# Maximum accepted ratio of the fitted noise of a map to the median density of the map at the shortest wavelengths.
 # The shortest wavelengths are those below four points along both axes.
 _MAX_NOISE_RATIO = 2.0
 
 
 @dataclass(frozen=True)
 class HiddenNoise:
-    """White noise that a spectrum may hide."""
+    """White noise that the spectrum of a scan may contain without showing a noise floor."""
 
     slope_fraction: float  # fraction of the mean square slope that the noise contributes
     cut_off: float  # cutoff (µm) of a low-pass filter that reduces the mean square slope by `slope_fraction`

@@ -18,7 +18,7 @@ from stiction.surfaces.spectrum import HANN_CORRELATION, areal_spectrum, in_band
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
-MAX_INTERVAL_WIDTH = 0.5  # widest 95 % interval of H for which the estimate is still informative
+MAX_INTERVAL_WIDTH = 0.5  # the estimate of H is informative only if its 95 % interval is not wider than this limit
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 _TREND_ROUND_OFF = 1e-13  # round-off of a subtracted straight line, relative to the largest height
@@ -30,14 +30,14 @@ _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with on
 _BINS_PER_DECADE = 12
 _MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that has its own power law
 # Assumed relative deviation of the true spectrum from a power law in each bin.
-# No measured spectrum follows a power law more closely than this.
+# Every measured spectrum deviates from a power law by at least this much.
 _RELATIVE_MODEL_ERROR = 0.1
 # Minimum log-likelihood gain of an additional piece, which has three parameters and begins at one of about 50 bins.
 _PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin. Random scatter about a power law causes a deviance of about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE = 10.0
-_MIN_BAND_WIDTH = math.log(3)  # narrowest accepted band in ln q: half a decade
+_MIN_BAND_WIDTH = math.log(3)  # minimum width of a band in ln q (half a decade)
 # Minimum log-likelihood gain of a roll-off, which adds one parameter.
 _ROLL_OFF_PENALTY = 2.0
 
@@ -140,7 +140,7 @@ class HurstEstimate(TableRepr):
 
     @property
     def fractal_dimension_paper(self) -> float:
-        """Fractal dimension D = (4 - H) / 2 of Hanaor, Gan & Einav (2016) and `weierstrass_mandelbrot`."""
+        """Fractal dimension D = (4 - H) / 2, as used by Hanaor, Gan & Einav (2016) and `weierstrass_mandelbrot`."""
         return (4 - self.value) / 2
 
     @property
@@ -287,7 +287,7 @@ def estimate_hurst_exponent(
 
 
 def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers and powers to be fitted for a profile, and the scale (µm) that normalised the heights."""
+    """Return the wave numbers and powers to fit for a profile, and the scale (µm) that normalises its heights."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -306,7 +306,7 @@ def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
 
 
 def _fitted_wave_vectors(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the values to be fitted: wave numbers, products of density and wave number, and a height scale (µm)."""
+    """Return wave numbers and densities times wave number, and the scale (µm) that normalises the heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -342,7 +342,7 @@ class _SpectrumBins:
         return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
     def deviance(self, exponent: float, weight: Floats) -> float:
-        """Return the deviance of a power law with a given exponent, divided by the number of degrees of freedom."""
+        """Return the deviance per degree of freedom of a power law with a given exponent."""
         ratio = self.power * np.exp(exponent * (self.log_q - self.log_q.mean()))
         ratio /= np.average(ratio, weights=weight)
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
@@ -407,7 +407,7 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLaw]:
-    """Fit one power law for each possible end of a flat roll-off: bin 0 (no roll-off), bin 1, bin 2 and so on."""
+    """Fit a power law for each possible end of a flat roll-off. The first candidate, bin 0, means no roll-off."""
     breaks = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
     return [PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
 

@@ -1,4 +1,4 @@
-"""Conversion of profiles and surfaces from and to objects of other libraries, including heights, spacing and unit."""
+"""Conversion of profiles and surfaces to and from objects of other libraries, including the spacing and the unit."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Foreig
 
 
 def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
-    """Convert heights and positions (µm) with units to a DataArray; the inverse of `extract_heights`."""
+    """Convert heights and positions (µm) to a DataArray with units. This is the inverse of `extract_heights`."""
     import xarray
 
     along = {"units": "um", "long_name": "position"}
@@ -76,7 +76,7 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
 
 
 def _from_topography(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
-    """Extract heights from a topography of SurfaceTopography, whose first axis is x."""
+    """Extract heights from a SurfaceTopography object. The first axis of its arrays is x."""
     factor = _unit_factor(name, other.unit or unit, kind)
     masked_heights = np.ma.asarray(other.heights())
     if np.ma.is_masked(masked_heights):

@@ -1,4 +1,4 @@
-"""Spectrum of a surface combined from several scans; each scan contributes its reliable band of wavelengths."""
+"""Surface spectrum combined from several scans. Each scan contributes its reliable band of wavelengths."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def _half_width(self) -> float:
-        """Ratio of the wave number at the upper edge of a bin to the wave number at its centre."""
+        """Ratio of the wave number at the upper edge of a bin to the wave number at the centre."""
         return math.sqrt(self.wave_number[1] / self.wave_number[0])
 
     @property
@@ -100,7 +100,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio of each scan's density to the density of all other scans at shared wavelengths, shape (scans,).
+        """Mean ratio of the density of each scan to that of all other scans at shared wavelengths, shape (scans,).
 
         The ratio is NaN for a scan without overlap.
         """
@@ -110,7 +110,7 @@ class JoinedSpectrum(TextRepr):
             occupied = shared & np.isfinite(ratio)
             weight = self.contribution[scan, occupied]
             if occupied.any() and (weight < 1).any():
-                # The combined density includes the scan itself, which must be removed for the comparison.
+                # The combined density includes the density of the scan itself, which is removed before the comparison.
                 others = (1 - weight * ratio[occupied]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     logs = np.log(ratio[occupied] / others)
@@ -139,7 +139,7 @@ class JoinedSpectrum(TextRepr):
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             part = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
-            # The integral ends at the centre of a bin, so half of this bin is excluded.
+            # The integral up to the centre of a bin includes only half of this bin.
             result.append(np.sqrt(part.cumsum() - part / 2))
         return ScaleDependentRoughness(
             wavelength=read_only(2 * math.pi / self.wave_number), gradient=read_only(result[0]),
@@ -150,7 +150,7 @@ class JoinedSpectrum(TextRepr):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian surface with this spectrum, without any wavelengths outside its range.
+        """Generate a periodic Gaussian surface with this spectrum. Wavelengths outside the spectrum are absent.
 
         Parameters
         ----------

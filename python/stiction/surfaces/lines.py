@@ -29,7 +29,7 @@ _MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formu
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextRepr):
-    """Roughness of the rows or columns of a surface, after subtracting a least-squares line from each of them.
+    """Roughness of the rows or columns of a surface, each measured from its own least-squares line.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of a surface along x and along y, with both exponents fitted in the same band.
+    """Compute the roughness of a surface along x and along y. If possible, both exponents are fitted in the same band.
 
     Parameters
     ----------

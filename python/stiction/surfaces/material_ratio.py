@@ -117,7 +117,7 @@ def material_volumes(heights: Floats) -> MaterialVolumes:
 
 
 class CoreParameters(NamedTuple):
-    """Core height, reduced peak height and pit depth, and the material ratios at both ends of the core."""
+    """Core height, reduced peak height, reduced pit depth, and the material ratios at both ends of the core."""
 
     height: float
     peaks: float

@@ -13,16 +13,17 @@ MIN_OUTLIER_DEVIATIONS = 6.0
 
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
-MAX_OUTLIER_GROUP = 4  # largest number of adjacent outliers; a larger group is a feature of the surface
+MAX_OUTLIER_GROUP = 4  # maximum number of adjacent outliers; a larger group is a feature of the surface
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
 # Minimum number of estimates of a height from neighbouring points.
 # With three estimates, one estimate may contain another outlier.
 _MIN_ESTIMATES = 3
-# Number of lines through neighbouring points, out of at least five lines, that may pass near an outlier by chance.
+# Maximum number of lines through neighbouring points, out of at least five, that may pass near an outlier by chance.
 _MAX_CHANCE_LINES = 2
 _MAX_PASSES = 8
-_MIN_EDGE_POINTS = 20  # minimum number of edge points for which the scatter of edge points is estimated separately
+# The scatter of edge points is estimated separately only if there are at least this many edge points.
+_MIN_EDGE_POINTS = 20
 
 
 def interpolate_missing(heights: Floats, *, extrapolate: bool) -> Floats:
@@ -121,7 +122,7 @@ def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edg
 
 
 def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return deviations from neighbour means, deviations from lines through neighbours, and the mask of edge points.
+    """Return deviations from means of neighbours, deviations from lines through neighbours, and a mask of edge points.
 
     Deviations are NaN at points with too few measured neighbours.
     """

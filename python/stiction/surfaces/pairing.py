@@ -1,4 +1,4 @@
-"""Pairs of surfaces from two scans: pairs of lines, of map pieces, and of surrogates.
+"""Pairs of surfaces from two scans: pairs of lines, pairs of map pieces, and pairs of surrogates.
 
 A pair depends only on the scans, the options and its index. It depends neither on the number of pairs nor on the
 process that computes it.
@@ -30,7 +30,7 @@ from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 # Default number of pairs of lines.
-# Computing this number of pairs takes a second or two, and suffices for an interval.
+# This number of pairs suffices for an interval, and the computation takes a second or two.
 DEFAULT_LINES = 128
 # The largest shift of a map is its length divided by this number.
 # After a shift by a quarter of the length, three quarters of the maps overlap.
@@ -61,7 +61,7 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines from two scans, or pairs of surrogates of such lines, as returned by `paired_lines`."""
+    """Pairs of lines from two scans, or pairs of surrogates of these lines. See `paired_lines`."""
 
     upper: Profile | Surface
     lower: Profile | Surface
@@ -157,7 +157,7 @@ def paired_lines(
     surrogates: Surrogates = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Convert two scans to pairs of profiles for `press`. Each pair is a flipped slider and its counterface.
+    """Convert two scans to pairs of profiles for `press`. Each pair consists of a flipped slider and its counterface.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def paired_lines(
 def _crop_to_equal_length(
     upper: Profile, lower: Profile, index: int, level: ProfileTrend | None
 ) -> tuple[Profile, Profile]:
-    """Crop the longer profile of a pair to the length of the shorter profile, and level it again.
+    """Crop the longer profile of a pair to the length of the shorter one, and level the cropped profile again.
 
     The position depends on `index`.
     """
@@ -249,7 +249,7 @@ def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profil
 
 @dataclass(frozen=True, eq=False)
 class MapPairs:
-    """Pairs of pieces cut from two maps at different relative shifts, or cut from surrogates of the maps.
+    """Pairs of pieces cut from two maps at different relative shifts. The maps may be replaced by surrogates.
 
     All pieces have the same size.
 
@@ -434,7 +434,7 @@ class IsotropicPairs(SquarePairs):
 
     @property
     def used(self) -> tuple[float, float]:
-        """Ratio of the surface's side length to the profile's length, for the upper and the lower body."""
+        """Ratios of the side length of the generated surfaces to the lengths of the two profiles, upper and lower."""
         upper, lower = (self._num_side_points / len(item) for item in self._resampled_profiles)
         return upper, lower
 

@@ -110,7 +110,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
-    """Return polynomials of degree 0 to `degree` that are orthogonal on a uniform grid and have values of order 1."""
+    """Return orthogonal polynomials on a uniform grid, up to a given degree, with values of order 1."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -210,7 +210,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the first point of a range, the point after its last point, and a description of the range."""
+    """Return the first point of a range, the point after the last point, and a description of the range."""
     extent = points * spacing
     start = number("start", start, unit="µm")
     stop = extent if stop is None else number("stop", stop, unit="µm")
@@ -234,7 +234,7 @@ def on_common_grid(a: Profile, b: Profile, *, align: Align = ...) -> tuple[Profi
 @overload
 def on_common_grid(a: Surface, b: Surface, *, align: Align = ...) -> tuple[Surface, Surface]: ...
 def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Resample two profiles or two surfaces to the finer of their spacings, over their common length.
+    """Resample two profiles or two surfaces to the finer spacing of the two, over their common length.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
 
 
 def _count_points(length: float, spacing: float) -> int:
-    """Return the number of grid points from 0 to a length (µm). An end point is counted in spite of round-off."""
+    """Return the number of grid points from 0 to a length (µm), including an end point that round-off would exclude."""
     return math.floor(length / spacing + GRID_TOLERANCE) + 1
 
 
@@ -338,7 +338,7 @@ def resample_piece(
 
 
 def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
-    """Return a mask at positions between points. A position is missing if either adjacent point is missing."""
+    """Return the mask of missing positions between points. A position is missing if an adjacent point is missing."""
     if missing is None:
         return None
     below, above = (np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _NEIGHBOUR_ROUNDING)
@@ -452,7 +452,7 @@ def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[flo
     longer, shorter = max(height, width), min(height, width)
     if shorter <= 2 * sine * cosine * longer:  # two corners of the result lie on the longer sides
         half_shorter = shorter / 2
-        across, along = half_shorter / cosine, half_shorter / sine  # the shorter side limits the result
+        across, along = half_shorter / cosine, half_shorter / sine  # the shorter side limits the size of the result
         return (along, across) if height >= width else (across, along)
     span = cosine**2 - sine**2
     return (height * cosine - width * sine) / span, (width * cosine - height * sine) / span

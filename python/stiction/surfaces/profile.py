@@ -39,7 +39,7 @@ class Body(PlotRepr):
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def _store(self, heights: Floats, spacing: Any) -> None:
-        """Store heights and a spacing that are known to be valid, after checking the history and the mask."""
+        """Store heights and a spacing that are known to be valid, and check the history and the mask."""
         # copy the array, because another object may still modify it
         if heights.flags.writeable or not heights.flags.owndata:
             heights = read_only(heights.copy())
@@ -56,7 +56,7 @@ class Body(PlotRepr):
             object.__setattr__(self, "missing", read_only(mask) if mask.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Use the constructor, which makes the heights read-only again after unpickling.
+        # Unpickle with the constructor, which makes the heights read-only again.
         return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property
@@ -88,7 +88,7 @@ class Body(PlotRepr):
 
     @classmethod
     def from_(cls, other: Any, *, unit: str | None = None) -> Self:
-        """Convert an object of another library, including its heights, spacing and unit.
+        """Create a profile or surface from an object of another library, using its heights, spacing and unit.
 
         Parameters
         ----------
@@ -176,7 +176,7 @@ class Profile(Body):
         return self.heights.size * self.spacing
 
     def with_amplitude(self, amplitude: float, measure: AmplitudeMeasure = "height") -> Profile:
-        """Return the profile with zero mean, scaled to an amplitude.
+        """Return the profile with zero mean, scaled to a given amplitude.
 
         Parameters
         ----------
@@ -209,7 +209,7 @@ def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
 
 
 def reject_missing(body: Any, operation: str) -> None:
-    """Raise a `ValueError` if a scan has missing points, which the given operation does not support."""
+    """Raise a `ValueError` if a scan has missing points. The message names the operation that needs all points."""
     if body.missing is not None:
         raise ValueError(
             f"{operation} requires complete scans, got {int(body.missing.sum())} masked points; use the half-space "
@@ -220,7 +220,7 @@ def reject_missing(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """Scale a profile to an amplitude. The heights are written into the existing array `scaled`."""
+    """Scale a profile to a given amplitude, and write its heights into the existing array `scaled`."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # Largest fraction of the mean square slope that may be noise. The error of h' is then below 5 %.
 MAX_NOISE_FRACTION = 0.1
 MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of a smaller range would underflow
-MIN_CORRELATION = 0.5  # smallest correlation at which two scans are assumed to show the same area
+MIN_CORRELATION = 0.5  # two scans are assumed to show the same area only if their correlation is at least this large
 # widths (points) of the Gaussian filters in successive stages of the alignment
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NEWTON_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
@@ -31,7 +31,7 @@ _NEWTON_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
 _CORRELATED_POINTS = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation requires
 _CANDIDATES = 400  # number of trial cutoffs
-# largest deviation of a shift from an integer that counts as round-off, in points
+# a shift counts as an integer if it deviates from the integer by less than this number of points
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 
@@ -224,14 +224,14 @@ def _slopes(heights: Floats) -> list[Floats]:
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the integer shift with the largest correlation, considering only overlaps of more than half the points."""
+    """Return the integer shift with the largest correlation among overlaps of more than half the points."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
     ones, others = ([rfftn(value, shape) for value in (np.ones(c.shape), c, c**2)] for c in (a, b))
 
     def sum_products(of_a: int, of_b: int) -> Floats:
-        """For every shift, sum products of the heights of both scans, raised to given powers, over the overlap."""
+        """Return a sum over the overlap of both scans for every shift. It sums a power of `a` times a power of `b`."""
         return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)

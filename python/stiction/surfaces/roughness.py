@@ -113,7 +113,7 @@ def roughness_parameters(
 
 
 def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    """Compute height and slope parameters about the mean line. Their names omit the profile letter (P, R or W)."""
+    """Compute height and slope parameters about the mean line. The names omit the profile letter (P, R or W)."""
     scale = float(np.abs(z).max()) or 1.0
     unit = z / scale  # scaling prevents overflow and underflow of the fourth power
     rms = float(np.sqrt(np.mean(unit**2)))
@@ -327,7 +327,7 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
 
 
 def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
-    """Return the shortest and the longest distance at which the autocorrelation falls to 0.2.
+    """Return the shortest and the longest decay length: the distance at which the autocorrelation falls to 0.2.
 
     Both are NaN if the autocorrelation does not fall to 0.2.
     """
@@ -335,7 +335,7 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     half = [points // 2 for points in deviation.shape]
     # opposite directions have the same autocorrelation
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
-    # The step is half of the finer spacing.
+    # The search step is half of the smaller grid spacing.
     # The search ends where a direction leaves the central half of the surface.
     towards = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):

@@ -42,10 +42,10 @@ MAX_UNKNOWN_FRACTION = 0.1
 # Ratio of a cutoff to the wavelength that it is meant to remove.
 # At this ratio, the Gaussian filter transmits 8 % of the amplitude of the wavelength.
 CUTOFF_MARGIN = 1.9
-_MIN_SLOPE_FRACTION = 1e-4  # a smaller fraction of the mean square slope may be round-off
-# Smallest exponent of the spectrum of a rough surface in the last octave, including the effect of aliasing.
+_MIN_SLOPE_FRACTION = 1e-4  # a fraction of the mean square slope below this limit may be due to round-off
+# In the last octave, the spectral exponent of a rough surface is at least this large, even with aliasing.
 _MAX_ALIASED_EXPONENT = 0.6
-# Heights count as quantised if rounding explains this fraction of the mean square second difference.
+# Heights count as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_ROUNDED_FRACTION = 0.3
 # A spectrum counts as flat if its exponent and the rms deviation of its log density are below this limit.
 _MAX_FLAT_EXPONENT = 0.35
@@ -59,8 +59,9 @@ _MAX_NOISE_RATIO = 2.0  # largest ratio of the noise densities along two axes th
 # Noise may be hidden in a spectrum whose density is at least this fraction of the noise density.
 # The limit is below 1 to allow for scatter.
 _MIN_HIDDEN_RATIO = 0.8
-_MIN_NOISE_LINES = 8.0  # with fewer independent lines, the lines are assumed to share the same noise
-# Shortest wavelength of an extrapolation as a fraction of the shortest wavelength of the scan.
+# Below this number of lines with independent noise, no noise is assumed to be hidden along the other axis.
+_MIN_NOISE_LINES = 8.0
+# Extrapolations end at this fraction of the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _HALVINGS = 60
 
@@ -73,7 +74,7 @@ Spectrum = tuple[Floats, Floats, Floats, float]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScaleDependentRoughness(TextRepr):
-    """Rms slope and curvature as functions of the shortest wavelength that they include.
+    """Rms slope and curvature as functions of the shortest included wavelength.
 
     Attributes
     ----------
@@ -116,11 +117,11 @@ class ScaleDependentRoughness(TextRepr):
         return _interpolate_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """Return the fraction of the mean square slope at wavelengths below a given wavelength (µm)."""
+        """Return the fraction of the mean square slope that comes from wavelengths below a given wavelength (µm)."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return h'_rms extrapolated to unresolved wavelengths (µm).
+        r"""Return h'_rms for wavelengths down to each given wavelength (µm), which may be below the resolution.
 
         The power law of a Hurst exponent extrapolates the spectrum.
 
@@ -164,7 +165,7 @@ class ScaleDependentRoughness(TextRepr):
 
 
 def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and the power laws with the exponents at both ends of the fitted interval.
+    """Return the fitted power law, and two power laws whose exponents are the ends of the uncertainty interval.
 
     All three power laws agree at the centre of the band.
     """
@@ -277,7 +278,7 @@ def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> 
 
 @dataclass(frozen=True, repr=False)
 class InstrumentLimit(TableRepr):
-    """Wavelength below which a scan shows the instrument rather than the surface, and the reason.
+    """Wavelength below which a scan shows the instrument rather than the surface, and the reason for this limit.
 
     Attributes
     ----------
@@ -460,7 +461,7 @@ def instrument_limit(
 
 
 def round_up_wavelength(wavelength: float) -> float:
-    """Round a wavelength up to three significant digits."""
+    """Round a wavelength upwards to three significant digits."""
     digit = 10.0 ** (math.floor(math.log10(wavelength)) - 2)
     return round(math.ceil(wavelength / digit - 1e-9) * digit, 12)
 
@@ -513,7 +514,7 @@ def _independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> 
 
 
 def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, float]:
-    """Compare the noise of lines along x with the noise of lines along y. At least one axis must have noise.
+    """Compare the noise of lines along x with that of lines along y. At least one of the two must contain noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -547,11 +548,11 @@ def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, fl
 
 
 class _Disturbance(NamedTuple):
-    """Part of a line spectrum that is not attributed to the surface."""
+    """Disturbance of a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
 
     wave: float  # upper limit of the unattributed wavelengths, µm; NaN if there are none
     kind: str
-    slope: float  # mean square slope of the lines at these wavelengths, without texture harmonics
+    slope: float  # mean square slope of the lines at the unattributed wavelengths, without texture harmonics
     period: float  # period of a texture, µm; NaN if there is no texture
 
 
@@ -580,7 +581,7 @@ def _find_disturbance(
 
 
 def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
-    """Return the limit (µm) below which wavelengths contain noise, and the noise type. Remove harmonics first.
+    """Return the wavelength (µm) below which a spectrum without harmonics contains noise, and the noise type.
 
     The limit is NaN if there is no noise.
     """
@@ -631,7 +632,7 @@ def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
 
 
 def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
-    """Return True if a spectrum is nearly flat below the wavelength `limit` (µm), and flat in its last octave."""
+    """Return True if a spectrum is nearly flat below the wavelength `limit` (µm), and flat in its shortest octave."""
     for max_wave, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wave[-1]), _MAX_FLAT_EXPONENT),
@@ -652,7 +653,7 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
-    """For each window of `octaves` octaves, yield the range of bins, the exponent and its standard deviation.
+    """Yield the bins, the exponent and its standard deviation for each window that is `octaves` octaves wide.
 
     Bins are given as the first bin and the bin after the last.
     """

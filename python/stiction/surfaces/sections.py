@@ -1,4 +1,4 @@
-"""Roughness and waviness parameters of a profile, with filters, section lengths and setting classes (ISO 21920)."""
+"""Roughness and waviness parameters of a profile, computed with the filters and setting classes of ISO 21920."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios whose height difference is Rdc
 
 
 class SettingClass(NamedTuple):
-    """Setting class with its default settings (µm) and its limits of Ra and RSm."""
+    """Setting class with its default settings (µm) and its limits for Ra and RSm."""
 
     name: str
     section_length: float
@@ -54,7 +54,7 @@ class SectionError(ValueError):
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filters and section lengths for roughness and waviness parameters, with the reason for choosing them.
+    """Filters and section lengths used for roughness and waviness parameters, and the reason for this choice.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class SectionFilters:
     reason: str
 
     def __repr__(self) -> str:
-        """Return one line with the cutoffs (µm), the number of sections and the reason."""
+        """Return one line with the cutoffs (µm), the number of sections and the reason for choosing them."""
         shortest = "no ls" if self.ls is None else f"ls {self.ls:g} µm"
         kind = ", robust" if self.robust else ""
         return f"SectionFilters: lc {self.lc:g} µm, {shortest}, {self.sections} sections{kind}; {self.reason}"
@@ -129,7 +129,7 @@ def section_parameters(
     sections: int = DEFAULT_SECTIONS, robust: bool = False, derivative: Derivative = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
-    r"""Compute the R- and W-parameters of a profile as specified on drawings.
+    r"""Compute the R- and W-parameters of a profile as specified on technical drawings.
 
     Parameters
     ----------

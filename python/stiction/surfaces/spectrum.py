@@ -256,7 +256,7 @@ def spectral_moments(
     selected = in_band(spectrum.wave_number, shortest, longest_wavelength)
     if not selected.any():
         raise ValueError(
-            "shortest_wavelength and longest_wavelength must include a wavelength of the profile "
+            "the band from shortest_wavelength to longest_wavelength must contain a wavelength of the profile "
             f"({2 * profile.spacing:g} to {profile.extent:g} µm), got {shortest:g} to {longest_wavelength:g} µm"
         )
     part = PowerSpectrum(
@@ -486,7 +486,7 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
 
 
 def find_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
-    """Find the highest significant narrow peak.
+    """Find the highest narrow and statistically significant peak of a spectrum.
 
     Returns the wavelength (µm) of the peak and the fraction of m4 in all peaks; None if there is no peak.
     """

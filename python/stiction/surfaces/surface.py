@@ -95,7 +95,7 @@ class Surface(Body):
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
     def with_amplitude(self, amplitude: float, measure: SurfaceAmplitude = "height") -> Surface:
-        """Return the surface with zero mean, scaled to an amplitude.
+        """Return the surface with zero mean, scaled to a given amplitude.
 
         Parameters
         ----------

@@ -16,10 +16,10 @@ _RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings
 # Weight of the smoothness penalty, in harmonics. The penalty dominates in rings with only one or two harmonics.
 _SMOOTHNESS_PENALTY = 2.0
 _ROUND_OFF_FRACTION = 1e-14  # a density below this fraction of the largest density is round-off
-_MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit, typically about ten
-# The fit has converged if the logarithm of each density changes by less than this in one iteration.
+_MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are typical
+# The fit has converged if the logarithm of each density changes by less than this amount in one iteration.
 _CONVERGENCE_TOLERANCE = 1e-6
-# Default limit of the number of rows and of columns.
+# Default maximum number of rows and of columns of a surrogate.
 # The half-space solution of a map of this size takes some tenths of a second.
 _MAX_DEFAULT_POINTS = 512
 
@@ -94,8 +94,8 @@ def surrogate(
         amplitude = np.abs(np.fft.rfft(heights))
     else:
         # The mirror image extends the profile without a jump, and halves the distance between harmonics.
-        # Every second harmonic is a harmonic of the original profile.
-        # The power of every harmonic between them is split equally between its two neighbours.
+        # Every second harmonic of the extended profile is a harmonic of the original profile.
+        # The power of each remaining harmonic is split equally between its two neighbours.
         image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         image = np.append(image, image[-2])
         actual = 2 * np.arange(points // 2 + 1)
@@ -241,7 +241,7 @@ def isotropic_surface(
 
 
 def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
-    """Generate periodic Gaussian heights from the expected power of every wave vector (rows, columns)."""
+    """Generate periodic Gaussian heights from an array with the expected power of every wave vector."""
     from scipy.fft import ifft2
 
     rows, columns = power.shape
@@ -253,7 +253,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 
 
 def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Return the ring edges, and the fitted density C2D and the number of harmonics of each ring."""
+    """Return rings of wave vectors: their edges, the fitted densities C2D and the numbers of harmonics."""
     check_bool("periodic", periodic)
     reject_flat(profile)
     reject_missing(profile, "an isotropic surrogate")
@@ -288,7 +288,7 @@ def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats
 
 
 def _fit_densities(response: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit the densities of the rings to the spectrum of a section, by maximum likelihood with Fisher scoring."""
+    """Fit densities in rings of wave vectors to the spectrum of a section, by maximum likelihood (Fisher scoring)."""
 
     def cost(logarithm: Floats) -> float:
         predicted = response @ np.exp(logarithm)

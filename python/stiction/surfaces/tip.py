@@ -12,7 +12,7 @@ from stiction._checks import Floats, number, read_only
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
-_TOUCH_TOLERANCE = 1e-9  # largest distance at which the tip counts as touching, relative to the height of the scan
+_TOUCH_TOLERANCE = 1e-9  # the tip counts as touching at distances up to this fraction of the height of the scan
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
@@ -82,7 +82,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 def _tip_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """For each offset within the tip's reach, yield slices of the points and their neighbours, and the tip height."""
+    """Yield, for each offset within reach of the tip: slices of points and of their neighbours, and the tip height."""
     reach, limit = _tip_reach(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in limit)):
         offsets = np.subtract(steps, limit)

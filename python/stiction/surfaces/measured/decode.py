@@ -14,7 +14,7 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS = 25_000_000, 4_000_000
 """Maximum number of lines of a text, and maximum number of cells of a line."""
 
-# maximum number of lines, and maximum number of characters per line, in the search for a layout
+# maximum number of lines that are searched for a layout, and maximum number of characters per line
 HEAD_LINES, HEAD_WIDTH = 200, 1000
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that is quoted in a message
 
@@ -56,7 +56,7 @@ _KIND_TABLE = _CHARACTER_KINDS.tobytes()
 
 @dataclass(frozen=True)
 class Text:
-    """Text converted to UTF-8 with line feeds, ASCII minus signs, and no spaces as thousands separators."""
+    """Text in UTF-8 with line feeds between lines, ASCII minus signs, and no spaces as thousands separators."""
 
     data: bytes
     encoding: str
@@ -106,7 +106,7 @@ class Text:
 
     @cached_property
     def missing(self) -> re.Pattern[bytes]:
-        """Pattern of the words that mark a cell as a missing point."""
+        """Regular expression for the words that mark a cell as a missing point."""
         words = sorted({*MISSING_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
         any_word = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
         return re.compile(rf'(?i)(?<![^\s;,|"])(?:{any_word})(?![^\s;,|"])'.encode())
@@ -158,7 +158,7 @@ def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
     if not text.isascii():
         for minus in ("\u2212", "\uff0d", "\ufe63"):
             text = text.replace(minus.encode(), b"-")
-        space = b"(?:\xc2\xa0|\xe2\x80\xaf|\xe2\x80\x89)"  # no-break, narrow no-break and thin space
+        space = b"(?:\xc2\xa0|\xe2\x80\xaf|\xe2\x80\x89)"  # no-break space, narrow no-break space and thin space
         text = re.sub(rb"(?<=[0-9])" + space + rb"(?=[0-9]{3}(?![0-9]))", b"", text)
         text = re.sub(space, b" ", text)
     text = text if text.endswith(b"\n") else text + b"\n"
@@ -205,7 +205,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
 
 
 def _detect_utf16(start: bytes) -> str | None:
-    """Return the UTF-16 encoding of text without a byte order mark. In this encoding, every second byte is mostly 0."""
+    """Detect UTF-16 text without a byte order mark by the positions of zero bytes. Return the encoding, or None."""
     half = len(start) // 2
     if half < 4:
         return None

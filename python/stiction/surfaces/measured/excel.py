@@ -76,7 +76,7 @@ def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> C
 
 
 def _reject_zip_bombs(data: bytes) -> None:
-    """Reject an archive whose text or XML tags do not fit into memory, regardless of its declared sizes."""
+    """Reject an archive with too much text or too many XML tags, regardless of the sizes that the archive declares."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         remaining, tags = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
@@ -106,7 +106,7 @@ def _is_number(cell: Any) -> bool:
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the columns with at least two numbers and at least a quarter as many numbers as the fullest column."""
+    """Return the columns with two or more numbers and at least a quarter as many numbers as the fullest column."""
     numbers: Counter[int] = Counter(index for row in rows for index, cell in enumerate(row) if _is_number(cell))
     max_count = max(numbers.values(), default=0)
     return sorted(index for index, count in numbers.items() if count > 1 and 4 * count >= max_count)
@@ -140,7 +140,7 @@ def _select_cells(row: Sequence[Any], columns: Sequence[int]) -> list[Any]:
 
 
 def _join_row(row: Sequence[Any], columns: Sequence[int]) -> str:
-    """Join the cells of a row with tabs. If the row contains numbers, only the columns of the table are joined."""
+    """Join cells of a row with tabs: the table columns of data rows and heading rows, and all cells of other rows."""
     selected = _select_cells(row, columns)
     if any(map(_is_number, selected)) or (selected and all(isinstance(cell, str) for cell in selected)):
         return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in selected)

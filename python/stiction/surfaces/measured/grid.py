@@ -9,15 +9,15 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FormatError
 
-EXACT_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in steps
-# Largest deviation of a point from the grid, in steps, after subtracting the rounding of the printed position.
+EXACT_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in grid steps
+# Largest deviation of a point from the grid, in grid steps, beyond the rounding of the printed position.
 MAX_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
-MIN_ROUNDED_STEP = 2.0  # smallest step of rounded positions, in units of the last printed digit
+MIN_ROUNDED_STEP = 2.0  # minimum step of rounded positions, in units of the last printed digit
 # Largest scatter of rounded positions about a grid, in units of the last printed digit.
-# Rounding causes a scatter of at most 1. The rest is a margin for the error of the fitted step.
+# Rounding causes a scatter of at most 1. The excess above 1 is a margin for the error of the fitted step.
 MAX_SCATTER_DIGITS = 1.2
-MIN_GAP_RATIO = 4.0  # smallest ratio of a gap between grid points to a gap due to rounding
+MIN_GAP_RATIO = 4.0  # minimum ratio of a gap between grid points to a gap due to rounding
 
 
 def to_grid(
@@ -83,7 +83,7 @@ def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats
 
 
 def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Return the step of a grid that has no missing nodes and whose printed positions are rounded.
+    """Return the step of a grid without missing nodes, given positions that were rounded for printing.
 
     Returns None if there is no such grid.
     """
@@ -103,7 +103,7 @@ def estimate_step(positions: Floats) -> float | None:
     gaps = np.diff(distinct)
     if not gaps.size:
         return None
-    # Gaps are grid steps, multiples of grid steps at missing nodes, or much smaller differences due to rounding.
+    # Gaps between positions are grid steps, multiples of grid steps at missing nodes, or much smaller rounding errors.
     ordered = np.sort(gaps)
     ratios = ordered[1:] / ordered[:-1]
     if ratios.size and ratios.max() > MIN_GAP_RATIO:

@@ -117,7 +117,7 @@ _VALUE_PATTERN = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+
 
 @dataclass(frozen=True)
 class ColumnHeads:
-    """Names and units of the columns of a table, if the table has them."""
+    """Column names and units in the header of a table, and the unit of the heights if the header names only heights."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
@@ -125,7 +125,7 @@ class ColumnHeads:
 
 
 def normalise_line(line: str) -> str:
-    """Replace full-width characters, unit ligatures and quotes in a line by plain characters."""
+    """Replace full-width characters and unit ligatures in a line by plain characters, and remove double quotes."""
     return unicodedata.normalize("NFKC", line).replace('"', "").replace("\u03bc", "µ")
 
 
@@ -215,7 +215,7 @@ def _parse_spacing(match: re.Match[str]) -> StatedLength | None:
 
 
 def _parse_bracketed_length(match: re.Match[str]) -> StatedLength | None:
-    """Parse a length with its unit after the number, or in brackets after the name."""
+    """Parse a length whose unit follows the number, or follows the name in brackets."""
     return parse_length(match[2], match[3] or match[1])
 
 
@@ -253,12 +253,12 @@ def _is_declaration(line: str) -> bool:
 
 
 def _last_line_of_names(lines: Sequence[str]) -> str | None:
-    """Return the last line that contains letters."""
+    """Return the last line that contains letters, without comment characters at its start."""
     return next((line.lstrip(COMMENT_CHARACTERS) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
 def _names_heights_alone(line: str) -> bool:
-    """Return whether a header line has the name and unit of heights, but neither positions nor other lengths."""
+    """Return whether a header line names heights with their unit, but neither positions nor other lengths."""
     return bool(
         len(_units_in(line)) == 1
         and not _has_value(line)
@@ -305,7 +305,7 @@ def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> C
 
 
 def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
-    """Split a line of names into `width` cells. Names and numbers may have different separators."""
+    """Split a line of column names into `width` cells. Its separator may differ from the separator of the numbers."""
     uncommented = line.lstrip(COMMENT_CHARACTERS) if line.lstrip(" ")[:1] in tuple("#%!/") else line
     candidates = [
         dialect.cells(uncommented),

@@ -65,7 +65,7 @@ def _read_channel(path: Path, index: int, name: str) -> Raw:
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # SurfaceTopography requires sizes even if the file has none. The spacing from these placeholders is not used.
+        # SurfaceTopography requires sizes even if the file has none. The spacing computed from them is not used.
         sizes = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = Source(f"{reader.format()} by SurfaceTopography", column=name)
         body = channel.topography(**sizes)

@@ -30,7 +30,7 @@ The spacing then has a relative error of at most 1/1000.
 """
 
 _SPACING_RANGE = (1e-6, 1e6)
-_MAX_LENGTH = 1e9  # µm; larger values have a wrong unit or mark missing points
+_MAX_LENGTH = 1e9  # maximum value in µm; larger values have a wrong unit or mark missing points
 CODE_TOLERANCE = 1e-6  # relative tolerance for missing-value codes stored in single precision
 _Length = TypeVar("_Length", float, Floats)
 
@@ -127,7 +127,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 @dataclass(frozen=True)
 class InterpretedScan(Generic[_Body]):
-    """Profile or surface, with the unit, the number of missing points and the caveats found in its file."""
+    """Profile or surface read from a file, with the original unit, the number of missing points, and caveats."""
 
     body: _Body
     unit: str  # unit of the heights in the file
@@ -238,7 +238,7 @@ def _parse_units(unit: Any) -> tuple[str | None, str | None]:
 
 
 def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
-    """Parse a positive length. If `zero` is True, zero and negative positions are accepted too."""
+    """Parse a length, which must be positive unless `zero` is True (for positions, which may be zero or negative)."""
     try:
         length = quantity(text.strip() if zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -249,7 +249,7 @@ def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
 
 
 def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
-    """Return the unit from the file or from the caller. At least one is required, and two units must agree."""
+    """Return the unit from the file or the caller. Raises `FormatError` if both are missing or if they disagree."""
     file_unit = None if of_file is None else length_unit(of_file)
     if of_file is not None and file_unit is None:
         raise FormatError(
@@ -265,7 +265,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
-    """Return the given position unit, or None if a single unit was given and the file states a position unit."""
+    """Return the given position unit. Return None if only one unit was given and the file has its own position unit."""
     has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
     return None if has_own_unit else options.position_unit
 
@@ -309,7 +309,7 @@ def _convert_heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[
 
 
 def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the height unit, caveats and history. A given unit is ignored if the file declares a factor and a unit."""
+    """Return the height unit, caveats and history entries. If the file has a factor and a unit, ignore a given unit."""
     if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
     actual, caller_unit = str(length_unit(raw.unit)), str(length_unit(given))
@@ -345,7 +345,7 @@ def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
 
 
 def _compare_with_unitless_spacing(raw: Raw, given: tuple[float, ...]) -> None:
-    """Reject a given spacing if no unit makes it equal to the spacing that the header declares without a unit."""
+    """Reject a given spacing that contradicts the spacing in the header, whatever unit the header spacing may have."""
     if raw.bare_spacing is None:
         return
     actual = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
@@ -421,7 +421,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         direction = -1.0 if measured < 0 else 1.0
         if given is not None:
             if _worst_printed_deviation(x, direction * given, digit, MAX_UNEVENNESS * given) is not None:
-                _reject_uneven(x, measured, digit)  # the given spacing takes precedence
+                _reject_uneven(x, measured, digit)  # the given spacing takes precedence over the measured spacing
                 numbering = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
                     f"has positions with a spacing of {abs(measured):.7g} µm, but the given spacing is "
@@ -476,14 +476,14 @@ class _PositionDigits:
 def _worst_printed_deviation(
     x: Floats, spacing: float, digit: _PositionDigits, slack: float
 ) -> tuple[int, float] | None:
-    """Call `_worst_deviation` with the printed digits of the positions, which are parsed only if required."""
+    """Call `_worst_deviation` with the printed digits of the positions. The digits are computed only if required."""
     if _worst_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
     return _worst_deviation(x, spacing, digit.values, slack)
 
 
 def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
-    """Return the point farthest from a uniform grid, and its deviation, or None if rounding explains all deviations."""
+    """Return the index and the deviation of the worst point of a grid, or None if rounding explains all deviations."""
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
     # Rounding displaces the first and the last point by up to half a digit each.

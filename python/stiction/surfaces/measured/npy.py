@@ -29,7 +29,7 @@ def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: t
 
 
 def read_npy(data: bytes) -> ColumnTable | Raw:
-    """Read an array of heights, followed by optional spacing and history. Pickled objects are not loaded."""
+    """Read an array of heights, and the spacings and history if they follow. Pickled objects are not loaded."""
     file = io.BytesIO(data)
     stored = _read_array(file, data)
     if stored.dtype.kind not in "iuf" or stored.ndim not in (1, 2):

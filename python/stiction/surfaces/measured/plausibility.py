@@ -1,4 +1,4 @@
-"""Named checks for implausible heights and spacings, applied to files and to bodies in memory."""
+"""Named checks for implausible heights and spacings, applied to files and to surfaces passed as objects."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ from stiction.surfaces.measured.raw import FileCaveat
 
 # An extreme value may be a code for missing points if at least this many points have this value.
 MIN_REPEATS = 2
-# Smallest distance of a code from all other heights, relative to the range of these heights.
+# Minimum distance of a code for missing points from all other heights, relative to the range of the other heights.
 MIN_CODE_DISTANCE = 2.0
 # A repeated height counts as a code for missing points only if there are at least this many other heights.
 MIN_DISTINCT_HEIGHTS = 5
 MAX_CODES = 3  # maximum number of codes for missing points in a scan
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
-MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # limits in µm: an ångström, a centimetre and a metre
+# Limits of spacing and extent in µm: an ångström, a centimetre and a metre.
+MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
 
 
 @dataclass(frozen=True)
 class Scan:
-    """Heights (µm, NaN at missing points), their spacing, and the format in which they were given."""
+    """Heights (µm, NaN at missing points) and spacing, with the conversion factor and the source of the numbers."""
 
     heights: Floats
     spacing: tuple[float, ...]  # µm, along (y and) x
@@ -60,7 +61,7 @@ def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
         return ()
     findings = [(check, text) for check in CHECKS[:1] for text in check.find(scan)]
     codes = [float(text.partition("|")[2]) * scan.factor for _, text in findings]
-    if codes:  # the other checks ignore heights that may be codes
+    if codes:  # the other checks ignore heights that may be codes for missing points
         is_code = np.isclose(scan.heights[..., np.newaxis], codes, rtol=1e-9, atol=0.0).any(axis=-1)
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
     findings += [(check, text) for check in CHECKS[1:] for text in check.find(scan)]
@@ -118,7 +119,7 @@ def _range_without(heights: Floats, excluded: NDArray[np.bool_]) -> tuple[float,
 
 
 def _find_whole_numbers(scan: Scan) -> Iterator[str]:
-    """Find heights that are all integers, if their unit is 1 µm or larger."""
+    """Find scans whose heights are all integers in a unit of 1 µm or larger."""
     if scan.factor < 1 or not scan.from_text:
         return
     sample = scan.heights.flat[:MIN_CHECKED_POINTS] / scan.factor
@@ -134,7 +135,7 @@ def _find_whole_numbers(scan: Scan) -> Iterator[str]:
 
 
 def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
-    """Find scans of a metre or more, points a centimetre or more apart, and spacings below an ångström."""
+    """Find scans at least a metre long, spacings of at least a centimetre, and spacings below an ångström."""
     for axis, points, step in zip("xy", scan.heights.shape[::-1], scan.spacing[::-1], strict=False):
         if points * step >= MAX_EXTENT:
             yield f"the scan is {points * step / 1e6:.3g} m long along {axis}"
@@ -145,7 +146,7 @@ def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
 
 
 def _find_tall_scans(scan: Scan) -> Iterator[str]:
-    """Find scans whose range of heights exceeds their size."""
+    """Find scans whose heights span more than the length of the longest side."""
     length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
     if scan.span > length:
         yield f"heights span {format_with_unit(scan.span, 'µm')} over a scan of {format_with_unit(length, 'µm')}"

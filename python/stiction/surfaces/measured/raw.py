@@ -71,7 +71,7 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileCaveat:
-    """Named caveat about a file, with the option or edit that resolves it."""
+    """Named caveat about a file, with the option or the edit of the file that resolves the caveat."""
 
     name: str
     text: str
@@ -83,7 +83,7 @@ class FileCaveat:
 
 @dataclass(frozen=True)
 class StatedLength:
-    """Length that is declared next to the data, and its resolution: the value of one unit in the last digit."""
+    """Length that is declared next to the data, with its resolution (the value of one unit in the last digit)."""
 
     length: float
     digit: float
@@ -95,7 +95,7 @@ class Source:
     """Origin of the heights in a file: layout, column, encoding, separators and line numbers."""
 
     layout: str = ""
-    column: str = ""  # column, channel or block of the heights
+    column: str = ""  # column, channel or block that contains the heights
     encoding: str = ""  # encoding of a text file
     separator: str = ""
     decimal_mark: str = ""
@@ -143,7 +143,7 @@ class WordColumn:
 class ColumnTable:
     """Numbers in columns. One or two columns form a profile; all columns together may form a map."""
 
-    values: Floats  # (rows, columns) with NaN at missing values
+    values: Floats  # (rows, columns) numbers of the table, with NaN at missing values
     names: tuple[str, ...] = ()  # column names; empty if there are none
     units: tuple[str | None, ...] = ()
     # function that returns the place value of the last printed digit of each number in a column
@@ -152,15 +152,15 @@ class ColumnTable:
     row_digits: Callable[[int], Floats] | None = None
     declared: Declarations = field(default_factory=lambda: Declarations())
     history: tuple[str, ...] = ()  # processing steps applied before the heights were written
-    # True for an array in which two columns may be a map. A first column with equal steps then contains positions.
+    # True for a NumPy array. Two columns are positions and heights only if the first column has equal steps.
     area: bool = False
     source: Source = Source()
     places: tuple[int, ...] | None = None  # column numbers in the file, if columns were skipped
     caveats: tuple[FileCaveat, ...] = ()
-    word_columns: tuple[WordColumn, ...] = ()  # columns of words; their values are NaN
+    word_columns: tuple[WordColumn, ...] = ()  # columns that contain words; their values are NaN
 
     def column_digits(self, column: int) -> Digits | None:
-        """Return a function that computes one unit in the last printed digit of each number in a column."""
+        """Return a function that computes the value of one last-digit unit for each number in a column."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 

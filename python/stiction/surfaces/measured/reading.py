@@ -1,4 +1,4 @@
-"""Reading of measured profiles and surfaces: the choice of a reader and the interpretation of the file."""
+"""Reading of measured profiles and surfaces. Selects a reader for a file and interprets the content."""
 
 from __future__ import annotations
 
@@ -356,7 +356,7 @@ def _read_body(
     options: ReadOptions,
     convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],
 ) -> _Body:
-    """Return the body in a file, and issue the caveats about the file as warnings."""
+    """Read a profile or surface from a file, and issue the caveats about the file as warnings."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
         # stack level 3 refers to the code that calls a public reader
@@ -392,7 +392,7 @@ def _interpret_file(
 
 
 def _read_content(path: Path, words: tuple[str, ...]) -> Content:
-    """Read the content of a file with the reader that matches its name and its first bytes."""
+    """Read the content of a file with the reader that matches the file name and the first bytes."""
     suffix = path.suffix.lower()
     try:
         check_is_file(path)
@@ -430,7 +430,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
 
 
 def _read_binary(path: Path) -> Content:
-    """Read a binary file whose name ends like that of a text file, using SurfaceTopography."""
+    """Use SurfaceTopography to read a binary file whose name has the extension of a text file."""
     if is_available():
         try:
             return read_instrument(path)

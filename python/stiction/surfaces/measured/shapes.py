@@ -1,4 +1,4 @@
-"""Second step of reading tables: select the columns of heights, from options or from the numbers themselves."""
+"""Second step of reading tables: select the columns of heights, either by options or by inspection of the numbers."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ MIN_COLUMNS = 4  # minimum number of columns of a height matrix in a text file
 MAX_GRID_POINTS = 100_000_000  # maximum number of points of a map
 MAX_LISTED_NAMES = 12  # maximum number of names in a message
 MAX_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
-MIN_JITTERED_POSITIONS = 8  # minimum number of positions for recognising slightly uneven, measured positions
+MIN_JITTERED_POSITIONS = 8  # slightly uneven positions count as measured only if there are at least this many
 MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
-# a surface counts as tilted if the correlation between heights and their index is above this limit
+# a surface counts as tilted if the correlation between heights and point index exceeds this limit
 MIN_TILT_CORRELATION = 0.98
-# A first number with fewer decimals is suspicious if at least this many heights have equally many decimals.
+# The first number is suspicious if this many following numbers all have the same, larger number of decimals.
 MIN_COMPARED_NUMBERS = 20
 # Smallest step of positions, in units of the last printed digit.
-# Smaller equal steps may also occur in coarsely rounded heights.
+# Equal steps below this limit may also occur in coarsely rounded heights.
 MIN_STEP_DIGITS = 3.0
 Selection = str | int
 
@@ -58,7 +58,7 @@ _Z = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).
 
 
 def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> Raw:
-    """Return the selected heights or, without a selection, the heights that the shape of the table suggests."""
+    """Return the heights in the selected channel or columns. By default, the shape of the table selects the columns."""
     if isinstance(content, Channels):
         index = _select_channel(content, channel)
         raw = select_heights(content.read(index), None, columns)
@@ -164,7 +164,7 @@ def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: An
 
 
 def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
-    """Return the common unit of heights in several columns."""
+    """Return the unit of several height columns: their common unit or the unit declared in the header."""
     unit = units[0] if len(set(units)) == 1 else None
     declared = table.declared
     return declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
@@ -223,7 +223,7 @@ def _height_unit(table: ColumnTable, place: int) -> str | None:
 
 
 def _remove_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Remove the first number of a height column if it counts the numbers that follow."""
+    """Remove the first number of a height column if it is the count of the numbers that follow."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         if heights[place] == heights.size - 1 - place:
             if place:
@@ -256,7 +256,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
 
 
 def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the numbers that are used as positions may only count the points."""
+    """Return a caveat if the numbers used as positions may be point numbers instead."""
     name = table.names[place] if table.names else ""
     if _units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
         return ()
@@ -318,7 +318,7 @@ def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[i
 
 
 def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
-    """Remove a column of flags, and mark as missing the heights that these flags declare invalid.
+    """Remove a column of flags, and mark heights as missing where the flags declare them invalid.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
     """
@@ -351,7 +351,7 @@ def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> Col
 
 
 def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: Floats | None = None) -> ColumnTable:
-    """Return a table that contains only the selected columns."""
+    """Return a table that contains only the selected columns of a given table."""
     digits, numbers = table.digits, _column_numbers(table)
     return replace(
         table, values=(table.values if values is None else values)[:, list(selection)],
@@ -374,7 +374,7 @@ class Shape:
 
 
 def _read_by_shape(table: ColumnTable) -> Raw:
-    """Return the heights of a table, using the first shape that recognises it."""
+    """Read the heights of a table with the first `Shape` that recognises the table."""
     table, step = _remove_numbering(table)
     empty = np.isnan(table.values).all(axis=0)
     if table.places is not None and empty.any() and not empty.all():
@@ -421,7 +421,7 @@ def _read_matrix(table: ColumnTable) -> Raw:
 
 
 def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Remove a first column of positions that agrees with the declared spacing; return the table and a history entry.
+    """Remove the first column if it contains positions with the declared spacing. Return the table and a history entry.
 
     Raises `FormatError` if the first row or column contains other positions. A single row or column contains heights.
     """
@@ -449,7 +449,7 @@ def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 
 
 def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line contains positions. Lines that all rise evenly are heights of a tilted surface."""
+    """Return whether the first line contains positions. If all lines rise evenly, they belong to a tilted surface."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _counts_evenly_as_printed(first, digits):
@@ -586,7 +586,7 @@ def _reject_columns(table: ColumnTable) -> Raw:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return the end of a sentence that lists the unit or spacing missing from a table."""
+    """Return a clause to append to a message if the table lacks the unit or the spacing; otherwise an empty string."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

@@ -19,7 +19,7 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
 """Columns of a spectrum file. Tables from other programs lack the last column."""
 
-# first words of the names of the two columns for each scan
+# beginnings of the names of the two columns for each scan
 FRACTION, RATIO = "fraction of ", "power over the joined of "
 _SCAN = re.compile(r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)")
 _HEAD_BYTES = 100_000  # number of bytes at the beginning of a file that are searched for column names

@@ -18,8 +18,8 @@ from stiction.surfaces.measured.raw import FormatError
 
 _SAMPLE_LINES = 60  # maximum number of lines for detecting the separator and the decimal mark
 _SAMPLE_SIZE = 10_000  # maximum number of characters for detecting the separator and the decimal mark
-_LONG_LINE = 200  # mean line length above which cells are counted line by line
-MAX_SAMPLED = 20_000  # maximum number of rows for determining the printed digits of a column
+_LONG_LINE = 200  # cells are counted line by line if the mean line length is above this limit
+MAX_SAMPLED = 20_000  # maximum number of rows from which the printed digits of a column are determined
 MAX_COUNT_CELLS = 2  # maximum number of cells in a line of counts or sizes above the numbers
 _QUOTED_SEPARATOR = "\x1f"  # separator of cells after quotes have been removed
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
@@ -202,7 +202,7 @@ def is_row(line: str, dialect: Dialect, text: Text) -> bool:
 
 
 def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
-    """Return the kind of a cell: number, word for a missing point, other missing-point marker, or None (other)."""
+    """Return the kind of a cell: "number", "word" or "mark" (two kinds of missing-point markers), or None."""
     match = dialect.number.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
         return "number"
@@ -318,7 +318,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
 
 
 def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
-    """Return whether the numbers in the first `count` rows are positions that continue in the rows below."""
+    """Return whether the first `count` rows begin with positions whose steps continue in the rows below."""
     first = [row.split(joint)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
     if not count or not all(map(_is_number, first)):
         return False
@@ -348,7 +348,7 @@ def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
 
 
 def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Convert lines to rows with decimal points and without quotes and blanks; return the rows and their separator."""
+    """Convert lines to rows with decimal points and without quotes or blanks. Return the rows and their separator."""
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
         blob = text.data[text.starts[first] : text.starts[last + 1] - 1]

@@ -146,7 +146,7 @@ def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> i
 
 
 def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
-    """Reject a line next to numbers if one of its cells cannot be read.
+    """Reject a line directly above or below rows of numbers if one of its cells cannot be read.
 
     Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
     line beyond it has the same words.
@@ -167,7 +167,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
 
 
 def _repeats_words(text: Text, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
-    """Return whether line `other` has the same words and number positions as `cells`, so that neither is a header."""
+    """Return whether line `other` repeats the words of `cells` in the same cells. Then neither line is a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     others = dialect.cells(text.line(other))
@@ -195,7 +195,7 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_equal_runs(
     text: Text, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs with as many columns as the main run. A first line of one or two numbers is a size or a count."""
+    """Return the runs with as many columns as the main run, except a short first run with a size or a count."""
     width = len(dialect.cells(text.line(main[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:

@@ -18,13 +18,13 @@ _SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
 _MISSING = "nan"  # text that replaces each word
 _MAX_SEPARATOR_LINES = 400  # number of lines that are examined to find the possible separators
-MIN_ROWS = 4  # minimum number of rows for a search for columns of words
+MIN_ROWS = 4  # columns of words are searched only if there are at least this many rows
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
 
 @dataclass(frozen=True)
 class FoundColumn:
-    """Column of words in a text, with the lines that contain a word for missing points."""
+    """Column of words in a text, and the numbers of the lines that contain a word for missing points."""
 
     place: int
     counts: Mapping[str, int]
@@ -32,7 +32,7 @@ class FoundColumn:
 
 
 def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
-    """Replace the words in columns without numbers by ``nan``, and return the new text and these columns."""
+    """Replace the words in columns without numbers by ``nan``. Return the new text and the replaced columns."""
     runs = find_number_runs(text)
     if not (text.words or _has_words_at_numbers(text, runs)):
         return text, ()
@@ -68,7 +68,7 @@ def describe_words(counts: Mapping[str, int]) -> str:
 
 
 def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
-    """Return whether words may stand next to numbers, below the first line of numbers or in the line above it."""
+    """Return whether rows from the line above the first numbers onwards may contain both words and numbers."""
     if not runs:
         return True
     kinds = text.kinds[text.kinds != BLANK]

@@ -67,7 +67,9 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
             b"".join(read_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_BYTES)), dtype=np.uint8
         )
         if bits.size * 8 < points:
-            raise FormatError(f"has a mask of valid points with only {bits.size} bytes, too few for {points} points")
+            raise FormatError(
+                f"has a mask of valid points of only {bits.size} bytes, which is too short for {points} points"
+            )
         heights[np.unpackbits(bits, count=points, bitorder="little") == 0] = np.nan
     caveats = tuple(caveat for name in absolute for caveat in axes[name].caveats)
     common: dict[str, Any] = {"unit": "m", "position_unit": "m", "caveats": caveats, "source": Source("X3P")}
@@ -88,7 +90,7 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
 
 
 class _MainXml:
-    """Texts in main.xml by element path, and the points that main.xml lists."""
+    """Texts of the elements in main.xml, by element path, and the points listed in main.xml."""
 
     def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
         self.folder = folder

@@ -1,4 +1,4 @@
-"""CSV export of Keyence VK and VR microscopes in any language. The header has the calibration, counts and unit.
+"""CSV export of Keyence VK and VR microscopes in any language. The header has calibration, point counts and unit.
 
 ::
 
