@@ -249,7 +249,7 @@ def test_study_of_generated_surfaces_accepts_adhesion(surfaces):
         ),
     ],
 )
-def test_pair_rejects_bad_adhesion_options(changes, pattern):
+def test_pair_rejects_invalid_adhesion_options(changes, pattern):
     with pytest.raises(ValueError, match=pattern):
         run_pair(**changes)
 

@@ -142,7 +142,7 @@ def test_stored_areal_study_can_be_read_and_continued(name, tmp_path):
         run(changed_study, store=tmp_path / "r")
 
 
-def test_friction_map_of_both_sliding_rules_equals_maps_of_single_rules(result):
+def test_friction_map_with_both_sliding_rules_equals_the_map_with_each_rule(result):
     elastic = result["normal_elastic"].mean("repetition")
     load = float(elastic.isel({elastic.dims[-1]: -2}).min())
     maps = friction_map(result, [load])

@@ -212,7 +212,7 @@ def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -
         )
 
 
-def test_gap_map_interval_includes_only_input_uncertainty_and_a_caveat_mentions_one_position() -> None:
+def test_interval_of_a_gap_map_includes_only_input_uncertainty_and_a_caveat_mentions_one_position() -> None:
     upper, lower = rough_surfaces(rms=0.03, points=128)
     options = {
         "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,
@@ -266,7 +266,7 @@ def test_hardness_option_accepts_vickers_and_rockwell_numbers() -> None:
         ({"hardness": "1 GPa", "wait": "1 h", "creep": 5}, "creep must be at most 0.5"),
     ],
 )
-def test_pair_rejects_bad_ranges_of_inputs(options, pattern) -> None:
+def test_pair_rejects_invalid_ranges_of_inputs(options, pattern) -> None:
     with pytest.raises(ValueError, match=pattern):
         pair(
             *rough_surfaces(), **{"load": "2 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", **PAIR_OPTIONS, **options}
@@ -326,7 +326,7 @@ def simulate_friction_test(truth, rng) -> float:
 
 
 @pytest.mark.parametrize("tau0", ["0±50 MPa", "5±50 MPa", "20±200 MPa"])
-def test_interval_contains_the_value_for_truncated_distributions_of_tau0(tau0: str) -> None:
+def test_interval_contains_the_friction_coefficient_for_truncated_distributions_of_tau0(tau0: str) -> None:
     result = pair(
         *rough_surfaces(),
         load="2 MPa",

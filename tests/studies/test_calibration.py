@@ -54,7 +54,7 @@ def fit_least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray
     return covariance @ matrix.T @ (np.array([test.coefficient for test in tests]) / error), covariance
 
 
-def test_calibration_far_from_bounds_equals_least_squares() -> None:
+def test_calibration_far_from_parameter_bounds_equals_a_least_squares_fit() -> None:
     tests = simulate_ball_tests(seed=4)
     interface = calibrate(tests, common=0.0, sliding="all")
     best, covariance = fit_least_squares(tests)
@@ -83,7 +83,7 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     assert interface.tau0[1] == 0.0
 
 
-def test_common_error_of_friction_tests_widens_the_interval_of_the_combination_they_determine() -> None:
+def test_error_common_to_friction_tests_widens_the_interval_of_the_combination_they_determine() -> None:
     tests = simulate_ball_tests()
     narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
@@ -102,7 +102,7 @@ def test_friction_tests_on_a_single_pair_determine_only_a_combination_of_mu0_and
     assert interface.excluded == ()
 
 
-def test_calibration_advice_predicts_errors_after_ball_tests_over_two_decades_of_load() -> None:
+def test_calibration_advice_predicts_the_errors_left_by_ball_tests_over_two_decades_of_load() -> None:
     curve = compute_rough_curve(0.02, 1)
     tests = [FrictionTest(curve, load, coefficient=0.3, uncertainty=0.009) for load in curve.load]
     interface = calibrate(tests)
@@ -232,7 +232,7 @@ def test_calibration_infers_the_true_modulus_within_its_range() -> None:
     assert interface.tau0[1] < TAU0 < interface.tau0[2]
 
 
-def test_calibration_over_a_range_of_moduli_agrees_with_brute_force() -> None:
+def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculation() -> None:
     low, high = 2.0, 4.5
     body = Ball("5 mm", f"{low}..{high} GPa")
     tests = [
@@ -279,7 +279,7 @@ def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) ->
         assert strength.tau0[2] >= np.quantile(tau0_at_bound, 0.975) * 0.999999
 
 
-def test_calibration_with_a_fixed_mu0_of_zero_counts_no_samples_at_bounds() -> None:
+def test_calibration_with_mu0_fixed_at_zero_reports_no_samples_at_bounds() -> None:
     interface = calibrate(simulate_ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
     assert interface.at_bounds == ()
 
@@ -378,7 +378,7 @@ def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) ->
     assert interface.about[GROWTH_ENTRY] == f"{truth:g}"
 
 
-def test_calibration_with_junction_growth_agrees_with_brute_force() -> None:
+def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation() -> None:
     tests = simulate_tests_with_growth(27.0, 27.0)
     interface = calibrate(tests, common=0.0, sliding="all")
     axes = np.linspace(0.17, 0.23, 9), np.linspace(0.043, 0.057, 9)
@@ -530,7 +530,7 @@ def test_calibration_uses_given_values_of_mu0_or_tau0_unchanged() -> None:
         (lambda: calibrate([*simulate_ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests or for none"),
     ],
 )
-def test_calibration_rejects_bad_input(call, pattern: str) -> None:
+def test_calibration_rejects_invalid_input(call, pattern: str) -> None:
     with pytest.raises(ValueError, match=pattern):
         call()
 
@@ -617,7 +617,7 @@ def test_predictions_cover_true_friction_for_every_kind_of_test_series(kind: str
     assert coverage.min() > 0.9
 
 
-def test_calibration_intervals_agree_with_minos() -> None:
+def test_calibration_intervals_agree_with_intervals_computed_by_minos() -> None:
     iminuit = pytest.importorskip("iminuit")
     tests = simulate_ball_tests(seed=5)
 

@@ -183,7 +183,7 @@ def test_load_steps_are_inserted_between_given_loads_that_are_far_apart():
     assert close_loads.size == 4
 
 
-def test_evaluation_at_a_load_rejects_bad_input(areal_contact):
+def test_evaluation_at_a_load_rejects_invalid_input(areal_contact):
     _, result = areal_contact
     for changes, pattern in (
         ({"loads": [0.0]}, "loads must be above 0"), ({"mu0": -1.0}, "mu0 must not be negative"),

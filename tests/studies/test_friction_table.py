@@ -158,7 +158,7 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
         (["--hurst", "rough"], "--hurst must be one or more numbers"),
     ],
 )
-def test_table_command_rejects_bad_options(tmp_path, changes, message):
+def test_table_command_rejects_invalid_options(tmp_path, changes, message):
     assert_rejected(call_stiction("table", *COMMAND_OPTIONS, *changes, cwd=tmp_path), message)
     assert not (tmp_path / "table" / "table.nc").exists()
 

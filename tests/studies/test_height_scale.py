@@ -162,7 +162,7 @@ def test_spectrum_is_scaled_by_the_square_of_the_height_factor():
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_profile_heights_can_be_scaled_with_both_contact_models(mechanics):
+def test_profile_heights_can_be_scaled_in_both_contact_models(mechanics):
     profiles = [self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in
              ("upper", "lower")]  # fmt: skip
     kwargs = {
@@ -272,7 +272,7 @@ def test_height_factors_outside_the_allowed_range_are_rejected(factors):
         parse_factors(factors)
 
 
-def test_height_scale_rejects_unsuitable_results_and_bad_options(bodies, result):
+def test_height_scale_rejects_unsuitable_results_and_invalid_options(bodies, result):
     with pytest.raises(ValueError, match="two measured surfaces, got generated surfaces"):
         scale_study_heights(TINY_STUDY, 2.0, "both")
     gap = pair(gap=bodies[0], **{name: value for name, value in PAIR_OPTIONS.items() if name != "shifts"})
@@ -300,7 +300,7 @@ def test_missing_height_factors_raise_an_error_with_the_estimated_time(result):
 # ---- Stored factors --------------------------------------------------------------------------------------------------
 
 
-def test_finished_height_factors_are_preserved_after_an_interrupt(bodies, tmp_path):
+def test_results_at_finished_height_factors_are_preserved_after_an_interrupt(bodies, tmp_path):
     computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     announced = []
 

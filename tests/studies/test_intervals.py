@@ -45,7 +45,7 @@ def test_interval_for_correlated_neighboring_values_covers_the_true_mean_and_is_
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9])
-def test_interval_for_correlated_neighboring_values_agrees_with_dense_matrices(correlation):
+def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_calculation(correlation):
     """Compare with the mixture of t distributions over correlations, computed with dense covariance matrices."""
     count = 20
     values = simulate_traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]

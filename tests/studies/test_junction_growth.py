@@ -158,7 +158,7 @@ def test_junction_growth_is_included_for_metals_by_default(upper, lower, text):
     ({"junction_growth": 9, "work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion"),
     ({"junction_growth": float("nan")}, "junction_growth"),
 ])  # fmt: skip
-def test_pair_rejects_bad_values_of_junction_growth(arguments, term):
+def test_pair_rejects_invalid_values_of_junction_growth(arguments, term):
     with pytest.raises(ValueError, match=term):
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH | arguments)
 

@@ -355,7 +355,7 @@ def test_pairing_of_lines_replaces_the_selected_profile_by_surrogates():
         ({"direction": [0]}, "direction is for areas"),
     ],
 )
-def test_pair_rejects_bad_positions_of_profiles(profile_pair, arguments, pattern):
+def test_pair_rejects_invalid_positions_of_profiles(profile_pair, arguments, pattern):
     upper, lower = profile_pair
     options = {"load": [0.01], "mu0": 0.3, "effective_modulus": 10.0, "positions": [0.0]} | arguments
     with pytest.raises(ValueError, match=pattern):
@@ -373,7 +373,7 @@ def test_study_of_profiles_rejects_more_members_than_positions(profile_pair):
 @pytest.mark.parametrize(
     ("arguments", "pattern"), [({"along": "z"}, "along must be one of"), ({"lines": 0}, "lines must be a whole number")]
 )
-def test_pairing_of_lines_rejects_bad_arguments(arguments, pattern):
+def test_pairing_of_lines_rejects_invalid_arguments(arguments, pattern):
     with pytest.raises(ValueError, match=pattern):
         paired_lines(small_map(), small_map(), **arguments)
     with pytest.raises(ValueError, match="upper must be a Profile or a Surface"):

@@ -138,7 +138,7 @@ class TestListedPositions:
             ({"direction": "north"}, "direction"),
         ],
     )
-    def test_pair_rejects_bad_positions_for_maps(self, changes, pattern):
+    def test_pair_rejects_invalid_positions_for_maps(self, changes, pattern):
         options = {"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0}
         with pytest.raises(ValueError, match=pattern):
             stiction.pair(*self.create_maps(), **options | changes)
@@ -296,7 +296,7 @@ def cut_middle(body):
         ({"mechanics": "asperities", "hardness": 1.0}, "hardness is for mechanics half-space"),
     ],
 )
-def test_pair_rejects_bad_input_for_maps(changes, pattern):
+def test_pair_rejects_invalid_input_for_maps(changes, pattern):
     with pytest.raises(ValueError, match=pattern):
         stiction.pair(*surface_pair(), **{"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0} | changes)
 

@@ -143,7 +143,7 @@ def test_friction_map_of_a_dataset_without_study_requires_mu0_and_tau0():
 
 
 @pytest.mark.parametrize("loads", [[-1.0], [np.nan], [[1.0]], []])
-def test_friction_map_rejects_bad_loads(loads):
+def test_friction_map_rejects_invalid_loads(loads):
     with pytest.raises(ValueError, match="loads"):
         friction_map(create_result([1.0], [1.0]), loads)
 

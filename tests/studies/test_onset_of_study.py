@@ -89,7 +89,7 @@ def test_onset_at_a_load_is_a_mean_over_members_weighted_by_load(result):
         assert float(point["tangential_stiffness"].sel(statistic="mean")) == pytest.approx(stiffness, rel=1e-9)
 
 
-def test_displacement_at_sliding_is_mu0_times_the_deepest_overlap():
+def test_displacement_at_sliding_is_mu0_times_the_largest_overlap():
     study = Study.named("presliding").with_changes(
         PROFILE_CHANGES | {"contact.onset": {"mu0": 0.4, "poisson_ratio": 0.0}}
     )
@@ -135,7 +135,7 @@ REJECTED_CHANGES = [
 
 
 @pytest.mark.parametrize(("changes", "pattern"), REJECTED_CHANGES)
-def test_study_rejects_bad_onset_settings(changes, pattern):
+def test_study_rejects_invalid_onset_settings(changes, pattern):
     with pytest.raises(StudyError, match=pattern) as caught:
         Study().with_changes(changes)
     assert not re.search(r"Traceback|\n.*\n.*\n", str(caught.value))

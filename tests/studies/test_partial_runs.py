@@ -41,7 +41,7 @@ def test_parts_of_differently_divided_runs_add_up_to_a_complete_result(tmp_path,
 
 
 @pytest.mark.parametrize("part", [(0, 2), (3, 2), (1, 0)])
-def test_computation_of_missing_members_rejects_a_bad_part(tmp_path, part):
+def test_computation_of_missing_members_rejects_an_invalid_part_of_a_run(tmp_path, part):
     with pytest.raises(ValueError, match="part must be K of N"):
         compute_missing(TINY_STUDY, tmp_path / "r", part=part)
     assert not (tmp_path / "r").exists()
@@ -89,7 +89,7 @@ def test_workers_write_blocks_to_a_shared_directory_or_return_them(tmp_path, uni
         assert not list((tmp_path / folder_name).rglob("*.partial"))
 
 
-def test_blocks_of_other_members_are_stored_if_a_member_fails(tmp_path, monkeypatch):
+def test_blocks_of_other_members_are_stored_if_one_member_fails(tmp_path, monkeypatch):
     sums = runner.member_sums
 
     def compute_or_fail(study, number):

@@ -34,7 +34,7 @@ def study(folder):
     return study_of_files(folder, spacing=spacing, members=5, contact='hardness = "4 GPa"\ndirection = [0, 180]')
 
 
-def test_resolution_study_has_fewer_members_and_loads(study):
+def test_resolution_study_has_fewer_members_and_loads_than_the_original_study(study):
     cutoff_study = build_cutoff_study(study)
     assert cutoff_study.surfaces.cells()["cut_off"] == pytest.approx([0, 0.2, 0.4], rel=1e-3)
     assert cutoff_study.ensemble.repetitions == 4
@@ -43,7 +43,7 @@ def test_resolution_study_has_fewer_members_and_loads(study):
     assert cutoff_study.surfaces.upper == study.surfaces.upper
 
 
-def test_resolution_study_of_a_filtered_study_starts_at_its_cutoff(study):
+def test_resolution_study_of_a_filtered_study_starts_at_the_cutoff_of_the_filter(study):
     cutoff_study = build_cutoff_study(study.with_changes({"surfaces.cut_off": ["0.2 um"]}))
     assert cutoff_study.surfaces.cells()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
 

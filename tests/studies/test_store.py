@@ -149,7 +149,7 @@ def test_result_that_fits_in_one_piece_is_read_once(folder_copy, uninterrupted_d
     assert len(decoded_contents) == len(stored.blocks)
 
 
-def test_result_larger_than_memory_is_reported(folder_copy, monkeypatch):
+def test_result_larger_than_memory_is_rejected(folder_copy, monkeypatch):
     monkeypatch.setattr(store, "MAX_RESULT_BYTES", 1000)
     with pytest.raises(StoreError, match="GiB of memory"):
         store.open_stored(folder_copy).dataset()
@@ -247,7 +247,7 @@ def test_result_of_another_version_can_be_read_but_not_continued(folder_copy, un
         run(with_repetitions(23), store=folder_copy)
 
 
-def test_result_with_different_load_steps_is_not_continued(folder_copy, monkeypatch):
+def test_result_is_not_continued_if_its_load_steps_differ_from_those_of_the_study(folder_copy, monkeypatch):
     steps = type(TINY_STUDY.contact).steps
     monkeypatch.setattr(type(TINY_STUDY.contact), "steps", lambda self: steps(self) * (1 + 2e-16))
     with pytest.raises(StoreError, match="so its steps differ slightly"):

@@ -76,7 +76,7 @@ def test_stored_file_that_lacks_a_variable_is_rejected_in_one_sentence(complete_
     assert len(str(caught.value).splitlines()) == 1
 
 
-def test_stored_onset_with_other_load_steps_is_ignored(complete_result):
+def test_stored_onset_is_ignored_if_its_load_steps_differ_from_the_current_ones(complete_result):
     with h5py.File(complete_result.path / "onset.nc", "r+") as file:
         file["fraction"][0] = 0.07
     assert load_onset(complete_result) is None

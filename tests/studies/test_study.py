@@ -158,7 +158,7 @@ class TestStudyChanges:
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],
     )
-    def test_error_about_changes_to_a_study_names_the_bad_key(self, key, value, message):
+    def test_error_about_changes_to_a_study_names_the_invalid_key(self, key, value, message):
         with pytest.raises(StudyError, match=message):
             Study().with_changes({key: value})
 
@@ -170,9 +170,9 @@ class TestStudyFiles:
         ("content", "message"),
         [
             (b"\x89PNG\r\n\x1a\n\x00\x00\xff\xfe", "not a text file"),
-            (b"\x00\x01\x02", "not TOML"),
+            (b"\x00\x01\x02", "not valid TOML"),
             (b"points = 3", "points: unknown key"),
-            (b"a = " + b"[" * 100_000, "not TOML"),
+            (b"a = " + b"[" * 100_000, "not valid TOML"),
             (b"# " + b"x" * 2_000_000, "longer than"),
         ],
     )
@@ -237,7 +237,7 @@ class TestStudyKinds:
         restored_study = study.with_changes({"surfaces.kind": "profile", "contact.mechanics": "asperities"})
         assert (restored_study.contact.detection, restored_study.surfaces.gamma) == ("cell", 1.6)
 
-    def test_differences_between_two_kinds_of_studies_list_keys_of_both(self):
+    def test_differences_between_two_kinds_of_studies_list_the_keys_of_both_studies(self):
         changed = {
             key: (first_value, second_value)
             for key, first_value, second_value in find_differences(Study(), SELF_AFFINE_STUDY)
@@ -288,7 +288,7 @@ class TestStudyKinds:
             (AREA_STUDY, "figures.draw", ["area"]),
         ],
     )
-    def test_error_after_changing_the_kind_of_a_study_names_the_bad_key(self, study, key, value):
+    def test_error_after_changing_the_kind_of_a_study_names_the_invalid_key(self, study, key, value):
         with pytest.raises(StudyError) as caught:
             study.with_changes({key: value})
         assert f"changes: {key}" in str(caught.value)

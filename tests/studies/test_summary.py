@@ -72,7 +72,7 @@ def test_result_caches_its_summary_including_onset_and_resolution(surface_folder
     assert first.over_cut_offs.sizes["cut_off"] > 1
 
 
-def test_summary_at_explicit_study_values_equals_default_summary(surface_folder, call_counts):
+def test_summary_for_explicitly_given_study_values_equals_the_default_summary(surface_folder, call_counts):
     """Compare the summary at default values with the summary at the same values given explicitly."""
     result = open_result(surface_folder / "pair")
     default_summary = result.summary()
@@ -122,7 +122,7 @@ def test_info_and_at_commands_report_equal_assessment_and_caveats(surface_folder
         ]
 
 
-def test_at_command_assesses_few_contacts_as_do_not_quote(tmp_path, monkeypatch, capsys):
+def test_at_command_gives_the_verdict_do_not_quote_for_few_contacts(tmp_path, monkeypatch, capsys):
     study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
     run(study, store=tmp_path / "study")
     capsys.readouterr()

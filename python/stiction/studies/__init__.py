@@ -1,1 +1,1 @@
-"""Studies, which compute the friction of ensembles of surface pairs over ranges of parameters."""
+"""Friction studies of ensembles of surface pairs over ranges of parameters."""

@@ -46,23 +46,25 @@ YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 # Bodies whose E* (GPa) is below this limit are assumed to be rubber or gels, which do not yield.
 MAX_RUBBER_MODULUS = 0.1
 
-MIN_TOTAL_CONTACTS = 10  # smallest total number of contacts in all members for which a mean may be quoted
+MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for which a mean may be quoted
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
 
-MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # largest fraction of the load that a single contact may carry if a value is quoted
+MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # no value is quoted if a single contact carries more than this fraction of the load
 # A caveat is issued if contacts at the edge carry more than this fraction of the load.
 CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
 CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # A caveat is issued if one contact carries more than this fraction of the load.
 
-MERGED_AREA_FRACTION = 0.3  # ratio of true to nominal area above which contacts are assumed to have merged
-# A caveat is issued if more than this fraction of the load, the members or the scan length is affected.
+# Contacts are assumed to have merged if the ratio of true to nominal area is above this limit.
+MERGED_AREA_FRACTION = 0.3
+# A caveat is issued if a problem affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if more than this fraction of the scan points is interpolated.
 MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two scans differ by more than this factor.
 
 NEARLY_BULK_STRENGTH = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
-MAX_SEIZING_FRACTION = 0.025  # The interval has no upper limit if more than this fraction of the samples seizes.
+# An interval has no upper limit if the interface seizes in more than this fraction of the samples.
+MAX_SEIZING_FRACTION = 0.025
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
@@ -75,14 +77,14 @@ RIM_ATTRACTION_FACTOR = 4.3
 docs/explanation/adhesion.md describes the fit.
 """
 
-MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
+MAX_DEVIATION_FROM_MU0 = 0.02  # a coefficient counts as equal to mu0 if the relative difference is below this limit
 ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, as they do in the report
 MAX_RELATIVE_HALF_WIDTH = 0.5  # A caveat is issued if the relative half width of an interval exceeds this value.
 
 
 @dataclass(frozen=True)
 class Caveat:
-    """Reason not to quote a value or to quote it only with care, together with a remedy."""
+    """Reason not to quote a value, or to quote it only with care. Each caveat has a remedy."""
 
     text: str
     remedy: str
@@ -100,7 +102,7 @@ class Caveat:
 
 
 class Check(NamedTuple):
-    """Upper limit of a checked number, and the caveat that is issued if the number exceeds the limit.
+    """Upper limit for a number, and the caveat that is issued if the number exceeds this limit.
 
     The placeholder {} in the text stands for the number `about`.
     """
@@ -111,15 +113,15 @@ class Check(NamedTuple):
     remedy: str
     severity: Severity = "fault"
     shown: str = "digits"  # format of the number: "digit" for one digit, "digits" for two, "percent", or a unit
-    about: str = ""  # name of the number shown in the text; by default the number that is compared with the limit
+    about: str = ""  # name of the number that the text shows; by default, the number that is compared with the limit
 
     @property
     def shown_name(self) -> str:
-        """Name of the number that is printed in the text of the caveat."""
+        """Name of the checked number, as printed in the text of the caveat."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
-        """Create the caveat for a point that fails the check, using the numbers of the point."""
+        """Create the caveat for a point that fails the check. The text contains the numbers of the point."""
         value, checked = (float(numbers[name]) for name in (self.shown_name, self.name))
         if self.shown in ("digits", "digit"):
             number_text = format_significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
@@ -255,7 +257,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Caveat]:
-    """Yield the caveats about a point of a result, including a caveat for any status other than "ok"."""
+    """Yield the caveats about one point of a result. They depend on the numbers and the status of the point."""
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
         yield from _find_adhesion_caveats(point, study)
@@ -267,7 +269,7 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
         yield Caveat(text, remedy, "fault")
         return
     members = value_of(point, "members")
-    # number in the sliding direction with the fewest solved members
+    # minimum number of solved members in any sliding direction
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * members:
         text = f"only {num_solved:.0f} of {members:.0f} members have a coefficient"
@@ -285,7 +287,7 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
 
 
 def find_smallest_limit(name: str) -> float | None:
-    """Return the smallest limit that any contact check sets for a number, or None if no check uses the number."""
+    """Return the smallest limit that contact checks set for a number, or None if no check uses the number."""
     return min(
         (check.limit for group in (CONTACT_COUNT_CHECKS, *CONTACT_CHECKS) for check in group if check.name == name),
         default=None,
@@ -293,7 +295,7 @@ def find_smallest_limit(name: str) -> float | None:
 
 
 def apply_checks(checks: Checks, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
-    """Yield a caveat for each group of checks that has a failed check. The first failed check determines the caveat.
+    """Yield one caveat for each group of checks in which a check fails. The first failed check determines the caveat.
 
     A check passes if its number is missing.
     """
@@ -306,7 +308,7 @@ def compute_value_numbers(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return the numbers that the checks compare with their limits, computed for each point of a result.
+    """Compute, for each point of a result, the numbers that are checked against limits.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -334,7 +336,7 @@ def compute_value_numbers(
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, Any]:
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    # area of a grid cell if the half-space model solves maps; otherwise NaN
+    # area of a grid cell if the half-space model is applied to maps; otherwise NaN
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     checked = {
         check.name: value_of(point, check.name)
@@ -392,7 +394,7 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
 def assess_ensemble(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any]
 ) -> tuple[list[list[Caveat | Check]], NDArray[np.intp]]:
-    """Assess points of a result for generated bodies, using the status and the checked numbers of each point.
+    """Assess each point of a result for generated bodies, using the status and the checks of the point.
 
     The arrays have equal shapes. Returns the distinct lists of reasons, with faults first, and for each point the index
     of its list. A reason is a failed check, or a caveat about a status.
@@ -420,7 +422,7 @@ def assess_ensemble(
 
 
 def find_verdict(reasons: Iterable[Caveat | Check]) -> str:
-    """Return the assessment for the given caveats or failed checks, which depends on the most severe of them."""
+    """Return the assessment that follows from the most severe of the given caveats or failed checks."""
     severities = {reason.severity for reason in reasons}
     return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
@@ -483,7 +485,7 @@ def _find_seizure_caveats(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected adhesion, an unresolved range of adhesion, and effects outside the interval."""
+    """Yield caveats about neglected or unresolved adhesion, and about input effects that are not in the interval."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load(point, study)
         min_added = MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0  # the asperity model has no adhesion
@@ -520,7 +522,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
 
 
 def estimate_adhesion_load(point: xarray.Dataset, study: Study) -> float:
-    """Estimate the load that typical adhesion would add to the contacts, as a fraction of the applied load.
+    """Estimate how much typical adhesion would add to the load on the contacts, as a fraction of the applied load.
 
     The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
     the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the fraction is

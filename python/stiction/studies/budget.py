@@ -52,7 +52,7 @@ SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
 INTERFACE_INPUT = "interface"  # name of the input that combines mu0 and tau0
 # quantiles at which an input is fixed for the uncertainty budget
 EXACT_QUANTILES = (0.1, 0.5, 0.9)
-MAX_BUDGETS = 100  # largest number of coefficients for which uncertainty budgets are computed
+MAX_BUDGETS = 100  # maximum number of coefficients for which uncertainty budgets are computed
 # relative difference up to which mu0 or tau0 counts as equal to its value in the study
 SAME_INPUT_TOLERANCE = 1e-3
 MAX_EXPONENT = 50.0  # upper bound on ln(single test / mean), which prevents overflow
@@ -86,7 +86,7 @@ def add_uncertainty(
     study = result.study
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
-    # Loads of the study are evaluated separately, because other loads must not change their intervals.
+    # The loads of the study are evaluated separately, because other loads must not change the intervals at these loads.
     is_own = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_own.any() and not is_own.all():
         parts = [
@@ -107,7 +107,7 @@ def add_uncertainty(
     shape = tuple(at.sizes[dim] for dim in dims)
     scatters: dict[tuple[int, ...], ScansMean | None] = {}
     surfaces: Any = study.surfaces
-    if math.prod(surfaces.scan_counts) > 1:  # split the variance of each coefficient by scans and positions
+    if math.prod(surfaces.scan_counts) > 1:  # split the variance of each coefficient by source (scans, positions)
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scans_of(table["repetition"].values)
@@ -178,7 +178,7 @@ def add_uncertainty(
 
 
 def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator) -> dict[str, xarray.Variable]:
-    """Return the hardness H' under shear (GPa) and the junction-growth ratio for each combination of mu0 and tau0.
+    """Return the pressure H' (GPa) under shear and the junction-growth ratio for each combination of mu0 and tau0.
 
     Both are computed at the hardness in the study. The result is empty if the study has no hardness. Without junction
     growth, H' equals the hardness.
@@ -203,7 +203,7 @@ def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator)
 
 
 def _values_over(variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]) -> dict[str, NDArray[Any]]:
-    """Return the values of variables as arrays that start with the given dimensions of a dataset.
+    """Return variables of a dataset as arrays whose first axes are the given dimensions.
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
     """
@@ -215,7 +215,7 @@ def _values_over(variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequenc
 
 
 def _ends_about_zero(samples: _CoefficientSamples, point: Floats) -> tuple[float, float]:
-    """Return the 95 % interval for a coefficient of 0, which cannot be computed from relative errors.
+    """Return the 95 % interval of a coefficient that is 0, for which relative errors are undefined.
 
     The interval contains the coefficient and its sampling interval, and is not below 0.
     """
@@ -231,7 +231,7 @@ def _ends_about_zero(samples: _CoefficientSamples, point: Floats) -> tuple[float
 
 
 def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
-    """Merge datasets that were evaluated at different loads, and sort the loads in ascending order."""
+    """Merge datasets evaluated at different loads into one dataset with the loads in ascending order."""
     import xarray
 
     whole = xarray.concat(
@@ -241,20 +241,20 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
 
 
 def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats) -> Floats:
-    """Return the reported coefficients and the limits of their intervals as an array of shape (*dims, statistic)."""
+    """Return the reported coefficients and their interval limits as an array of shape (*dims, statistic)."""
     combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = combined[..., 1]
     combined[..., 1] = np.where((low < 0) & (combined[..., 0] >= 0), 0.0, low)
-    is_known = ~np.isnan(known_intervals).any(axis=-1)  # intervals with an infinite upper limit are known too
+    is_known = ~np.isnan(known_intervals).any(axis=-1)  # an interval with an infinite upper limit is also known
     combined[is_known] = known_intervals[is_known]
-    if study.surfaces.both_readings and "cut_off" in dims:  # the coefficient at the first cutoff is quoted
+    if study.surfaces.both_readings and "cut_off" in dims:  # the quoted first cutoff gets the interval of all cutoffs
         over = np.moveaxis(combined, dims.index("cut_off"), 0)
         over[0, ..., 1], over[0, ..., 2] = np.fmin.reduce(over[..., 1]), np.fmax.reduce(over[..., 2])
     return combined
 
 
 class _CoefficientSamples:
-    """Friction coefficient returned by `at_load`, with samples of the inputs that determine the width of its interval.
+    """Friction coefficient returned by `at_load`, and the input samples from which its interval is computed.
 
     `names` lists the uncertain inputs and sources of sampling uncertainty; it is empty if there is no coefficient or no
     interval.
@@ -281,9 +281,9 @@ class _CoefficientSamples:
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # range of coefficients that finer scans could give, extended by the sampling interval
+        # range of coefficients that finer scans could give, widened by the sampling interval
         self.bracket: tuple[float, float] | None = None
-        # The first entry contains joint samples of mu0 and tau0; in the other entries, mu0 or tau0 is at its bound.
+        # The first entry contains joint samples of mu0 and tau0. In the other entries, mu0 or tau0 is at its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
         self.growth = find_junction_growth(study)  # estimate of the junction-growth coefficient α
@@ -300,7 +300,7 @@ class _CoefficientSamples:
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         error, members = width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
-        # relative standard deviation of a single member in a single direction from the mean over members
+        # relative standard deviation of single members in a single direction about the mean over members
         self.scatter = spread / (DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
         places = {POSITIONS_INPUT: error}  # relative standard error of the mean due to each source
@@ -315,7 +315,7 @@ class _CoefficientSamples:
         self.names = (*self.inputs, *((INTERFACE_INPUT,) if strengths else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
-        """Return the 95 % interval of the coefficient when some inputs are fixed at the given quantiles.
+        """Return the 95 % interval of the coefficient with some inputs fixed at the given quantiles.
 
         The interval contains the value. It also contains the sampling interval and the range of coefficients for finer
         scans, unless these sources are fixed.
@@ -343,7 +343,7 @@ class _CoefficientSamples:
         return self._ends(fixed)
 
     def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
-        """Multiply the samples by a factor, and return the limits of their 95 % interval.
+        """Multiply the coefficient samples by a factor, and return the limits of their 95 % interval.
 
         The interval is extended to include the samples with mu0 or tau0 at its bound.
         """
@@ -353,7 +353,7 @@ class _CoefficientSamples:
 
     @property
     def fraction_seizing(self) -> float:
-        """Fraction of the input samples for which the model predicts seizure of the contacts."""
+        """Fraction of input samples for which the contacts seize."""
         if self.growth is None:
             return 0.0
         samples = self._friction_samples({}, strength=self.strengths[0] if self.strengths else None)
@@ -380,7 +380,7 @@ class _CoefficientSamples:
         return self.areas.growth_ratio(self.load, self.rule, hardness, pressure, modulus)
 
     def next_test(self) -> tuple[float, float]:
-        """Return the 95 % prediction interval for a single test of a new member in one direction of motion.
+        """Return the 95 % prediction interval for a test of one new member in one direction of motion.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the interval is above 0.
         """
@@ -396,7 +396,7 @@ class _CoefficientSamples:
         return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
-        """Return the friction coefficient after a dwell time (s), and the limits of its 95 % interval.
+        """Return the friction coefficient after a dwell time (s), together with the limits of its 95 % interval.
 
         They are NaN if the nominal pressure reaches the hardness.
         """
@@ -422,7 +422,7 @@ class _CoefficientSamples:
         area = self._area_samples(fixed, wait)
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
-        # The samples of the interface are sorted by coefficient, so their quantiles are quantiles of the coefficient.
+        # The interface samples are sorted by coefficient, so quantiles of the samples are quantiles of the coefficient.
         if strength is not None:
             hardness_samples, growth = strength[2:]
             with_own = 1.0 if hardness_samples is None else self.areas.area_ratio(self.load, hardness_samples, 1.0)
@@ -469,7 +469,7 @@ class _CoefficientSamples:
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
-        """Return uniform samples, normal scores and values of the inputs, with the resulting hardness and E* ratio.
+        """Draw samples of the inputs. Return uniform values, normal scores, input values, hardnesses and E* ratios.
 
         The samples are cached, because they depend neither on the load nor on exact values of mu0 and tau0.
         """
@@ -489,7 +489,7 @@ class _CoefficientSamples:
         return self.areas.cached(("inputs", self.names, tuple(fixed.items()), wait), (), compute)  # type: ignore[no-any-return]
 
     def _area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
-        """Return samples of the true area before shear, relative to the true area at the input values in the study.
+        """Return samples of the true area before shear, divided by the true area for the central inputs.
 
         The samples are cached for each load.
         """
@@ -501,7 +501,7 @@ class _CoefficientSamples:
         return self.areas.cached(("area ratio", self.names, tuple(fixed.items()), wait, self.load), (), compute)
 
     def _pressure_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
-        """Return samples of the contact pressure H' (GPa) under shear, which are cached for reuse at the next load."""
+        """Return samples of the contact pressure H' (GPa) under shear, which are cached for reuse at other loads."""
         assert self.growth is not None, "contacts grow under shear"
         _, _, samples, hardness, _ = self._input_samples(fixed, wait)
         central = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
@@ -515,7 +515,7 @@ def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, f
 
 
 def _angle(ends: tuple[float, float]) -> float:
-    """Return the difference (rad) between the friction angles at the limits of an interval of coefficients."""
+    """Return the difference (rad) between the friction angles that correspond to the limits of an interval."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 

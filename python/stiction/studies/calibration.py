@@ -1,4 +1,4 @@
-"""Calibration of an interface, which infers mu0 and tau0 from friction tests on scanned surfaces.
+"""Calibration of an interface: infer mu0 and tau0 from friction tests on scanned surfaces.
 
 A test gives a coefficient y at a load, and its surfaces give six sums over the contacts at this load. They satisfy y
 (F_N0 + mu0 F_Nm + tau0 F_Na) = F_T0 + mu0 F_Tm + tau0 F_Ta, which is linear in mu0 and tau0. For small slopes and
@@ -29,7 +29,7 @@ from stiction.studies.interfaces import (
     list_sliding_rules,
 )
 
-MIN_TESTS = 3  # smallest number of tests with sliding from which the errors can be estimated
+MIN_TESTS = 3  # minimum number of tests with sliding from which the errors can be estimated
 
 
 def calibrate(

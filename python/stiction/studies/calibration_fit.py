@@ -32,58 +32,62 @@ from stiction.studies.interfaces import (
     evaluate_friction,
 )
 
-MIN_VARIATION = 0.1  # smallest relative standard deviation of A/F at which the tests separate mu0 and tau0
-# number of nuisance points (sets of nuisance parameters) in each round of adaptation, and maximum number in the result
+# Smallest relative standard deviation of A/F between the tests at which both mu0 and tau0 are fitted.
+MIN_VARIATION = 0.1
+# Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
+# A nuisance point is a set of values of the nuisance parameters.
 ROUND_POINTS, MAX_POINTS = 256, 8192
-# The result starts with the first number of nuisance points, doubled for each parameter, but at most with the second.
+# The result starts with the first number of nuisance points.
+# The first number is doubled for each nuisance parameter, up to the second number.
 FINAL_POINTS = 256, 1024
-MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores are clipped
-MAX_ROUNDS = 8  # largest number of rounds of adaptation
-MIN_SAMPLE_FRACTION = 0.4  # ratio of effective sample size to number of nuisance points at which the adaptation ends
-MIN_EFFECTIVE = 300.0  # effective sample size at which the result needs no more nuisance points
+MAX_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
+MAX_ROUNDS = 8  # maximum number of rounds of adaptation
+# The adaptation ends when the effective sample size exceeds this fraction of the nuisance points.
+MIN_SAMPLE_FRACTION = 0.4
+MIN_EFFECTIVE = 300.0  # nuisance points are added to the result until the effective sample size exceeds this value
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that represent their joint distribution
 # increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations)
 GRID_DEPTH = 34.0
 PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal distribution (Student's t)
 OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
-MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior of the relative standard deviation between runs
+MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior for the relative standard deviation between runs
 
-MAX_GRID_POINTS = 256  # largest number of nuisance points in a batch with junction growth
+MAX_GRID_POINTS = 256  # maximum number of nuisance points in a batch if contacts grow under shear
 GAIN_NUISANCE, SPREAD_NUISANCE = "gain", "spread between runs"  # names of nuisance parameters
 
 
 @dataclass(frozen=True)
 class _Best:
-    """Best fit to the friction tests of a calibration, with mu0, tau0, nuisance parameters and residuals."""
+    """Best fit to the friction tests of a calibration: mu0, tau0, nuisance parameters and residuals."""
 
     mu0: float
     tau0: float  # best tau0 (GPa)
     scores: Floats  # normal scores of the nuisance parameters (nuisances,)
     residuals: Floats  # residuals of the tests with sliding (tests,), in units of the errors
     slope: Floats  # Jacobian of the weighted residuals and the scores with respect to the free parameters
-    robust: Floats  # square roots of the weights of the tests (tests,), which are smaller for outliers
+    robust: Floats  # square roots of the test weights (tests,); outliers have smaller weights
     scale: float  # factor that multiplies the assumed errors if no errors are given
 
 
 @dataclass(frozen=True)
 class _Cells:
-    """Limits of the mu0-tau0 grids, one for each nuisance point, which is a set of nuisance-parameter values."""
+    """Limits of the mu0-tau0 grids. Each nuisance point (a set of nuisance-parameter values) has its own grid."""
 
     triangle: Floats  # triangular QR factors of the equations (points, 3, 3)
     depth: float
-    # limits of the range of tau0 in GPa (points,)
+    # lower and upper limits of tau0 in GPa (points,)
     low: Floats
     high: Floats
-    # best mu0 with junction growth (points, tau0); None if the contacts of no test grow
+    # best-fit mu0 with junction growth (points, tau0); None if no test has growing contacts
     best: Floats | None = None
-    below: Any = None  # widths of the mu0 range below and above the best value (points, tau0)
+    below: Any = None  # widths of the mu0 range below and above the best-fit value (points, tau0)
     above: Any = None
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """Grids of mu0 and tau0, one for each nuisance point, with the logarithm of the probability in each grid cell."""
+    """Grids of mu0 and tau0, with the log probability of each cell. Each nuisance point has its own grid."""
 
     cells: _Cells
     # logarithms of the probabilities (points, tau0, mu0), excluding the prior of the nuisance parameters
@@ -91,7 +95,7 @@ class _Grid:
 
 
 class CalibrationProblem:
-    """Linear equations rub · mu0 + stick · tau0 = right, one per friction test, with errors and nuisance parameters.
+    """Linear equations rub · mu0 + stick · tau0 = right for friction tests, with errors and nuisance parameters.
 
     Parameters
     ----------
@@ -187,7 +191,7 @@ class CalibrationProblem:
             if GAIN_NUISANCE in score_of
             else np.ones((len(scores), 1))
         )
-        # The measured coefficient is the gain times the true coefficient; errors refer to the measured coefficient.
+        # The measured coefficient is the gain times the true coefficient. Errors refer to the measured coefficient.
         rub = gain * column("rub") - self.measured * column("rub_normal")
         stick = gain * column("stick") - self.measured * column("stick_normal")
         right = self.measured - gain * column("elastic")
@@ -195,7 +199,7 @@ class CalibrationProblem:
         return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
 
     def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the direction and norm of the change in the test residuals that a common offset of each run causes.
+        """Return the residual changes caused by an offset common to the tests of a run, as unit vectors and norms.
 
         The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
         errors. Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would
@@ -207,7 +211,7 @@ class CalibrationProblem:
         rub, stick, right = (column[0] for column in middle)
         mu0, tau0 = _nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
         shifts = self._members * (rub * mu0 + stick * tau0) / self.error
-        # Errors of all tests, including tests without sliding, if the standard deviation between runs is 1.
+        # For a standard deviation of 1 between runs, these are the errors of all tests, with or without sliding.
         self._run_errors = (shifts * self.error).sum(axis=0)
         shifts = np.where(self.slid, shifts, 0.0)
         sizes = np.linalg.norm(shifts, axis=1)
@@ -220,16 +224,16 @@ class CalibrationProblem:
 
     @property
     def pivot(self) -> float:
-        """Mean of A/F (true area per load, 1/GPa) over the tests that slid, weighted by the inverse squared errors."""
+        """Weighted mean of A/F (true area per load, 1/GPa). Only tests with sliding are included."""
         return float(np.average(self.ratio, weights=self._weight))
 
     @property
     def variation(self) -> float:
-        """Relative standard deviation of A/F between the tests that slid, weighted by the inverse squared errors."""
+        """Weighted relative standard deviation of A/F (true area per load) among the tests with sliding."""
         return float(np.sqrt(np.average((self.ratio - self.pivot) ** 2, weights=self._weight)) / self.pivot)
 
     def _spread(self, scores: Floats) -> Floats:
-        """Compute the relative standard deviation between runs, of shape (points,), from the nuisance scores."""
+        """Compute the relative standard deviation between runs for each nuisance point."""
         from scipy.special import ndtr
 
         if SPREAD_NUISANCE not in self.nuisances:
@@ -238,7 +242,7 @@ class CalibrationProblem:
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return the equations of the tests that slid, divided by the errors and decorrelated within each run.
+        """Divide the equations of the tests with sliding by the errors, and decorrelate them within each run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -247,7 +251,7 @@ class CalibrationProblem:
         return self._independent(rows, scale, spread)
 
     def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Transform rows of shape (points, tests with sliding, k) so that tests of the same run are uncorrelated.
+        """Transform rows of shape (points, tests with sliding, k) so that the tests of one run are uncorrelated.
 
         Also returns the logarithms of the normalization factors (points,).
         """
@@ -263,7 +267,7 @@ class CalibrationProblem:
     def _residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the equation residuals of the tests that slid, divided by the errors, and the equation coefficients.
+        """Return the residuals of the tests with sliding in units of the errors, and the coefficients of the equations.
 
         The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -313,7 +317,7 @@ class CalibrationProblem:
             return strength
 
         def grown(points: Floats) -> Floats:
-            """Return the residuals, including junction growth, as an array of shape (points, tests with sliding)."""
+            """Return residuals that include junction growth. The array has the shape (points, tests with sliding)."""
             mu0, tau0 = np.transpose([values(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._residuals(to_scores(points[:, len(free) :]), scales, 1e6 * scales, mu0, tau0)
@@ -386,14 +390,14 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _mean_ratio(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return samples of the mean A/F (1/GPa) over the tests that slid, weighted by the inverse squared errors."""
+        """Return samples of the weighted mean A/F (true area per load, 1/GPa). Only tests with sliding are included."""
         rub, stick, _ = self._columns(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
 
     @cached_property
     def growth(self) -> UncertainInput | None:
-        """Junction growth α, which all tests share, or None if α differs between tests or does not affect the tests."""
+        """Junction growth α common to all tests, or None if α differs between tests or does not affect them."""
         grown = [equation.yields.growth for equation in self._friction if equation.yields and equation.yields.growth]
         if grown:
             return grown[0] if len({growth.text for growth in grown}) == 1 else None
@@ -415,14 +419,14 @@ class CalibrationProblem:
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """Uncertain hardness that all tests share, or None if the tests do not share an uncertain hardness."""
+        """Uncertain hardness that all tests share, or None if there is no such hardness."""
         first = self._friction[0].yields
         yields = [equation.yields for equation in self._friction]
         names = {law.key("hardness") if law and "hardness" in law.known else "" for law in yields}
         return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
 
     def _hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the hardness (GPa) that all tests share, or NaN if the hardness differs between tests."""
+        """Return samples of the hardness (GPa) that all tests share, or NaN if there is no such hardness."""
         from scipy.special import ndtr
 
         first = self._friction[0]
@@ -508,7 +512,7 @@ class CalibrationProblem:
     def _around_growth(
         self, cells: _Cells, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _Cells:
-        """Return grid limits that enclose the best mu0, which is computed with junction growth.
+        """Return grid limits around the best-fit mu0, taking junction growth into account.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
@@ -538,12 +542,13 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Residuals change less with mu0 below the best value than above it, but no less than without junction growth.
+        # Below the best mu0, residuals change less with mu0 than above it.
+        # Residuals change at least as much as without junction growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 
     def _coefficients(self, cells: _Cells, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
-        """Return the lower limit and the cell width of the mu0 grid for each tau0."""
+        """Return the lower limit and the cell width of the mu0 grid at each given tau0."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
         if cells.best is None:
@@ -592,7 +597,7 @@ class CalibrationProblem:
         return self._resample(points, grid, log_weight)
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return mean and covariance of the first proposal distribution of nuisance scores and log error scale."""
+        """Return the mean and covariance of the first proposal distribution for nuisance scores and log error scale."""
         moved = [index for index, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
@@ -609,7 +614,7 @@ class CalibrationProblem:
     def _weigh(
         self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _Grid, Floats]:
-        """Draw nuisance points from the proposal distribution, and return them with their grids and log weights."""
+        """Draw nuisance points from the proposal distribution, and return their coordinates, grids and log weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -628,7 +633,7 @@ class CalibrationProblem:
         return points, grid, np.where(np.isfinite(log), log, -np.inf)
 
     def _resample(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
-        """Draw samples of mu0, tau0 (GPa) and nuisance scores from all grid cells in proportion to the cell weights."""
+        """Draw samples of mu0, tau0 (GPa) and nuisance scores. Grid cells are drawn in proportion to their weights."""
         random = np.random.default_rng(0)
         inside = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
@@ -650,7 +655,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def advice(self) -> tuple[tuple[str, float, float], ...]:
-        """Return plans for further tests that would separate mu0 from tau0, each with the expected standard errors.
+        """Suggest further tests that would separate mu0 from tau0. Each plan includes the expected standard errors.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
@@ -660,7 +665,7 @@ class CalibrationProblem:
         predicted = rub * mu0 + stick * tau0
         relative = float(np.median(self.error / np.maximum(predicted, 1e-12))) if self.has_errors else 0.05
         ratio, count = self.pivot, len(self.error)
-        # For Hertzian contact, A/F is proportional to F^(-1/3); the loads cover a factor of 100.
+        # For Hertzian contact, A/F is proportional to F^(-1/3). The loads cover a factor of 100.
         ball_ratio = 10 ** (1 / 3)
         plans = (
             ("a smooth ball below yield, two decades of load", ratio * np.geomspace(1 / ball_ratio, ball_ratio, count)),
@@ -686,7 +691,7 @@ def _concatenate(grids: Sequence[_Grid]) -> _Grid:
 
 
 def _run_members(tests: Sequence[FrictionTest]) -> Floats:
-    """Return a matrix of shape (runs, tests) whose elements are 1 if the test belongs to the run, and 0 otherwise.
+    """Return a matrix of shape (runs, tests) whose elements are 1 if a test belongs to a run, and 0 otherwise.
 
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.
     """
@@ -698,7 +703,7 @@ def _run_members(tests: Sequence[FrictionTest]) -> Floats:
 
 
 def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
-    """Compute the nonnegative mu0 and tau0 (GPa) that solve weighted equations of shape (tests, 3) by least squares."""
+    """Solve weighted equations of shape (tests, 3) for nonnegative mu0 and tau0 (GPa) by least squares."""
     from scipy.optimize import lsq_linear
 
     free = [value is None for value in known]
@@ -713,7 +718,7 @@ def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) ->
 
 
 def _triangle(rows: Floats) -> Floats:
-    """Compute QR decompositions of the equations, and return the triangular factors with nonnegative diagonals.
+    """Compute QR decompositions of the coefficient matrices, and return triangular factors with nonnegative diagonals.
 
     The equations have the shape (points, tests, 3), and the factors have the shape (points, 3, 3).
     """
@@ -728,7 +733,7 @@ def _triangle(rows: Floats) -> Floats:
 
 
 def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 exceeds its minimum by at most `depth`."""
+    """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 is at most `depth` above its minimum."""
     first, second = triangle[:, 0], triangle[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
     centre, at_bound = (
@@ -754,7 +759,7 @@ def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
 
 
 def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density) at a fixed mu0 exceeds its minimum by at most `depth`."""
+    """Return the range of tau0 (GPa) in which -2 ln(density) at a fixed mu0 is at most `depth` above its minimum."""
     first, second = triangle[:, 0], triangle[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2
     centre = (second[:, 1] * second[:, 2] + first[:, 1] * (first[:, 2] - first[:, 0] * mu0)) / curvature

@@ -1,4 +1,4 @@
-"""Best mu0 and range of tau0 for friction tests in which junction growth makes the equations nonlinear."""
+"""Compute the best mu0 and the range of tau0 for tests in which junction growth makes the equations nonlinear."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Residuals are infinite at seizure.
 
 
 def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Compute the nonnegative mu0 that fits the tests best at each tau0, by the Gauss-Newton method.
+    """Use the Gauss-Newton method to compute the nonnegative mu0 that fits the tests best at each tau0.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tupl
 
 
 def range_of_strength(squares: Callable[[Floats], Floats], highest: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the sum of squared residuals exceeds its minimum by at most `depth`.
+    """Return the range of tau0 (GPa) in which the sum of squared residuals is at most `depth` above its minimum.
 
     Parameters
     ----------

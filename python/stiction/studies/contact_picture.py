@@ -1,4 +1,4 @@
-"""Individual contacts: a stored picture of the contacts of a typical member, and a table of all contacts.
+"""Individual contacts: the stored picture of the contacts in a typical member, and a table of all contacts.
 
 A result stores only sums over contacts, so its members are computed again.
 """
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     import xarray
 
 PICTURE_FILE = "picture.nc"  # file name in a result folder
-MAX_PICTURE_SIZE = 512  # largest number of rows or columns of a stored map
+MAX_PICTURE_SIZE = 512  # maximum number of rows or columns of a stored map
 LOADS_PER_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, as multiples of the pull-off force
 # ratio of the map size to the size of the magnified window around the largest contact
 ZOOM_DIVISOR = 8
@@ -56,12 +56,12 @@ _CONTACT_VARIABLES = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# unit suffix that turns the name of each dimension into a column name
+# unit suffix that is appended to each dimension name to form a column name
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
 def contact_picture(result: Result | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Return heights, contacts and pressures of a typical member, whose true area is nearest to the mean.
+    """Return heights, contacts and pressures of a typical member. Its true area is nearest to the mean area.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 
 
 def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:
-    """Return the first pair of measured profiles that touch at a load (mN), with the approach and the offset (µm).
+    """Find the first profiles that touch at a load (mN). Return both profiles, their approach and offset (µm).
 
     Returns None if no pair touches.
     """
@@ -166,7 +166,7 @@ def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profil
 
 
 def find_typical_index(area: Floats) -> int:
-    """Return the index of the area that is nearest to the mean of all areas, ignoring NaN."""
+    """Return the index of the area that is nearest to the mean of the areas, ignoring NaN."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
@@ -223,7 +223,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
 
 
 def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map of contact numbers. Each asperity contact is drawn as a disc that has the area of the contact."""
+    """Return a map of contact numbers in which each asperity contact is drawn as a disc of the same area."""
     numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         low, high = (
@@ -240,7 +240,7 @@ def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
 
 
 def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None) -> pandas.DataFrame:
-    """Return a table of all contacts of some members at elastic loads (mN). See `Result.contacts` for the columns."""
+    """Return a table of all contacts in some members at elastic loads (mN). `Result.contacts` describes the columns."""
     import pandas
 
     study = result.study
@@ -282,7 +282,7 @@ def _check_members(members: int | Sequence[int], available: list[int]) -> list[i
 
 
 def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] | None) -> Iterator[tuple[float, int]]:
-    """Yield (load, member index) pairs. By default, each member is the one whose true area is nearest to the mean."""
+    """Yield (load, member index) pairs. By default, select the member whose true area is nearest to the mean."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -1,4 +1,4 @@
-"""Statistics of the contacts between two bodies: sizes, pressures, positions and slopes."""
+"""Statistics of the contacts between two bodies, such as sizes, pressures, positions and slopes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MAX_CELLS_OF_SMALL_CONTACT = 4  # Contacts with at most this number of grid cell
 
 @dataclass(frozen=True, eq=False)
 class PairSlopes:
-    """Slopes of both bodies of a pair at all grid points. Maps have slopes along x and y, profiles only along x."""
+    """Slopes of both bodies at all grid points. Maps have slopes along x and y, and profiles along x only."""
 
     upper: list[Floats]
     lower: list[Floats]
@@ -50,7 +50,7 @@ class PairSlopes:
         return cls(slopes_by_side["upper"], slopes_by_side["lower"], steep, limits, measured)
 
     def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
-        """Compute the rms gradient of the gap, and its rms slopes along the given directions (degrees)."""
+        """Compute the rms gradient of the gap, and the rms slopes of the gap along the given directions (degrees)."""
         gap = [(above - below)[self.measured] for above, below in zip(self.upper, self.lower, strict=True)]
         squares = [float(np.square(slope).mean()) for slope in gap]
         if len(gap) == 1:
@@ -65,7 +65,7 @@ class PairSlopes:
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
-    """Compute the slopes of a body at all grid points, along x and y for a map and along x for a profile."""
+    """Compute the slopes of a body at all grid points. Maps have slopes along x and y, and profiles along x only."""
     from stiction.mechanics.patches import slopes
 
     return slopes(body.heights, body.spacings, periodic=False)
@@ -73,7 +73,7 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class ContactList:
-    """Table of the contacts of a pair at one load, and the distribution of the contact pressure. Lengths are in µm."""
+    """Table of the contacts between two bodies at one load, with the pressure distribution. Lengths are in µm."""
 
     x: Floats  # centre of each contact along x, weighted by the pressure
     y: Floats  # centre of each contact along y, weighted by the pressure; 0 for profiles
@@ -87,7 +87,7 @@ class ContactList:
     weight: Floats  # weight of each pressure (p,), proportional to the contact area under this pressure
 
     def compute_statistics(self) -> dict[str, Any]:
-        """Compute the statistics to be stored: load fractions, and quantiles of contact area and contact pressure."""
+        """Compute the stored contact statistics: load fractions, and quantiles of contact area and contact pressure."""
         order = np.argsort(self.pressure, kind="stable")
         below = np.cumsum(self.weight[order])
         return {name: formula(self) for name, formula in LOAD_FRACTION_FORMULAS.items()} | {
@@ -154,7 +154,7 @@ def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> Conta
 
 
 def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
-    """Compute the fraction of the load on contacts steeper than 90 % of the grid points, separately for each body."""
+    """Compute, for each body, the load fraction on contacts that are steeper than 90 % of the body's grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total = table.force.sum()
     return {
@@ -164,7 +164,7 @@ def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[
 
 
 def find_load_on_steep_points(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
-    """Compute the fraction of the load on the steepest 10 % of each body's grid points in a half-space solution."""
+    """Compute the load fraction on each body's steepest 10 % of grid points from a half-space solution."""
     total = solution.values.sum()
     return {
         f"share_on_steepest_{side}": float(solution.values[mask.ravel()[solution.points]].sum() / total)

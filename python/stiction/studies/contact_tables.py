@@ -42,21 +42,21 @@ from stiction.studies.values import (
 )
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
-MAX_DIRECTIONS = 360  # largest number of directions of motion for height maps
+MAX_DIRECTIONS = 360  # maximum number of directions of motion for height maps
 # In the asperity model, the load curve of two profiles extends below and above the given loads by this factor.
 LINE_LOAD_MARGIN = 30.0
 NUM_LINE_LOADS = 25
 # In the half-plane model, the load curve of two profiles extends below and above the given loads by this factor.
 HALF_PLANE_LOAD_MARGIN = 10.0
 NUM_HALF_PLANE_LOADS = 7
-MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio of successive loads at which areal contacts are computed
+MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads at which the contact of height maps is solved
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
 
 
 class HertzCylinderTable(Table):
-    """Table of the contact law for elastic cylinders, which specifies the width of the cylinders."""
+    """Table for the contact law of elastic cylinders. It contains the width of the cylinders."""
 
     name: Literal["hertz-cylinder"]
     width: Length
@@ -67,7 +67,7 @@ class HertzCylinderTable(Table):
 
 
 class JacksonGreenTable(Table):
-    """Table of the Jackson-Green contact law, with the yield strength and Poisson's ratio of the softer body."""
+    """Table for the Jackson-Green contact law, with the yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
     yield_strength: Modulus
@@ -84,7 +84,7 @@ LAW_TABLES: dict[str, type[LawTable]] = {"hertz-cylinder": HertzCylinderTable, "
 
 
 def _read_law(value: object) -> LawName | LawTable:
-    """Parse a contact law from its name or from a table of its parameters."""
+    """Parse a contact law, given as a name or as a table of parameters."""
     for name in LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
@@ -124,7 +124,7 @@ PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]
 
 
 class OnsetTable(Table):
-    """Friction parameters used to compute the onset of sliding. Friction acts at all contacts.
+    """Friction parameters used to compute the onset of sliding. Friction is assumed to act at all contacts.
 
     The result stores the onset for these parameters only.
     """
@@ -156,7 +156,7 @@ class ContactTable(Case):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Name of the quantity that is prescribed at each loading step, "approach" or "load"."""
+        """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
         return "load"
 
     def steps(self) -> Floats:
@@ -176,7 +176,7 @@ class ContactTable(Case):
         return np.array([degrees_of(direction) for direction in self.directions_of_motion()])
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that become dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that form dimensions of a result."""
         return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
 
 
@@ -214,7 +214,7 @@ class GeneratedContact(ContactTable):
         return chosen if isinstance(chosen, tuple) else (chosen,)
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) given as lists. A single value adds no dimension."""
+        """Return the sliding rules and directions (degrees) that are given as lists. Single values are omitted."""
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
         return {name: values for name, values in super().motions().items() if is_list[name]}
 
@@ -235,7 +235,7 @@ class GeneratedLoads(GeneratedContact):
 
 
 class MeasuredContact(ContactTable):
-    """Keys of the contact table for measured surfaces at given loads. Results contain both sliding rules."""
+    """Keys of the contact table for measured surfaces at given loads. Results are computed for both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -258,7 +258,7 @@ class MeasuredContact(ContactTable):
 
 
 class MeasuredLinesContact(MeasuredContact):
-    """Keys of the contact table for measured lines (profiles or map lines), which slide in both directions."""
+    """Keys of the contact table for measured lines (profiles or lines of maps), which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
 
@@ -268,7 +268,7 @@ class MeasuredLinesContact(MeasuredContact):
 
 
 class MeasuredAreasContact(MeasuredContact):
-    """Keys of the contact table for measured areas, which can slide in several directions."""
+    """Keys of the contact table for measured areas, which can slide in one or several directions."""
 
     place: ClassVar[str] = "measured areas"
 
@@ -351,7 +351,7 @@ class HalfSpaceContactTable(ContactTable):
         return self
 
     def solver_arguments(self) -> dict[str, Any]:
-        """Return keyword arguments of `half_space` that describe material, boundary and tilt."""
+        """Return the keyword arguments of `half_space` that specify material, boundary conditions and tilt."""
         return {
             "effective_modulus": float(self.effective_modulus),
             "boundary": self.boundary,
@@ -364,7 +364,7 @@ class HalfSpaceContactTable(ContactTable):
 
 
 class AsperityContactTable(ContactTable):
-    """Keys of the contact table for the asperity model, in which contacts do not interact."""
+    """Keys of the contact table for the asperity model, which neglects interaction between contacts."""
 
     place: ClassVar[str] = "asperities"
     hardness: ClassVar[None] = None
@@ -383,11 +383,11 @@ class AsperityContactTable(ContactTable):
     curvature: CurvatureKey = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the contact-model arguments that set the direction of motion. The dict is empty if there are none."""
+        """Return the contact-model arguments for the direction of motion, or an empty dict if none are needed."""
         return {}
 
     def model(self, sliding: Sliding | None = None) -> ContactModel:
-        """Return the contact model with the given sliding rule, which is the first rule in the table by default."""
+        """Return the contact model with the given sliding rule. The default is the first rule in the table."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -399,7 +399,7 @@ class AsperityContactTable(ContactTable):
 
 
 class GeneratedAsperities(AsperityContactTable, GeneratedContact):
-    """Keys of the contact table for generated surfaces that are pressed to given approaches with the asperity model."""
+    """Keys of the contact table for generated surfaces and the asperity model. They prescribe approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
@@ -422,7 +422,7 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Name of the quantity that is prescribed at each loading step, "approach" or "load"."""
+        """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
         return "approach"
 
     def steps(self) -> Floats:
@@ -562,15 +562,15 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
 
 
 def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
-    """Add smaller and larger loads in a geometric series to the given loads (mN)."""
+    """Add loads (mN) from a geometric series that extends below and above the given loads."""
     curve = np.geomspace(requested.min() / ratio, requested.max() * ratio, steps)
-    # Loads of the series that nearly equal a given load are dropped.
+    # Loads of the series that nearly equal a given load are omitted.
     is_new = np.abs(curve[:, np.newaxis] / requested - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([requested, curve[is_new]]))
 
 
 def _fill_loads(requested: Floats) -> Floats:
-    """Insert loads (mN) between the given loads, so that successive ratios are at most about `MAX_AREAL_LOAD_RATIO`."""
+    """Insert loads (mN) until the ratio of successive loads is at most about `MAX_AREAL_LOAD_RATIO`."""
     requested = np.unique(requested)
     steps = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
@@ -583,7 +583,7 @@ def _fill_loads(requested: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which the contacts of a measured pair are computed: given loads and additional loads.
+    """Return the given loads of a measured pair, and additional loads (mN) at which the contacts are computed.
 
     All loads are below `max_load` (mN). For areas, `num_smaller` loads are below the given loads, and the ratio of
     successive loads is at most `MAX_AREAL_LOAD_RATIO`.

@@ -1,4 +1,4 @@
-"""Elasticity of a pair of bodies, computed from their moduli or looked up by material names."""
+"""Elasticity of a pair of bodies, computed from given moduli or from material names."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stiction.mechanics.materials import compliance_fraction, is_name_of, materi
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Elasticity of a pair of bodies, with the properties of the softer body."""
+    """Elasticity of a pair of bodies, including the properties of the softer body."""
 
     effective_modulus: float  # effective modulus E* (GPa)
     compliance_share: float = 0.5  # fraction of the compliance due to the lower body; 0.5 if only E* is given
@@ -26,7 +26,7 @@ class Elasticity:
     hardness_source: str = ""
     materials: tuple[str, str] | None = None  # names of the materials of the upper and the lower body
     poisson_ratios: tuple[float, float] | None = None  # Poisson's ratios of the upper and the lower body
-    alias_note: str = ""  # note about alternative names of materials
+    alias_note: str = ""  # note about alternative material names
 
 
 def find_elasticity(
@@ -118,7 +118,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> Elasticity:
-    """Return the elasticity of two materials, including the hardness of the softer material if it yields."""
+    """Return the elasticity of two materials, and the hardness of the softer material if this material can yield."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
     softer = softer_material(upper_body, lower_body) or min(

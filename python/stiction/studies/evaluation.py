@@ -1,4 +1,4 @@
-"""Evaluation of results at given loads, which can be elastic, normal or mean normal loads.
+"""Evaluation of results at given loads. These can be elastic loads, normal loads or mean normal loads.
 
 *mean*: the mean normal load of the ensemble equals the given load, and values are ratios of means, as in the figures of
 the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load. *normal*: the
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of single members, stored as `spread_low` and `spread_high`
+SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of the values of single members, stored as `spread_low` and `spread_high`
 NEGLIGIBLE_COEFFICIENT = 1e-9
 """Largest coefficient that is attributed to round-off, for an interface without strength."""
 NEGLIGIBLE_LOAD_RATIO = 0.01
@@ -62,7 +62,7 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 
 ADHESIVE_SUMS = ("normal_adhesive", "tangential_adhesive")  # contact sums that increase with junction growth
 
-MIN_STIFFNESS_STEPS = 3  # smallest number of approaches or loads needed to compute a stiffness
+MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads needed to compute a stiffness
 
 COMPLETE_STATUS, ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
 """Statuses of contacts with a true area equal to the nominal area (first) or above it (second).
@@ -75,7 +75,7 @@ def at_load(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: Reading | None = None, of: Kind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate friction, true area and contact statistics at given loads, with 95 % intervals.
+    """Evaluate friction, true area and contact statistics at given loads, and compute their 95 % intervals.
 
     Parameters
     ----------
@@ -160,14 +160,14 @@ def is_unloaded(result: Result) -> bool:
 
 
 def unloaded_load(result: Result) -> float:
-    """Return a load (mN) that is negligible for adhesive bodies, which is the smallest computed load if possible."""
+    """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
     negligible = NEGLIGIBLE_LOAD_RATIO * min(_pull_offs(result))
     lowest = float(result.study.contact.steps()[0])
     return lowest if lowest < negligible else 0.1 * negligible
 
 
 def _pull_offs(result: Result) -> list[float]:
-    """Return the mean pull-off force (mN) for each piece (group of members) of a result."""
+    """Return the mean pull-off force (mN) in each piece (group of members) of a result."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
 
@@ -175,7 +175,7 @@ def _pull_offs(result: Result) -> list[float]:
 
 
 def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes (degrees, 0 to 180) along which both directions exist, and the indices of both directions.
+    """Return the axes (0 to 180 degrees) whose two opposite directions are both given, and the direction indices.
 
     The indices have the shape (axes, 2).
     """
@@ -201,11 +201,11 @@ def _is_requested(name: str, names: Collection[str] | None) -> bool:
 def _evaluate_ensemble(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Return ensemble means at given mean loads, and the limits of their intervals along the dimension `statistic`."""
+    """Compute ensemble means at given mean loads. The dimension `statistic` contains means and interval limits."""
     import xarray
 
     def read(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
-        """Evaluate a quantity at the given mean normal loads after averaging over groups of directions."""
+        """Evaluate a quantity at the given mean normal loads, after averaging over each group of directions."""
 
         def average_groups(piece: xarray.Dataset) -> xarray.Dataset:
             grouped = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
@@ -238,7 +238,7 @@ def _evaluate_ensemble(
         try:
             evaluated = read(quantity, all_directions)
         except ValueError:
-            if quantity != "normal_stiffness":  # a half-plane has no stiffness
+            if quantity != "normal_stiffness":  # the stiffness of a half-plane is undefined
                 raise
             continue
         variables[quantity] = _with_statistic(
@@ -279,11 +279,11 @@ def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     return np.asarray(np.geomspace(lowest, highest, steps))
 
 
-DEFAULT_LOADS = 3  # number of loads at which a result is shown if the study has no loads
+DEFAULT_LOADS = 3  # number of loads at which results are shown if the study specifies no loads
 
 
 def default_loads(result: Result) -> Floats:
-    """Return the loads (mN) of the study or, if the study has none, a few loads within the range of the result.
+    """Return the loads (mN) of the study. If the study has none, return a few loads within the range of the result.
 
     Raises a `ValueError` if there is no contact.
     """
@@ -299,7 +299,7 @@ def default_loads(result: Result) -> Floats:
 
 
 def _without_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Replace round-off by 0 in means over opposite directions, if the interface has no strength.
+    """If mu0 and tau0 are 0, replace round-off errors in means over opposite directions by 0.
 
     The means have the dimensions (*dims, statistic). Without strength, the contributions of opposite directions cancel
     except for round-off, which would have a random sign.
@@ -340,7 +340,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     status = tables["status"].transpose("repetition", *dims).values
     ok = status == friction.STATUS_OK
     counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
-    # most frequent status, for points at which no member has a coefficient
+    # Points at which no member has a coefficient get the most frequent status.
     frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
     common = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), frequent)
     other_dims = [dim for dim in dims if dim != "direction"]
@@ -379,7 +379,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
 
 
 def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status for each true area fraction, and the fractions with values above 1 replaced by 1.
+    """Return the contact status for each true area fraction, and the area fractions limited to 1.
 
     The fractions have the shape (..., 3). In the asperity model, fractions above 1 become NaN instead.
     """
@@ -391,7 +391,7 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
 
 @dataclass(frozen=True, eq=False)
 class OverMembers:
-    """Statistical dependence between members, which may be independent, neighbours on lines, or share scans."""
+    """Statistical dependence between members: none, between neighbours on a line, or through shared scans."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -399,7 +399,7 @@ class OverMembers:
 
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
-        """Determine from the positions of the members how they depend on each other.
+        """Determine the dependence between members from their positions.
 
         Members on adjacent lines, or at adjacent positions of a line, are neighbours.
         """
@@ -413,7 +413,7 @@ class OverMembers:
         return cls(order, lines[order])
 
     def mean(self, values: Floats) -> Floats:
-        """Average values over the members, ignoring NaN, and return the mean and the limits of its 95 % interval.
+        """Average values over the members, ignoring NaN. Return the mean and the limits of its 95 % interval.
 
         The values have the shape (members, ...), and the result has the shape (..., 3).
         """
@@ -434,7 +434,7 @@ class OverMembers:
 
 
 def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
-    """Return the mean of the values and its interval limits, which are above 0 if no value is negative."""
+    """Return the mean of the values and its interval limits. The limits are above 0 if no value is negative."""
     if found is None:
         finite = values[np.isfinite(values)]
         return float(finite.mean()) if finite.size else np.nan, np.nan, np.nan
@@ -452,7 +452,7 @@ def member_values(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: Reading = "elastic", of: Kind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate friction and contact quantities of each member of a result at given loads.
+    """Evaluate friction and contact quantities at given loads for each member of a result.
 
     Parameters
     ----------
@@ -489,7 +489,7 @@ def _members_before_growth(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, of: Kind | None,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member of a result at given loads, neglecting junction growth.
+    """Evaluate each member of a result at given loads, without the effect of junction growth.
 
     If the contacts of the study grow, the dataset also contains the sums that `_with_growth` requires.
     """
@@ -504,7 +504,7 @@ def _members_before_growth(
 
 
 def areas_of(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
-    """Create an interpolator of the true area, a function of hardness and E*, for the loads in an `at_load` dataset."""
+    """Create an interpolator that returns true areas for given hardness and E* at the loads of a dataset."""
     result = Result.of(result)
     study, loads = result.study, dataset["load"].values
     area = dataset["contact_area"].sel(statistic="mean")
@@ -514,7 +514,7 @@ def areas_of(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaIn
 
 
 def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolator:
-    """Create an interpolator of the true area, a function of hardness, for the loads in a `member_values` dataset."""
+    """Create an interpolator that returns true areas for a given hardness at the loads of the member values."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
     study = result.study
@@ -532,7 +532,7 @@ def mean_areas(result: Result) -> Floats:
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:
-    """Return d ln(A/F) / d ln F, where A is the mean true area, at the given loads F (mN)."""
+    """Return d ln(A/F) / d ln F at the given loads F (mN), where A is the mean true area."""
     steps = result.study.contact.steps()
     if steps.size > 1:
         ratio = result.mean_areas / steps
@@ -558,7 +558,7 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
 def _with_growth(
     members: xarray.Dataset, study: Study, areas: AreaInterpolator, names: Collection[str] | None = None
 ) -> xarray.Dataset:
-    """Recompute member values with adhesive forces that follow from the true area at the onset of sliding."""
+    """Recompute member values after junction growth. The adhesive forces then act on the grown contact area."""
     mu0, tau0 = members["mu0"].values, members["tau0"].values
     rules = members["sliding"].values.tolist()
     grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
@@ -593,7 +593,7 @@ def _with_growth(
 def member_sums(
     result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, of: Kind | None = None
 ) -> xarray.Dataset:
-    """Return contact sums of all members at elastic loads (mN), by default the six sums that determine friction.
+    """Return contact sums of all members at elastic loads (mN). The default is the six sums that determine friction.
 
     The dimensions are cells, repetition, sliding, direction and load.
     """
@@ -616,7 +616,9 @@ def member_sums(
 
 
 def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
-    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN), with jackknife intervals.
+    """Compute the ratio mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
+
+    The means are taken over members and directions.
 
     The dimensions are cells, sliding, load, mu0, tau0 and statistic. The value is NaN if mean(F_N) is not above 0.
     """
@@ -651,7 +653,7 @@ class PerLoad:
 
     @classmethod
     def of(cls, six: Mapping[str, Any], **more: Any) -> Self:
-        """Create the linear functions from the means of the six contact sums, divided by the elastic load."""
+        """Create the linear functions from the six mean contact sums, which are divided by the elastic load."""
         per = {name: float(six[name] / six["normal_elastic"]) for name in SIX_SUMS}
         return cls(
             elastic=per["tangential_elastic"], rub=per["tangential_frictional"], stick=per["tangential_adhesive"],
@@ -659,7 +661,7 @@ class PerLoad:
         )  # fmt: skip
 
     def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """Compute the friction coefficient if the true area is `area` times the computed true area."""
+        """Compute the friction coefficient for a true area that is `area` times the computed true area."""
         tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
         return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
@@ -691,7 +693,7 @@ def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading,
     names: Collection[str] | None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate the members of a piece (group of members in memory) at given loads.
+    """Evaluate one piece (group of members) of a result at given loads.
 
     If the steps are loads, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate
     besides `_FRICTION`; None stands for all.
@@ -779,7 +781,7 @@ def _evaluate_piece(
 def _curves(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS
 ) -> tuple[dict[str, Floats], Crossing]:
-    """Return the contact sums of the members, and the points at which their load curves reach the given loads."""
+    """Return the members' contact sums, and the points at which the load curves reach the given loads."""
     step = find_step_dimension(piece)
     lead = (*cells_of(piece), "repetition")
     # Access to variables without coordinates is much faster than to arrays with coordinates.
@@ -791,13 +793,13 @@ def _curves(
 
 
 def _motions_of(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for the sliding rule and the direction if they are not dimensions of the result."""
+    """Return coordinates for the sliding rule and the direction unless these are dimensions of the result."""
     values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.degrees())}
     return {name: ((name,), values[name][:1], attributes_of(name)) for name in MOTIONS if name not in piece.dims}
 
 
 def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add ratios of contact sums to the variables, and remove sums that are needed only for these ratios."""
+    """Add ratios of contact sums to the variables, and remove the sums that are needed only for these ratios."""
     dims, elastic = variables["normal_elastic"][:2]
     ratios: dict[str, Any] = {}
     if nominal_area is not None and "pull_off" in variables:
@@ -823,7 +825,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
 
 
 def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Return the values of a variable as floats, transposed to the given order of dimensions.
+    """Convert a variable to an array of floats whose dimensions are in the given order.
 
     If `missing` is true, missing dimensions are added with the length 1.
     """
@@ -842,7 +844,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = find_step_dimension(piece)
     if "status" in piece:
-        # A member without a coefficient gets the status of the first step at or above the load, unless this is "ok".
+        # A member without a coefficient gets the status of the first step at or above the load, except "ok".
         codes = _over(piece.variables["status"], (*cells_of(piece), "repetition", step)).astype(int)
         ladder = piece[step].values
         step_index = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)
@@ -856,7 +858,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
 def estimate_by_slopes(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Compute the small-slope estimate of friction from the rms gradients and directional rms slopes of gaps.
+    """Compute the small-slope estimate of friction from rms gradients and directional rms slopes of the gaps.
 
     The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
     """

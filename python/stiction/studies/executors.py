@@ -16,7 +16,7 @@ from stiction._text import MAX_PATH_LENGTH, printable
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
-# smallest number of grid points at which several threads speed up a Fourier transform
+# minimum number of grid points at which several threads speed up a Fourier transform
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
@@ -59,7 +59,7 @@ def thread_executor(workers: int | None = None) -> Iterator[Executor]:
 def use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Wrap a task function so that it uses idle threads for its Fourier transforms.
+    """Wrap a task function so that it uses idle threads for Fourier transforms.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.
@@ -108,7 +108,7 @@ class ClusterError(ValueError):
 
 @contextlib.contextmanager
 def _without_disconnect_log() -> Iterator[None]:
-    """Suppress Dask's log messages about a lost scheduler, which are redundant because a `ClusterError` is raised."""
+    """Suppress Dask's log messages about a lost scheduler, because a `ClusterError` already reports the loss."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
     levels = [logger.level for logger in loggers]
     try:

@@ -1,4 +1,4 @@
-"""Tables of friction, true area and stiffness of self-affine surfaces, for use as contact laws in other codes."""
+"""Contact laws for other codes: tables of friction, true area and stiffness of self-affine surfaces."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     import xarray
 
 TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
-MIN_STIFFNESS_PRESSURES = 3  # smallest number of pressures needed to compute a stiffness
-# directions of motion (degrees) over which coefficients are averaged, because the surfaces are isotropic
+MIN_STIFFNESS_PRESSURES = 3  # minimum number of pressures needed to compute a stiffness
+# The surfaces are isotropic, so coefficients are averaged over these directions of motion (degrees).
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-MAX_FITTED_AREA = 0.1  # largest true area fraction at which the laws are fitted
-MAX_LAW_DEVIATION = 0.1  # A caveat is issued if means deviate from a fitted law by more than this fraction.
+MAX_FITTED_AREA = 0.1  # maximum true area fraction of the results to which the laws are fitted
+MAX_LAW_DEVIATION = 0.1  # A caveat is issued if the means deviate from a fitted law by more than this fraction.
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -46,7 +46,7 @@ def table_study(
     repetitions: int = 12,
     seed: int = 2016,
 ) -> Study:
-    """Create the study for a friction table, in which periodic half-spaces with self-affine surfaces are pressed.
+    """Create the study for a friction table. It presses periodic half-spaces with self-affine surfaces together.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def table_study(
 
 
 def _checked_values(name: str, values: ArrayLike) -> list[float]:
-    """Return the values as a list of numbers, after checking that all numbers are above 0."""
+    """Return the values as a list of numbers, after checking that each of them is above 0."""
     array = np.atleast_1d(float_array(name, values))
     if array.ndim != 1 or not array.size or not (array > 0).all():
         raise ValueError(f"{name} must be numbers above 0, got {short_repr(values)}")
@@ -145,7 +145,7 @@ def _checked_values(name: str, values: ArrayLike) -> list[float]:
 def friction_table(
     result: Result | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    r"""Compute friction, true area and stiffness as functions of the pressure, and fit laws to area and stiffness.
+    r"""Compute friction, true area and stiffness as functions of pressure, and fit laws to the area and the stiffness.
 
     Parameters
     ----------

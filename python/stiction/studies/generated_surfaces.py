@@ -1,4 +1,4 @@
-"""Classes for the table `[surfaces]` of a study of generated surfaces: fractal profiles or two kinds of maps."""
+"""Classes for the table `[surfaces]` of studies with generated (fractal) profiles or height maps."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ MAX_HARMONICS = 1_000_000
 
 
 class GeneratedSurfaceKeys(Case):
-    """Keys of `[surfaces]` that all generated surfaces share: fractal dimension and amplitude."""
+    """Keys of `[surfaces]` that all generated surfaces share, i.e. fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # term for the bodies in error messages
     is_areal: ClassVar[bool] = True
@@ -100,7 +100,7 @@ class GeneratedSurfaceKeys(Case):
 
 
 class GeneratedProfiles(GeneratedSurfaceKeys):
-    """Keys of `[surfaces]` for pairs of fractal profiles generated with Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal profiles that are generated with Eq. 1 of the paper."""
 
     place: ClassVar[str] = "fractal profiles"
     bodies: ClassVar[str] = "generated lines"
@@ -129,7 +129,7 @@ class GeneratedProfiles(GeneratedSurfaceKeys):
 
 
 class GeneratedAreas(GeneratedSurfaceKeys):
-    """Keys of `[surfaces]` that all generated height maps share: extent and shape of the grid."""
+    """Keys of `[surfaces]` that all generated height maps share: side lengths and shape of the grid."""
 
     kind: Literal["surface"] = Field(default="surface", description="Kind of surfaces: lines or areas.")
     extent: AreaExtent = (quantity("10 um", "length"), quantity("10 um", "length"))
@@ -153,7 +153,7 @@ class GeneratedAreas(GeneratedSurfaceKeys):
 
 
 class WeierstrassMandelbrotSurfaces(GeneratedAreas):
-    """Keys of `[surfaces]` for pairs of fractal height maps generated with Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal height maps that are generated with Eq. 1 of the paper."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
 

@@ -48,7 +48,7 @@ Large maps need few members: for 384² points, the areas of members differ by 0.
 some contacts yield.
 """
 
-MIN_ERROR_MEMBERS = 2  # smallest number of members for an error estimate of the interpolated area
+MIN_ERROR_MEMBERS = 2  # minimum number of members from which the error of the interpolated area is estimated
 
 NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
 """Positions of the nodes within the range of ln H, as fractions from 0 to 1, for one or three moduli.
@@ -62,7 +62,7 @@ MAX_NARROW_HALF_RANGE = 0.2
 The area at another modulus is then derived from the dependence of the area on the load.
 """
 
-NODE_ROUND_OFF = 1e-9  # relative difference up to which nodes count as equal, to allow for round-off
+NODE_ROUND_OFF = 1e-9  # nodes count as equal if they differ by at most this relative amount, to allow for round-off
 
 SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
 """Spacing in ln H and number of additional nodes below the hardness range for junction growth.
@@ -81,7 +81,7 @@ THREE_DIGIT_ERROR = 0.006  # largest relative error of a number rounded to three
 
 @dataclass(frozen=True)
 class LabelledInput:
-    """Uncertain input of a study, with a label for messages and reports."""
+    """Uncertain input of a study, together with a label for messages and reports."""
 
     label: str
     estimate: UncertainInput
@@ -117,7 +117,7 @@ def find_inputs(study: Study) -> dict[str, LabelledInput]:
 
 
 def find_junction_growth(study: Study) -> UncertainInput | None:
-    """Return the junction growth α with its uncertainty, or None if contacts do not grow."""
+    """Return the junction growth α with its uncertainty, or None if there is no junction growth."""
     growth = study.contact.junction_growth
     return _parse_junction_growth(study.known.junction_growth or growth, growth) if growth else None
 
@@ -137,7 +137,7 @@ def find_creep(study: Study) -> UncertainInput | None:
 
 
 def find_moduli(study: Study) -> Moduli:
-    """Return the elastic moduli in a study with their uncertainties."""
+    """Return the elastic moduli of a study, with their uncertainties."""
     table, materials, middle = study.known, find_materials(study), float(study.contact.effective_modulus)
     if table.effective_modulus is not None:
         return Moduli(middle, parse_input("effective_modulus", table.effective_modulus, "modulus"))
@@ -161,7 +161,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Floats | float:
-    """Compute E* from samples of the uncertain inputs, and return its ratio to the E* in the study."""
+    """Compute E* from samples of the uncertain inputs, and divide it by the E* of the study."""
     return find_moduli(study).relative_modulus(samples)
 
 
@@ -169,7 +169,7 @@ def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Flo
 
 
 def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
-    """Return the nodes at which true areas are computed, given as hardnesses H/e (GPa) and relative moduli e.
+    """Return the hardnesses H/e (GPa) and the relative moduli e for which true areas are computed.
 
     A relative modulus is E* divided by the E* in the study. The last hardness is infinite (elastic bodies). There are
     no hardnesses if the hardness and E* are exact or have narrow ranges, and the study has neither dwell times nor
@@ -204,14 +204,14 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
 
 
 def _choose_shear_nodes(study: Study, softest: float) -> Floats:
-    """Return the additional hardness nodes (GPa) that junction growth requires below the smallest hardness."""
+    """Return hardness nodes (GPa) below the smallest hardness. Junction growth requires these additional nodes."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
     return np.asarray(softest * np.exp(-SHEAR_NODE_STEP * np.arange(1, NUM_SHEAR_NODES + 1)))
 
 
 def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
-    """Compute true areas (µm²) of the first members at all nodes and loads, or return None if there are no nodes."""
+    """Compute true areas (µm²) of the first members at all nodes and loads. Return None if there are no nodes."""
     import xarray
 
     hardnesses, moduli = choose_area_nodes(study)
@@ -246,12 +246,12 @@ def _count_members(study: Study) -> int:
 
 
 def _list_area_names(study: Study) -> tuple[str, ...]:
-    """Return the names of the areas that are computed at each node."""
+    """Return the names of the area variables that are computed at each node."""
     return ("contact_area", "opposing_area") if find_junction_growth(study) is not None else ("contact_area",)
 
 
 def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
-    """Compute the true areas (µm²) of a member at one node, and return them as an array of shape (areas, loads).
+    """Compute the true areas (µm²) of a member for one hardness and one modulus, with shape (areas, loads).
 
     `task` contains the index of the member, the relative modulus, and the hardness divided by the relative modulus.
     With junction growth, the second area is the area of contacts that oppose the motion, weighted by slope factors and
@@ -282,7 +282,7 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
 
 
 def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
-    """Return the area (µm²) of contacts that oppose the motion, weighted by slope factors, at each load."""
+    """Return, for each load, the slope-weighted area (µm²) of the contacts that oppose the motion."""
     opposing = curve.with_sliding("opposing")
     directions = [opposing] if is_areal else [opposing, opposing.with_direction("-x")]
     sums = np.mean([direction.tangential_adhesive for direction in directions], axis=0)
@@ -290,7 +290,7 @@ def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
 
 
 def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
-    """Load the true areas stored with a result, or return None if they are missing or were computed at other nodes."""
+    """Load the true areas stored with a result. Return None if they are missing or were computed at other nodes."""
     study = result.study
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
@@ -311,19 +311,19 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True, eq=False)
 class NodeAreas:
-    """True areas averaged over members, at the loads of the study and for several hardnesses and relative moduli e."""
+    """Member-averaged true areas at the loads of the study, for several hardnesses and relative moduli."""
 
     loads: Floats  # loads of the study (l,), mN
     hardnesses: Floats  # hardnesses divided by relative moduli, H/e, at the nodes (n,), GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
     areas: Floats  # areas per load times relative modulus, e A/F, at the nodes (l, m, n), 1/GPa
     opposing_areas: Floats | None  # areas per load A/F of contacts that oppose the motion (l, n), 1/GPa
-    errors: Floats  # relative standard errors of the ratio of the area at each node to the area in the study (l, n)
+    errors: Floats  # standard errors of the area at each node, relative to the area in the study (l, n)
     tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, shared by interpolators
 
     @classmethod
     def load(cls, result: StoredResult) -> NodeAreas | None:
-        """Load the true areas stored with a result, or return None if no areas at the current nodes are stored."""
+        """Load the true areas stored with a result, or return None if none are stored for the current nodes."""
         if (solved := load_areas_over_hardness(result)) is None:
             return None
         means = solved.mean("repetition")
@@ -336,18 +336,18 @@ class NodeAreas:
         )  # fmt: skip
 
     def interpolate_loads(self, areas: Floats, loads: Floats) -> Floats:
-        """Interpolate areas of shape (l, ...) between the loads of the study by a power law between successive loads.
+        """Interpolate areas of shape (loads, ...) with a power law between successive loads of the study.
 
         Areas are constant outside the loads of the study.
         """
         position = np.interp(np.log(loads), np.log(self.loads), np.arange(self.loads.size))
         below = np.floor(position).astype(int)
         weight = (position - below).reshape(-1, *[1] * (areas.ndim - 1))
-        # At loads of the study, the areas at the next load may be NaN and must not be used.
+        # At a load of the study, the areas at the next load may be NaN and must not be used.
         return np.asarray(areas[below] ** (1 - weight) * areas[np.ceil(position).astype(int)] ** weight)
 
     def nearest_errors(self, loads: Floats) -> Floats:
-        """Return the errors at the load of the study that is nearest to each given load."""
+        """Return the errors at the study load that is nearest to each given load."""
         return np.asarray(self.errors[np.abs(self.loads - loads[:, np.newaxis]).argmin(axis=1)])
 
 
@@ -356,7 +356,7 @@ Places = tuple[NDArray[np.intp], Floats]
 
 
 class SampledAreas:
-    """Function that computes A/F from ln H, several times faster than `area_per_load` for many hardnesses.
+    """Function that computes A/F from ln H. For many hardnesses, it is several times faster than `area_per_load`.
 
     Areas at many hardnesses are interpolated linearly in a table of A/F with `NUM_TABLE_STEPS` equal steps of ln H,
     with a relative error below 1e-5. Areas at few hardnesses, or outside the table, are computed exactly.
@@ -369,12 +369,12 @@ class SampledAreas:
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats]:
-        """Values of A/F at equal steps of ln H, and differences between successive values."""
+        """Values of A/F at equal steps of ln H, and the differences between successive values."""
         areas = area_per_load(np.exp(np.linspace(*self.limits, NUM_TABLE_STEPS + 1)), *self._arguments)
         return areas, np.diff(areas, axis=-1)
 
     def __call__(self, log_hardness: Floats, places: Places | None) -> Floats:
-        """Return A/F (1/GPa), of shape (..., h), for logarithms of hardnesses (GPa), of shape (h,).
+        """Return A/F (1/GPa), with shape (..., h), for logarithms of hardnesses (GPa), with shape (h,).
 
         `places` is the result of `find_places` for the limits of the table.
         """
@@ -385,7 +385,7 @@ class SampledAreas:
 
 
 def find_places(log_hardness: Floats, first: float, last: float) -> Places | None:
-    """Find hardnesses in a table over ln H from `first` to `last`.
+    """Find the positions of hardnesses in a table whose ln H extends from `first` to `last`.
 
     The result is None if a hardness is outside the table, or if the hardnesses are too few to justify a table.
     """
@@ -399,7 +399,7 @@ def find_places(log_hardness: Floats, first: float, last: float) -> Places | Non
 
 @dataclass(frozen=True)
 class AreaInterpolator:
-    """Interpolator that returns the true area at each load as a function of hardness and E*.
+    """Interpolator for the true area at each load as a function of hardness and E*.
 
     By similarity, the solution at (F, E*, H) equals the solution at (F/e, E*/e, H/e). If e is the ratio of E* to the E*
     in the study, the second solution has the E* of the study, but another load and hardness. A is the true area, and F
@@ -412,7 +412,7 @@ class AreaInterpolator:
     elastic_areas: Floats  # areas per load times relative modulus, e A/F, of elastic bodies (loads, m), 1/GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
     growth: Floats  # logarithmic derivatives d ln(A/F) / d ln F (loads,)
-    errors: Floats  # relative standard errors of the ratio of the area at each node to the area in the study (loads, n)
+    errors: Floats  # standard errors of the area at each node, relative to the area in the study (loads, n)
     pressures: Floats  # nominal pressures (loads,), GPa
     opposing_areas: Floats | None = None  # areas per load A/F of contacts that oppose the motion (loads, n)
     tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, see `_sheared_area`
@@ -422,7 +422,7 @@ class AreaInterpolator:
     def from_result(
         cls, loads: Floats, ratio: Floats, gradient: float, growth: Floats, study: Study, result: Result
     ) -> AreaInterpolator:
-        """Create the interpolator from a result.
+        """Create an interpolator for a result. Areas that are stored with the result are used if available.
 
         Parameters
         ----------
@@ -473,7 +473,10 @@ class AreaInterpolator:
         )
 
     def area_ratio(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
-        """Return the true area at given hardnesses (GPa) and relative moduli, divided by the true area in the study."""
+        """Return the area for given hardnesses (GPa) and relative moduli, divided by the area for the central inputs.
+
+        Both areas are true contact areas at the same load.
+        """
         if hardness is None or self.hardness is None:
             areas, study_areas = self.elastic_areas[load][:, np.newaxis], self.elastic_areas[load][:, np.newaxis]
         else:
@@ -486,7 +489,7 @@ class AreaInterpolator:
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
-        """Return the relative standard error of `area_ratio` at given H/e (GPa), where e is the relative modulus."""
+        """Return the relative standard error of `area_ratio` for given H/e (GPa), where e is the relative modulus."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.node_hardnesses), self.errors[load]))
 
     def growth_ratio(
@@ -550,7 +553,7 @@ class AreaInterpolator:
         return self.cached(("before", load, rule), (hardness, modulus), compute) if hardness.size > 1 else compute()
 
     def cached(self, name: Any, inputs: tuple[Any, ...], compute: Callable[[], _Value]) -> _Value:
-        """Return the cached value of the given name, or compute the value again if an input has changed.
+        """Return the cached value with the given name. If an input has changed, compute the value again.
 
         Numbers are compared by value, and arrays by identity.
         """
@@ -567,7 +570,9 @@ class AreaInterpolator:
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:
-    """Estimate the relative standard error of the ratio of the area at each node to the area in the study.
+    """Estimate the relative standard error of the area ratio at each node.
+
+    This ratio is the area at the node divided by the area for the hardness in the study.
 
     The errors have the shape (loads, n).
     """

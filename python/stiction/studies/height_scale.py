@@ -1,4 +1,4 @@
-"""Friction and true area of a measured pair after its heights are multiplied by a factor to represent another finish.
+"""Friction and true area of a measured pair whose heights are multiplied by a factor to represent another finish.
 
 Each factor is computed as a separate study, which is stored in the folder of the result. Results for factors in between
 are interpolated.
@@ -51,7 +51,7 @@ HEIGHT_SCALE_FOLDER = "height_scale"
 FACTOR_STEP = 0.5
 """Largest difference of log2(factor) between neighboring factors that are used for an interpolation."""
 
-FACTOR_DIGITS = 6  # number of significant digits of a factor in its folder name
+FACTOR_DIGITS = 6  # number of significant digits to which a height factor is rounded
 
 ScaledSides = Literal["both", "upper", "lower"]
 """Surfaces whose heights are scaled."""
@@ -130,14 +130,14 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _list_enclosing_powers(low: float, high: float) -> Floats:
-    """Return powers of 2 that enclose a range of height factors. The exponents increase in steps of `FACTOR_STEP`."""
+    """Return powers of 2 that enclose a range of height factors. Successive exponents differ by `FACTOR_STEP`."""
     first, last = math.floor(math.log2(low) / FACTOR_STEP), math.ceil(math.log2(high) / FACTOR_STEP)
     powers = np.exp2(FACTOR_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
     return np.unique([float(f"{power:.{FACTOR_DIGITS}g}") for power in powers.tolist()])
 
 
 def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
-    """Return the height factors that must be computed before results can be interpolated at the given factors."""
+    """Return the height factors that must be computed before results can be interpolated to the given factors."""
     missing = np.array([factor for factor in factors.tolist() if _find_neighbors(solved, factor) is None])
     if not missing.size:
         return missing
@@ -146,7 +146,7 @@ def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
 
 
 def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the computed factors next to the given factor, one below and one above it.
+    """Return the indices of the computed factors just below and just above the given factor.
 
     Both indices are equal if the factor itself was computed. Returns None if the neighboring factors are too far apart.
     """
@@ -176,12 +176,12 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Stu
 
 
 def find_factor_folder(path: Path, factor: float, scaled: ScaledSides) -> Path:
-    """Return the subfolder of a result folder in which the results for a height factor are stored."""
+    """Return the subfolder of a result folder that contains the results for a height factor."""
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
 
 def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float, StoredResult]:
-    """Open all stored results that are finished, and return them by height factor in ascending order.
+    """Open all finished results that are stored for height factors, and sort them by factor.
 
     The given result is included as factor 1. All results are opened with its friction parameters.
     """
@@ -203,7 +203,7 @@ def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float
 
 
 def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
-    """Return the stored height factors, listed separately for scaling both bodies, the upper body or the lower body.
+    """List the stored height factors that scale both bodies, only the upper body, or only the lower body.
 
     The dict is empty if factor 1 is the only factor.
     """
@@ -219,13 +219,13 @@ def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
 
 
 def _lacks_hardness(stored: StoredResult) -> bool:
-    """Return whether true areas at other hardnesses or moduli are required but not stored."""
+    """Return whether a result requires true areas at other hardnesses or moduli that have not been stored."""
     needs_areas = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
     return needs_areas and load_areas_over_hardness(stored) is None
 
 
 def estimate_factor_time(study: Study, count: int) -> float:
-    """Estimate the time (s) that one core takes to compute the results at a given number of height factors."""
+    """Estimate the time (s) that one core needs to compute the results for a given number of height factors."""
     time_of_nodes = count_solutions(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
     return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
 
@@ -261,7 +261,7 @@ def compute_factors(
 def evaluate_height_scale(
     result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: ScaledSides = "both"
 ) -> xarray.Dataset:
-    """Evaluate friction, true area and stiffness of a measured pair after its heights are multiplied by given factors.
+    """Evaluate friction, true area and stiffness of a measured pair whose heights are multiplied by given factors.
 
     Parameters
     ----------
@@ -342,7 +342,7 @@ def evaluate_height_scale(
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the rms heights (µm) of both bodies of the first member, or an empty dict if files are missing."""
+    """Return the rms heights (µm) of both bodies of the first member, or an empty dict if scan files are missing."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, first_pair(study), strict=True)}
     except (ValueError, OSError):
@@ -350,7 +350,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 
 
 def _interpolate_factors(values: Floats, solved: Floats, factor: float, neighbors: tuple[int, int]) -> Floats:
-    """Interpolate values along the first axis between computed height factors. Values next to NaN become NaN."""
+    """Interpolate values along the first axis between computed height factors. NaN spreads to adjacent intervals."""
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors

@@ -1,4 +1,4 @@
-"""Caveats about the inputs of a study: implausible heights, form, spikes, noise, loads and coefficients."""
+"""Caveats about the inputs of a study, such as implausible heights, form, spikes, noise, loads and coefficients."""
 
 from __future__ import annotations
 
@@ -74,12 +74,12 @@ MAX_PRESSURE_OVER_MODULUS = 0.1
 
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
-    """Return caveats about two bodies read from files, about their study, and about the given loads (mN)."""
+    """Return caveats about two bodies that were read from files, about their study, and about the given loads (mN)."""
     bowed = study.surfaces.level == "quadratic"  # No caveat about form is issued if form is subtracted.
     vouched = bool(study.surfaces.vouched)
 
     def of_part(file: MeasuredFile, body: Body) -> list[Caveat]:
-        """Return the caveats about the scans of a body, keeping the one with the longest cutoff for each kind."""
+        """Return the caveats about the scans of a body. For each kind, keep only the caveat with the longest cutoff."""
         kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
@@ -122,7 +122,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
 
 
 def _without_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or a different remedy if its cutoff exceeds the longest allowed cutoff (µm)."""
+    """Return the remedy of a caveat, or other advice if the suggested cutoff is above the largest allowed one (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -132,7 +132,7 @@ def _without_cutoff(caveat: Caveat, longest: float) -> str:
 
 
 def _shortest_side(body: Body) -> float:
-    """Return the length of a profile or the shorter side of a height map (µm)."""
+    """Return the length of a profile, or the length of the shorter side of a height map (µm)."""
     return body.extent if isinstance(body, Profile) else min(_extent(body))
 
 
@@ -140,12 +140,12 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without its numbers, which identifies the kind of caveat."""
+    """Return the text of a caveat without numbers, which identifies the kind of caveat."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
 def _joined(upper: Caveat, lower: Caveat) -> str:
-    """Merge the texts of two caveats of the same kind. Where their numbers differ, both numbers are given."""
+    """Merge the texts of two caveats of the same kind. Wherever the texts contain different numbers, give both."""
     others = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def number(own: re.Match[str]) -> str:
@@ -165,7 +165,7 @@ def find_scan_caveats(
     has_readings: bool = False,
     elastic: bool = False,
 ) -> list[Caveat]:
-    """Return caveats about the heights, form and spikes of a scan, and about wavelengths not attributed to the surface.
+    """Return caveats about heights, form and spikes of a scan, and about wavelengths not attributed to the surface.
 
     If `textured` is true, the spectrum may have lines and humps. `has_readings` is true if the study also has the
     filtered scan, and `elastic` is true if the study has no hardness.
@@ -177,7 +177,7 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
-    """Return caveats about the scan files of a measured study, or an empty tuple if files are missing."""
+    """Return caveats about the scan files of a study of measured surfaces, or an empty tuple if files are missing."""
     surfaces = study.surfaces
     if surfaces.kind != "measured":
         return ()
@@ -189,7 +189,7 @@ def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
 
 
 def _extent(body: Body) -> tuple[float, float]:
-    """Return the extents of a body along both axes (µm).
+    """Return the extents (µm) of a body along both axes.
 
     A profile is 1 µm wide, and the extents of a spectrum are infinite.
     """
@@ -199,13 +199,13 @@ def _extent(body: Body) -> tuple[float, float]:
 
 
 def spectra_differ(joined: JoinedSpectrum) -> bool:
-    """Return whether a scan has a spectrum that differs significantly, and by a factor of over 2, from the others."""
+    """Return whether the spectrum of any scan differs from the others, significantly and by more than a factor of 2."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
 
 def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield a caveat if the spectra of scans contradict each other, and another if some wavelengths are in no scan."""
+    """Yield a caveat if the spectra of scans disagree, and another if all scans lack some wavelengths."""
     if spectra_differ(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
@@ -216,7 +216,7 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 def _of_instrument(
     body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool, elastic: bool
 ) -> Iterator[Caveat]:
-    """Yield caveats about wavelengths that come from the instrument or are not resolved by the tip."""
+    """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
     try:
         limit = instrument_limit(body, texture=textured)
         blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
@@ -288,7 +288,7 @@ def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
 
 
 def _of_spikes(body: Profile | Surface) -> Iterator[Caveat]:
-    """Yield a caveat about spikes, which are sharp points of a profile or points of a map far from their neighbours."""
+    """Yield a caveat about spikes, i.e. sharp points of a profile or map points far above or below their neighbours."""
     from scipy.ndimage import median_filter
 
     if isinstance(body, Profile):

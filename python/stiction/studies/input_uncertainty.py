@@ -1,4 +1,4 @@
-"""Parsing and sampling of uncertain inputs, which are numbers, ranges, or values with a standard uncertainty.
+"""Parse and sample uncertain inputs, which are numbers, ranges, or values with a standard uncertainty.
 
 Distributions are propagated by sampling (JCGM 101, 2008). The range of a hardness, a modulus or a strength represents a
 log-normal distribution with 95 % of its probability within the range. The range of a coefficient, or a value with a
@@ -26,7 +26,7 @@ from stiction.studies.values import Table, as_tuple
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-# With this number of samples, the budget fractions of two equal inputs differ by less than 0.01.
+# With this many samples, the budget fractions of two inputs that contribute equally differ by less than 0.01.
 NUM_SAMPLES = 2**14
 MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty that is accepted
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
@@ -47,7 +47,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# relative half width of the range for a hardness converted from HRC, which represents an error of 10 to 20 HV
+# Relative half width of the range of a hardness converted from HRC. It represents an error of 10 to 20 HV.
 ROCKWELL_CONVERSION_ERROR = 0.05
 _VICKERS_PRESSURE = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
@@ -64,8 +64,10 @@ _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$"
 _TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
 MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
-MAX_JUNCTION_GROWTH = 100.0  # largest α of junction growth; α is 27 for a von Mises body whose H is 3 yield strengths
-MAX_CREEP_EXPONENT = 0.5  # largest creep exponent, at which the hardness falls to a third in each decade of time
+# Maximum junction-growth coefficient α; α is 27 for a von Mises body whose H is 3 yield strengths.
+MAX_JUNCTION_GROWTH = 100.0
+# Maximum creep exponent; at this exponent, the hardness falls to a third in each decade of time.
+MAX_CREEP_EXPONENT = 0.5
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """Number with up to six digits, or a range exactly as written by the user."""
+        """Short text of the input: a number with up to six digits, or a range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     def agrees_with(self, text: str) -> bool:
@@ -141,7 +143,7 @@ def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
 
 
 def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Parse a distribution from a string with single spaces between words."""
+    """Parse a distribution from a string whose words are separated by single spaces."""
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first, last = match.groups()
@@ -208,7 +210,7 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, source: Any, kind: str) -> float:
-    """Parse a nonnegative number or, if a kind of quantity is given, a string with a unit."""
+    """Parse a nonnegative number, or a quantity with a unit if `kind` is given."""
     if isinstance(source, str) and not kind:
         return _parse_number(name, source)
     scale = _TRAILING_UNIT_PATTERN.search(source) if kind == "hardness" and isinstance(source, str) else None
@@ -279,7 +281,7 @@ INPUT_KINDS: dict[str, InputKind] = {
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
-    """Parse the uncertain input of a study that has the given name.
+    """Parse the study input with the given name, including its uncertainty.
 
     The name is a key of `INPUT_KINDS`. Error messages do not include the name.
     """
@@ -301,7 +303,7 @@ _BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1
 
 
 class UncertainInputsTable(Table):
-    """Ranges and uncertainties of the study inputs. Contacts are computed with the central values of the inputs."""
+    """Ranges and uncertainties of the study inputs. Contacts are computed with the central values of these inputs."""
 
     mu0: _InputText | None = Field(
         default=None, description="Molecular friction coefficient as a range, or as value ± standard uncertainty."

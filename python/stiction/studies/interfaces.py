@@ -1,4 +1,4 @@
-"""Friction tests, and interface strengths inferred from tests, read from files or taken from publications.
+"""Friction tests and interface strengths. Strengths are inferred from tests, read from files or published.
 
 An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
 mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
@@ -46,13 +46,13 @@ if TYPE_CHECKING:
 
 FILE_HEADER = "# stiction interface"  # first line of an interface file
 FILE_COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "junction growth", "area per load of the tests (1/GPa)")
-MAX_INTERFACE_BYTES = 50_000_000  # largest size of an interface file, in bytes
+MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
 _NUMBER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
 """Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
 
-# If the lower limit is this close to the bound of the values, relative to the interval width, it is set to the bound.
+# A lower limit that is this close to the bound is set to the bound. The distance is relative to the interval width.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
 SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
@@ -144,7 +144,7 @@ class _TestFriction(PerLoad):
 
 @dataclass(frozen=True)
 class ShearStrength:
-    """Samples of mu0 and tau0 (GPa), or of a friction coefficient, which determine the strength of an interface."""
+    """Samples of mu0 and tau0 (GPa), or samples of a friction coefficient, that define the strength of an interface."""
 
     sliding: Sliding
     mu0: Floats
@@ -152,7 +152,7 @@ class ShearStrength:
     tau0: Floats | None = None
 
     def under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
-        """Return the pressure H' (GPa) in plastic contacts during sliding, computed from the hardness H (GPa)."""
+        """Return the pressure H' (GPa) in plastic contacts under shear, computed from the hardness H (GPa)."""
         if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
             return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
         return hardness_under_shear(hardness, self.mu0, self.tau0, alpha)
@@ -160,13 +160,13 @@ class ShearStrength:
 
 @dataclass(frozen=True)
 class _AreaFactor:
-    """Area factor: ratio of the true area to the computed area, as a function of uncertain inputs."""
+    """Area factor, i.e. the ratio of true area to computed area, as a function of uncertain inputs."""
 
     # uncertain inputs by name: hardness, creep exponent, moduli and α of junction growth
     known: Mapping[str, UncertainInput]
 
     def key(self, name: str) -> str:
-        """Return the name of the nuisance parameter for an input. Tests with equal inputs share the parameter."""
+        """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter."""
         return f"{name} {self.known[name].text}"
 
     @property
@@ -175,7 +175,7 @@ class _AreaFactor:
         return [self.key(name) for name in self.known]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Convert cumulative probabilities of the nuisance parameters to values of the inputs."""
+        """Convert cumulative probabilities of the nuisance parameters to input values."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
@@ -184,11 +184,11 @@ class _AreaFactor:
         return None
 
     def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Convert cumulative probabilities of the nuisance parameters to the ratio of true area to computed area."""
+        """Compute the ratio of true area to computed area from cumulative probabilities of nuisance parameters."""
         return self.area_of(self.values(columns), strength)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area at the given values of the inputs.
+        """Return the ratio of the true area to the computed area for given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
         infinite at seizure.
@@ -203,13 +203,13 @@ class _BallAreaFactor(_AreaFactor):
     moduli: Moduli
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the true area divided by the true area at the central moduli, ignoring the interface strength."""
+        """Return the true area divided by the true area for the central moduli. The interface strength is ignored."""
         return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
 
 @dataclass(frozen=True)
 class _ResultAreaFactor(_AreaFactor):
-    """Area factor at a given load for a result of measured bodies."""
+    """Area factor at a given load, computed from a result for measured bodies."""
 
     areas: AreaInterpolator
     study: Study
@@ -254,7 +254,7 @@ class _ResultAreaFactor(_AreaFactor):
         return find_junction_growth(self.study)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the ratio of the true area to the computed area at the given values of the inputs.
+        """Return the ratio of the true area to the computed area for given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
         infinite at seizure.
@@ -376,7 +376,7 @@ class Fit:
     """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
 
     sliding: Sliding
-    chi_squared: float  # chi-squared at the best fit, with the errors as given
+    chi_squared: float  # chi-squared of the best fit, computed with the given errors
     freedom: int  # number of tests with sliding minus number of fitted parameters
     probability: float  # probability of a larger chi_squared; NaN if there are no errors or no degrees of freedom
     scale: float  # factor by which the errors were multiplied
@@ -429,7 +429,7 @@ class Interface:
     about: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """Describe the interface by the sum mu0 + tau0 A/F, and by mu0 and tau0 if the tests separate them."""
+        """Describe the interface by the sum mu0 + tau0 A/F, and by mu0 and tau0 if the tests can separate them."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             entries += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
@@ -465,7 +465,7 @@ class Interface:
 
     @cached_property
     def at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa) in which mu0 or tau0 is 0, for each of the two whose interval includes 0.
+        """Pairs of mu0 and tau0 samples (GPa). In each pair, a parameter whose interval includes 0 is set to 0.
 
         The shift does not change the sum mu0 + tau0 A/F at the A/F of the tests.
         """
@@ -481,7 +481,7 @@ class Interface:
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> Interval:
-        """Return the median and the 95 % interval of a coefficient that is a function of mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a coefficient, given as a function of mu0 and tau0 (GPa).
 
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
@@ -540,7 +540,7 @@ class Interface:
         friction = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
         def scores(name: Hashable) -> Floats:
-            # Inputs that also occur in the tests keep the samples of the tests.
+            # Inputs that also occur in the tests keep their samples from the fit.
             return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
 
         area = np.exp(friction.scatter * scores(friction.surfaces))
@@ -581,7 +581,7 @@ class Interface:
         return replace(parse_study_input("junction_growth", self.about[GROWTH_ENTRY]), value=median)
 
     def has_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether the tests and `growth` have the same distribution of α. If `growth` is None, α is 0."""
+        """Return whether the junction growth α of the tests has the distribution `growth` (None for α = 0)."""
         test_growth = self.growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
@@ -626,7 +626,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
-    """Evaluate the forces per load in a friction test under a given sliding rule."""
+    """Evaluate the forces per load in a friction test for a given sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of `pair` with a creep exponent")
@@ -638,7 +638,7 @@ def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
 
 
 def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
-    """Interpolate the forces per load at a given load of a load curve."""
+    """Interpolate a load curve to a given load, and return the forces per load."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         limits = f"{loads.min():g} to {loads.max():g} mN"
@@ -656,7 +656,7 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
 
 
 def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFriction:
-    """Evaluate the forces per load of a result at a given load, averaged over members and directions."""
+    """Average the forces per load over the members and directions of a result at a given load."""
     dataset = getattr(result, "dataset", result)
     sums = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
     six_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
@@ -800,7 +800,7 @@ def _build_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Fit:
 
 @cache
 def interfaces() -> dict[str, dict[str, str]]:
-    """Return the published interfaces as a dict that maps names to entries such as kind, mu0 and tau0.
+    """Return the published interfaces by name. Each entry is a dict with keys such as kind, mu0 and tau0.
 
     Returns
     -------
@@ -822,7 +822,7 @@ def interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read one interface file or all interface files in a folder, and return their entries by file name.
+    """Read one interface file, or all interface files in a folder, and return the entries by file name.
 
     Other files in the folder are ignored.
     """
@@ -891,7 +891,7 @@ def interface(name_or_path: str | Path) -> Interface:
 
 
 def find_interface(study: Study) -> Interface | None:
-    """Return the interface of a study, or None if none is given or if the interface file is missing or has changed."""
+    """Return the interface of a study. Return None if no interface is given, or if its file is missing or changed."""
     text = study.known.interface
     if text is None:
         return None

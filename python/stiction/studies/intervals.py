@@ -1,4 +1,4 @@
-"""Confidence intervals (95 %) of means over independent repetitions or over neighboring positions.
+"""Confidence intervals (95 %) for means over independent repetitions or over neighboring positions.
 
 The script docs/scripts/intervals.py measures the coverage of the intervals, and their width relative to the best
 possible interval.
@@ -17,15 +17,15 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE = 0.95
-SLOPE_STEPS = 4  # number of steps on each side of a crossing to which a slope is fitted
+SLOPE_STEPS = 4  # a slope is fitted to this many steps on each side of a crossing
 MAX_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 CHUNK_SIZE = 2**15  # number of values in a batch that fits into the processor cache
-MIN_SAMPLE_SIZE = 3  # smallest number of values for which an interval is computed
-MIN_NEIGHBORS = 8  # smallest number of values at neighboring positions for which an interval is computed
+MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
+MIN_NEIGHBORS = 8  # minimum number of values at neighbouring positions for which an interval is computed
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # skewness below which the scale counts as linear
+_MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
 MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is practically normal
 
 
@@ -47,11 +47,12 @@ class Crossing:
     fraction: Floats  # position of each crossing between the steps, from 0 to 1 (..., l)
     reached: NDArray[np.bool_]  # True for loads that the curve reaches (..., l)
     below: NDArray[np.bool_]  # True for loads below the first step (..., l)
-    scale: tuple[Floats, Floats] | None = None  # curves and loads, if ratios of value to load are interpolated
+    # Curves and requested loads, if ratios of value to load are interpolated.
+    scale: tuple[Floats, Floats] | None = None
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
-        """Find where curves first cross the given loads upwards, by linear interpolation between the steps.
+        """Find where curves first rise through the given loads, by linear interpolation between loading steps.
 
         The curves have the shape (..., k), and the loads have the shape (l,). With `ratio`, the ratio of value to load
         is interpolated over the logarithm of the load. A load between two steps is then reached only if the ratio of
@@ -74,19 +75,19 @@ class Crossing:
         return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
 
     def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
-        """Remove each crossing that lies between two steps if the curve is NaN at the first of the two steps."""
+        """Remove each crossing between two loading steps if the curve is NaN at the first of these steps."""
         before, at_crossing = self._around(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
     def _around(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the curve values at the steps before and after each crossing, as arrays of shape (..., l)."""
+        """Return the curve values at the loading steps before and after each crossing, as arrays of shape (..., l)."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
         return before, after
 
     def at(self, values: Floats, *, sums: bool = True) -> Floats:
-        """Interpolate values at the given loads. Values at loads that are not reached are NaN.
+        """Interpolate values at the given loads. At loads that are not reached, the result is NaN.
 
         The values have the shape (..., more, k), and the result has the shape (..., more, l).
         With `sums`, the ratio of value to load is interpolated if the crossings were found with `ratio`.
@@ -110,7 +111,7 @@ class Crossing:
         return np.where(reached, interpolated, np.nan)
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return the slope of one quantity with respect to another at each crossing, as an array of shape (..., l)."""
+        """Return the slope of one quantity with respect to another at each crossing, with shape (..., l)."""
         index = np.maximum(self.index, 1)
         rise, run = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -123,7 +124,7 @@ class Crossing:
 
 
 class MeansAtLoads:
-    """Means of values at given mean normal loads, with jackknife intervals.
+    """Means of values at given mean normal loads, with their jackknife intervals.
 
     The method is described in docs/explanation/intervals.md. Let v and n be the values and the normal loads of the
     repetitions at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is
@@ -148,7 +149,7 @@ class MeansAtLoads:
         self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
-        """Add repetitions, given as arrays of normal loads and values of shape (c, k, r)."""
+        """Add repetitions. The normal loads and values of these repetitions are arrays of shape (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
         at_a_time, others = max(1, CHUNK_SIZE // max(1, self._load.size)), self._repetitions - 1
@@ -157,7 +158,7 @@ class MeansAtLoads:
         )
         for first in range(0, normal.shape[2], at_a_time):
             # Loads and values of each repetition have the shape (p, r).
-            # `by_load` and `by_value` are the changes of the means if the repetition is omitted.
+            # `by_load` and `by_value` are the changes of the means if a repetition is omitted.
             own_load, own_value = (self._at(each[..., first : first + at_a_time]) for each in (normal, values))
             self._loads.add(own_load)
             self._values.add(own_value)
@@ -168,7 +169,7 @@ class MeansAtLoads:
                 self._plain.add(by_value - slope * by_load)
 
     def interval(self) -> tuple[Floats, Floats]:
-        """Return the lower and upper limits of the intervals, of shape (c, l), after adding all repetitions."""
+        """Return the limits of the intervals, with shape (c, l). All repetitions must have been added before."""
         mean = self._mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -182,12 +183,12 @@ class MeansAtLoads:
         return self._over_loads(lower), self._over_loads(upper)
 
     def _at(self, values: Floats) -> Floats:
-        """Interpolate values of shape (c, k, r) at the points, and return an array of shape (p, r)."""
+        """Interpolate values of shape (c, k, r) at the crossings, and return an array of shape (p, r)."""
         after, before = values[self._curve, self._index], values[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
 
     def _over_loads(self, of_points: Floats) -> Floats:
-        """Arrange the values at the points in an array of shape (c, l), with NaN at loads that are not reached."""
+        """Arrange the values at the crossings in an array of shape (c, l), with NaN at loads that are not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
@@ -206,12 +207,12 @@ class _Extent:
         self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
 
     def leaves_more_than_nothing(self, mean: Floats) -> NDArray[np.bool_]:
-        """Return whether the sum has the same sign as the mean after omitting any single value."""
+        """Return whether the sum keeps the sign of the mean no matter which single value is omitted."""
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
 
 class PowerSums:
-    """Running sums of powers of jackknife values (..., r), from which the half width of an interval is computed."""
+    """Running sums of powers of jackknife values, from which the half width of the interval is computed."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -229,7 +230,7 @@ class PowerSums:
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
-        """Return the half width of the interval that follows from all added values."""
+        """Return the half width of the interval, computed from all values added so far."""
         count = self._count
         first, second, third, fourth = self._sums
         mean = first / count
@@ -243,7 +244,7 @@ class PowerSums:
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
-    """Fit straight lines to mean values against mean normal loads near the given steps, and return their slopes.
+    """Fit straight lines to mean values against mean normal loads near the given loading steps. Return the slopes.
 
     The values and the loads have the shape (p, k), and the steps have the shape (p,).
     """
@@ -279,7 +280,7 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the limits of the interval of a mean with the given half width.
+    """Return the limits of the interval around a mean, given the half width of the interval.
 
     The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
     """
@@ -309,7 +310,7 @@ def sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
 
 @lru_cache(maxsize=32)
 def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants of the autoregressive models: 1' R^-1 1, variance inflation, t quantile and t density."""
+    """Return the constants 1' R^-1 1, variance inflation, t quantile and t density of the autoregressive models."""
     rho, lags = _CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -318,7 +319,7 @@ def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
 
 
 def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean, with its interval, of correlated values measured at neighboring positions (first axis).
+    """Return the mean of correlated values measured at neighboring positions (first axis), with its interval.
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
     and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/intervals.md). The interval lies within the range
@@ -338,7 +339,7 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the interval limits of the mean of each row of values, which are NaN if all values in the row are equal.
+    """Return the limits of the interval for each row mean, or NaN if all values in the row are equal.
 
     The values have the shape (c, r).
     """
@@ -350,7 +351,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     differ = (spread > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(differ, spread, 1.0)[:, np.newaxis], _CORRELATIONS
     y[~differ] = np.linspace(-1.0, 1.0, count)
-    # Closed forms for the autoregressive process: 1' R^-1 1, weighted mean, and weighted sum of squares.
+    # Closed forms for an autoregressive process give 1' R^-1 1, the weighted mean and the weighted sum of squares.
     ones, inflation, quantile, density = _mixture_constants(count)
     inner = y[:, 1:-1].sum(axis=1)[:, np.newaxis]
     centre = (y[:, :1] + y[:, -1:] + (1 - rho) * inner) / (1 + rho) / ones  # shape (c, rho)
@@ -406,13 +407,13 @@ def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Flo
 
 @dataclass(frozen=True)
 class ScansMean:
-    """Mean of a quantity over all pairs of scans, with the variance components of the mean."""
+    """Mean of a quantity over all pairs of scans, and the variance components of this mean."""
 
     mean: float
     # variances of the mean due to upper scans, lower scans and positions
     variances: tuple[float, ...]
     freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
-    test: float  # standard deviation of a single new test around the mean
+    test: float  # standard deviation of a single new test about the mean
     test_freedom: float  # degrees of freedom of the variance of a single new test
 
     @property
@@ -422,7 +423,7 @@ class ScansMean:
 
 
 def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
-    """Return the mean over all pairs of scans with its variance components, or None if there are fewer than two pairs.
+    """Return the mean over all pairs of scans and its variance components, or None if there are fewer than two pairs.
 
     The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
     Components, 1992, chapter 4). Mean squares that do not exceed the residual mean square are pooled with the residual.
@@ -461,7 +462,7 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
 
 
 def _test_freedom(components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of the variance of a single test, computed from its variance components.
+    """Return the degrees of freedom of the variance of a single test. This variance is a sum of components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
     alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is

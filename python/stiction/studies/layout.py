@@ -1,4 +1,4 @@
-"""Layout of a result, which is an xarray dataset with units, long names and the study as an attribute.
+"""Layout of a result. A result is an xarray dataset with units, long names, and the study as an attribute.
 
 A result contains sums over the contacts of each member, at every step, sliding rule and direction. Its dimensions are
 the cells of the study (fractal dimension and amplitude of generated bodies, cutoff of measured bodies), the members
@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     import xarray
 
 RESULT_TITLE = "stiction study"  # value of the attribute `title` in every result
-MAX_PIECE_BYTES = 2**26  # largest size (bytes) of a piece, a group of members that is loaded into memory together
+# Maximum size (bytes) of a piece, which is a group of members that are loaded into memory together.
+MAX_PIECE_BYTES = 2**26
 
 MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
@@ -55,7 +56,7 @@ class ArraySpec:
 def list_coordinates(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
-    """Return the coordinates of a result for all or some repetitions, in the order of the dimensions.
+    """Return the coordinates of a result in the order of its dimensions, for all or some repetitions.
 
     Each entry is a pair of the description of an array and its values.
     """
@@ -103,12 +104,12 @@ def member_bytes(study: Study) -> int:
 
 
 def piece_length(size: int) -> int:
-    """Return the number of members (a power of two) in a piece of a result, if each member takes `size` bytes."""
+    """Return how many members (a power of two) fit in one piece of a result, if each member takes `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
 def variable_names(study: Study) -> tuple[str, ...]:
-    """Return the variable names of a result: contact sums and, for measured bodies, also contact statistics."""
+    """Return the variable names of a result. These are contact sums and, for measured bodies, contact statistics."""
     if not study.is_measured:
         return study.sums()
     return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP)))
@@ -124,7 +125,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[Arrays]) -> Arrays:
-    """Stack the arrays of several members along a new axis, which follows axes such as fractal dimension or cutoff."""
+    """Stack the arrays of several members along a new axis, placed after axes such as fractal dimension or cutoff."""
     axis = len(study.surfaces.cells())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATES else axis)
@@ -136,7 +137,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build a dataset for some repetitions from arrays returned by `stack_members`, after checking their shapes."""
+    """Build a dataset of some repetitions from the arrays of `stack_members`, after checking the array shapes."""
     import xarray
 
     variables = list_variables(study, repetitions)
@@ -179,7 +180,7 @@ _DIVISORS = {
 def nondimensional(
     result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
 ) -> xarray.Dataset:
-    """Make the quantities of a dataset dimensionless by dividing them by powers of E* and a length L.
+    """Make the quantities in a dataset dimensionless by dividing them by powers of E* and of a length L.
 
     Parameters
     ----------

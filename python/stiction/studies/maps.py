@@ -1,4 +1,4 @@
-"""Ensemble means and their intervals at given loads, interpolated between the steps of approach or load.
+"""Ensemble means and their intervals at given loads, interpolated between steps of prescribed approach or load.
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios. Repetitions without contact
 count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds the load;
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     import xarray
 
 Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# largest number of curve values of a cell that are in memory together
+# maximum number of curve values of one map cell that are in memory at the same time
 NUM_VALUES_IN_MEMORY = 2**20
-CELLS = ("fractal_dimension", "amplitude", "cut_off")  # possible dimensions of a result other than members and steps
+CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that a result may have besides members and steps
 MOTIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
 _LOADS = ("contact_count", *friction.SIX_SUMS[:3])
 
@@ -185,19 +185,19 @@ def stiffness_map(
 
 
 def cells_of(dataset: xarray.Dataset) -> list[str]:
-    """Return the names of the cell dimensions of a dataset, such as fractal dimension, amplitude or cutoff."""
+    """Return the names of the dimensions that form the cells of a result, such as fractal dimension or cutoff."""
     return [name for name in CELLS if name in dataset.dims]
 
 
 def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return an array with repetitions as the last axis, contiguous in memory for fast sums over repetitions."""
+    """Return an array with the repetitions on the last axis, contiguous in memory for fast sums over repetitions."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
 def solved_pieces(
     result: Result, names: Iterable[str] | None = None, change: Change | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield the pieces of a result after removing members for which the solver failed at any load."""
+    """Yield the pieces of a result, omitting members for which the solver failed at any load."""
     for piece in result.pieces(names):
         elastic = piece["normal_elastic"]
         is_solved = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
@@ -210,7 +210,7 @@ def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate an ensemble quantity at given mean normal loads, after applying `change` to each piece of the result."""
+    """Apply `change` to each piece of the result, and evaluate an ensemble quantity at given mean normal loads."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
@@ -268,13 +268,13 @@ class _EnsembleQuantity:
         """Return the names of the variables that must be read from the result."""
         variables = _list_needed_variables(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
-            variables = (*variables, "approach")  # The approach is needed for the derivative.
+            variables = (*variables, "approach")  # the stiffness is a derivative with respect to the approach
         return (*variables, *(name for name in SUMS if self.judged and name not in variables))
 
     def curves(
         self, cell: tuple[int, ...], sums: Sums, others: Sums, selected_members: slice = slice(None)
     ) -> tuple[Floats, Floats]:
-        """Return normal loads and values of some members. The first axis contains all combinations of mu0 and tau0."""
+        """Return the normal loads and values of some members. The first axis runs over all pairs of mu0 and tau0."""
         pair, other_sums = (
             item.apply(operator.itemgetter((*cell, slice(None), selected_members))) for item in (sums, others)
         )
@@ -286,7 +286,7 @@ class _EnsembleQuantity:
     def build_dataset(
         self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
     ) -> xarray.Dataset:
-        """Build a dataset from the means and intervals that were computed for all cells."""
+        """Build a dataset from the means and intervals computed for all cells."""
         import xarray
 
         mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
@@ -297,7 +297,7 @@ class _EnsembleQuantity:
                 array[cell] = _reshape_curves(curve_values, self.shape)
             pair = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.curves(cell, averages, others)[0][..., 0]
-            # The pair is self-locked at the largest approach.
+            # True if the pair is self-locked at the largest approach.
             locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.combine_status(
                 touched=bool(pair.contact_count.any()), reached=means.crossing.reached, below=means.crossing.below,
@@ -331,12 +331,12 @@ class _EnsembleQuantity:
 
 
 def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape values with one row per curve and one column per load to an array over load, mu0 and tau0."""
+    """Reshape a table with one row per curve and one column per load. The new axes are load, mu0 and tau0."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums, Sums]:
-    """Return the contact sums and the sums from which a quantity is computed. Their first axes are the motions."""
+    """Return the contact sums, and the sums from which a quantity is computed. The first axes describe the motion."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 
@@ -370,7 +370,7 @@ def _compute_values(sums: Sums, quantity: str, mu0: Floats, tau0: Floats) -> Flo
 
 
 def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str) -> tuple[Sums, Sums, int]:
-    """Average both kinds of sums from `_compute_sums` over the members, and return them with the number of members."""
+    """Average both sets of sums from `_compute_sums` over the members. Also return the number of members."""
     total: list[Sums] = []
     count = 0
     for piece in solved():
@@ -388,7 +388,7 @@ def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str,
 
 
 def material_of(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return the given mu0 and tau0 (GPa), with missing values replaced by the values in the study."""
+    """Return mu0 and tau0 (GPa) as arrays. Values that are None are replaced by those in the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0

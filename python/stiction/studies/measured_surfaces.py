@@ -1,4 +1,4 @@
-"""Classes for the table `[surfaces]` of a study of measured bodies: files, reading options and members."""
+"""Classes for the table `[surfaces]` of a study of measured bodies, including files, reading options and members."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ from stiction.surfaces.surface import Surface, parse_lengths
 
 Column = int | str
 Body = Profile | Surface | JoinedSpectrum  # kinds of bodies in a file
-MAX_FILE_NAME_LENGTH = 4096  # largest length of a file name in characters
+MAX_FILE_NAME_LENGTH = 4096  # maximum length of a file name in characters
 MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
 MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
@@ -114,7 +114,7 @@ def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
 
 
 def _validate_one_or_list(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
-    """Return a validator that accepts None, a single value, or a list of two to `max_count` values."""
+    """Return a validator that accepts None, a single value, or a list of 2 to `max_count` values."""
 
     def values(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -141,7 +141,7 @@ class BodyInMemory:
 
 
 class MeasuredFile(Table):
-    """Entry for a measured profile, surface or joined spectrum, which is read from a file or held in memory."""
+    """Entry for a measured profile, surface or joined spectrum. The data are in a file or in memory."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
@@ -218,12 +218,12 @@ class MeasuredFile(Table):
 
     @property
     def scans(self) -> tuple[MeasuredFile, ...]:
-        """All scans of the body: the scan in this file, followed by scans of other places."""
+        """All scans of the body, i.e. the scan in this file followed by scans of other places."""
         return self, *(self.others or ())
 
     @property
     def name(self) -> str:
-        """File name without its folder, followed by the number of further scans."""
+        """File name without its folder. If there are further scans, their number is appended."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _map_scans(self, change: Callable[[MeasuredFile], MeasuredFile]) -> MeasuredFile:
@@ -231,7 +231,7 @@ class MeasuredFile(Table):
 
     @classmethod
     def from_body(cls, body: Any, name: str) -> MeasuredFile:
-        """Create an entry for a body in memory, which may be an object from another library.
+        """Create an entry for a body in memory. Objects from other libraries are also accepted.
 
         Raises an `ArgumentError` if the body is invalid.
         """
@@ -248,7 +248,7 @@ class MeasuredFile(Table):
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def with_saved_bodies(self, folder: Path, side: str) -> MeasuredFile:
-        """Write bodies that are in memory to files in a folder, and return an entry that refers to these files."""
+        """Write bodies that are in memory to files in a folder. The returned entry refers to these files."""
         return self._map_scans(lambda scan: scan._save_body(folder, side))
 
     def _save_body(self, folder: Path, side: str) -> MeasuredFile:
@@ -303,7 +303,7 @@ class MeasuredFile(Table):
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def cut_off_at(self, wavelength: float) -> float:
-        """Return the cutoff wavelength (µm) at which this scan is filtered, given the cutoff of the pair."""
+        """Return the cutoff wavelength (µm) of the pair, limited to the largest cutoff allowed for this scan."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated(self) -> Floats:
@@ -320,14 +320,14 @@ class MeasuredFile(Table):
 
     @property
     def reading(self) -> Reading[Any] | None:
-        """Interpretation of the file, such as its columns and units, or None for a spectrum or a body in memory."""
+        """Interpretation of the file, such as columns and units, or None for a spectrum or a body in memory."""
         if self.body is not None or is_spectrum(Path(self.file)):
             return None
         return _load_reading(self.model_copy(update={"sha256": self.checksum(), "others": None}))
 
     @property
     def caveats(self) -> tuple[FileCaveat, ...]:
-        """Caveats about reading the file, or about the heights of a body in memory."""
+        """Caveats about how the file was read, or about the heights of a body in memory."""
         if (reading := self.reading) is not None:
             return tuple(reading.caveats)
         body = None if self.body is None else self.body.body
@@ -336,7 +336,7 @@ class MeasuredFile(Table):
         return find_caveats(Scan(heights_with_nan(body), body.spacings, from_text=False))
 
     def checksum(self) -> str:
-        """Compute the SHA-256 checksum of the file.
+        """Compute the SHA-256 checksum of the file contents.
 
         Raises a `ValueError` if the file cannot be read.
         """
@@ -359,7 +359,7 @@ class MeasuredFile(Table):
         return status and (status.st_mtime_ns, status.st_size)
 
     def with_absolute_paths(self, directory: Path) -> MeasuredFile:
-        """Return a copy of the entry with absolute paths. Relative paths are resolved against the directory."""
+        """Return a copy of the entry with absolute paths. Relative paths are resolved against `directory`."""
         return self._map_scans(
             lambda scan: (
                 scan if scan.body else scan.model_copy(update={"file": str((directory / scan.file).absolute())})
@@ -367,7 +367,7 @@ class MeasuredFile(Table):
         )
 
     def with_checksums(self) -> MeasuredFile:
-        """Return a copy of the entry in which missing checksums are added."""
+        """Return a copy of the entry with all checksums, computing those that are missing."""
         return self._map_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
@@ -418,7 +418,7 @@ def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
 
 @dataclass(frozen=True)
 class Member:
-    """Pair of measured bodies that forms a member, with its shift (µm), line index and surrogate flag."""
+    """Two measured bodies that form a member, with their shift (µm), line index and surrogate flag."""
 
     pair: Pair
     x: float
@@ -445,14 +445,14 @@ class SharedProperties:
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Metadata of the measured bodies in a result. All fields are empty for generated bodies."""
+    """Metadata that a result stores for measured bodies. All fields are empty for generated bodies."""
 
     nominal_area: float | None = None  # nominal area of each member (µm²)
     attributes: dict[str, Any] = field(default_factory=dict)
 
 
 class Members(Protocol):
-    """Members of a study of two bodies. The index of a member determines the pair of bodies."""
+    """Members of a study of two bodies. Each member index identifies one pair of bodies."""
 
     def member(self, index: int) -> Member:
         """Return the member with the given index.
@@ -499,7 +499,7 @@ class MeasuredSurfaceKeys(Case):
         return {"cut_off": array_of(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
-        """Return the cutoff (µm) for which the quoted result is computed, which is the first cutoff in the study."""
+        """Return the cutoff (µm) of the quoted result, which is the first cutoff in the study."""
         return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
@@ -508,16 +508,16 @@ class MeasuredSurfaceKeys(Case):
 
     @property
     def first_scanned(self) -> int:
-        """Index of the first member that is a pair of scans rather than a pair of surrogates."""
+        """Index of the first member that consists of scans rather than surrogates."""
         return 0
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of the upper body, and number of scans of the lower body."""
+        """Number of scans of each body, as a pair (upper, lower)."""
         return len(self.upper.scans), len(self.lower.scans)
 
     def scans_of(self, members: Any) -> tuple[Any, Any]:
-        """Return the index of the upper scan and the index of the lower scan that form each member.
+        """Return, for each member, the index of its upper scan and the index of its lower scan.
 
         Successive members use all pairs of scans in turn.
         """
@@ -526,14 +526,14 @@ class MeasuredSurfaceKeys(Case):
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
-        """Low-pass filter each scan with its own cutoff (µm, 0 for no filter), and form members from both scans.
+        """Low-pass filter each scan at its own cutoff (µm, 0 for no filter), and form members from the filtered scans.
 
         Raises a `ValueError` if there are no members.
         """
         raise NotImplementedError
 
     def filtered(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
-        """Yield both scans after low-pass filtering each of them with its own cutoff (µm, 0 for no filter)."""
+        """Yield both scans after low-pass filtering each scan at its own cutoff (µm, 0 for no filter)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
@@ -546,12 +546,12 @@ class MeasuredSurfaceKeys(Case):
 # ---- Lines -----------------------------------------------------------------------------------------------------------
 
 DEFAULT_NUM_SHIFTS = 16  # default number of relative positions of two height maps
-DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogates of profiles
-MAX_OFFSETS = 100_000  # largest number of positions for a pair of lines or maps
+DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogate profiles
+MAX_OFFSETS = 100_000  # maximum number of positions for a pair of lines or maps
 
 
 class MeasuredLines(MeasuredSurfaceKeys):
-    """Keys of `[surfaces]` for lines from two measured files. The upper line slides along the lower line."""
+    """Keys of `[surfaces]` for lines from two measured files. Each upper line slides along a lower line."""
 
     place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Profiles"
@@ -597,7 +597,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
         return self
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMembers:
-        """Return members that consist of lines from both scans or their surrogates, at several relative positions."""
+        """Return members that consist of lines from both scans or from their surrogates, at several positions."""
         upper, lower = self.filtered(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -609,7 +609,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
 
 @dataclass(frozen=True, eq=False)
 class LineMembers:
-    """Members of a study in which profiles, or lines of height maps, are pressed."""
+    """Members of a study that presses profiles or lines of height maps."""
 
     pairs: LinePairs
     scans: tuple[Body, Body]
@@ -639,13 +639,13 @@ class LineMembers:
         if is_unshifted or max_steps == 0:
             steps = 0
         elif offsets == 1 and pairs.travel is not None and position == 0:
-            steps = max_steps  # a single position is at the end of the travel
+            steps = max_steps  # a single position is placed at the end of the travel
         else:
             steps = 1 + min(int(quasi_random_point(position + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, track, steps, line)
 
     def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> Member:
-        """Return the member in which the slider starts `steps` points after the start of the counterface."""
+        """Return the member whose slider starts `steps` points after the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(track, offset, slider)
         return Member(pair, offset, self.pairs.place(line), line=line, surrogate=self.pairs.surrogates != "none")
@@ -657,7 +657,7 @@ class LineMembers:
 
 
 def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedProperties:
-    """Return the properties that all members have in common in a study of lines.
+    """Return the properties shared by all members of a study of lines.
 
     `used` is the fraction of the upper scan that the slider covers.
     """
@@ -701,7 +701,7 @@ class MeasuredAreas(MeasuredSurfaceKeys):
 
     @property
     def first_scanned(self) -> int:
-        """Index of the first member that consists of pieces of the measured maps. Surrogates precede this member."""
+        """Index of the first member that consists of pieces of the measured maps. Earlier members are surrogates."""
         return self.surrogates
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMember:
@@ -734,7 +734,7 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
     )
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers:
-        """Return the members, which are pairs of random height maps with the spectra of two scans."""
+        """Return the members. Each is a pair of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
             finest = float(self.cells()["cut_off"].min())
@@ -759,7 +759,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Level two maps and cut them into pieces, which form pairs.
+    """Level two maps, and cut them into pieces that form pairs.
 
     The upper map is flipped, and rotated by an angle in degrees.
     """
@@ -775,7 +775,7 @@ def build_map_pairs(
 
 @dataclass(frozen=True, eq=False)
 class AreaMembers:
-    """Members of a study in which height maps, or surrogates of scans, are pressed."""
+    """Members of a study that presses height maps or surrogates of scans."""
 
     pairs: MapPairs | IsotropicPairs | SpectrumPairs
     scans: tuple[Body, Body]
@@ -783,7 +783,7 @@ class AreaMembers:
     surrogates: int | None = None
 
     def member(self, index: int) -> Member:
-        """Return a member, which is a pair of surrogates or of overlapping pieces of both maps at one position."""
+        """Return a member, which is a pair of surrogates or a pair of overlapping map pieces."""
         pairs, count = self.pairs, self.surrogates
         if count is None or index < count:
             return Member(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
@@ -807,7 +807,7 @@ class AreaMembers:
 
 @dataclass(frozen=True, eq=False)
 class GapMember:
-    """Single member for a measured gap, which consists of a flat face and a rough face at the measured distance."""
+    """The only member of a study of a measured gap. It has a flat face and a rough face, separated by the gap."""
 
     flat: Surface
     rough: Surface

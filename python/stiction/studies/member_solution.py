@@ -1,4 +1,4 @@
-"""Computation of contact sums and statistics for members at all loads, and of individual contacts at one load."""
+"""Compute contact sums and statistics for members at all loads, and individual contacts at one load."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
 def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
 ) -> Arrays:
-    """Compute contact sums of a pair at the elastic loads of its study, and also statistics for measured bodies.
+    """Compute the contact sums of a pair at the loads of its study. For measured bodies, add contact statistics.
 
     Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
     loads for which the solver fails, values are NaN and the number of contacts is 0. The unloading stiffness takes
@@ -99,7 +99,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
-    """Return values for loads at which the solver failed, which are NaN, 0 contacts, or the status "not-solved"."""
+    """Return placeholder values for loads at which the solver failed: NaN, 0 contacts, or the status "not-solved"."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
     shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
     if name == "status":
@@ -108,7 +108,7 @@ def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> N
 
 
 def _list_profile_directions(contact: ContactTable) -> list[Shear]:
-    """Return the directions of motion along profiles, which are "+x", "-x" or both."""
+    """Return the directions of motion along profiles, i.e. "+x", "-x" or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
 
 
@@ -127,7 +127,7 @@ def _solve_half_space(
     sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
-        """Derive the load curve for each sliding rule and direction from the curve that was solved."""
+        """Derive load curves for all sliding rules and directions from one computed load curve."""
         ways = (
             [curve]
             if areal
@@ -176,13 +176,13 @@ def _solve_half_space(
 
 
 def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
-    """Compute independent Hertzian contacts at the approaches at which the elastic loads are reached.
+    """Compute independent Hertzian contacts at the approaches that give the elastic loads of the study.
 
     With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
     interpolated between the states just before and just after the jump.
     """
     model, areal = contact.model(), isinstance(upper, Surface)
-    if areal:  # A map needs one load curve for all directions, but a profile needs one for each.
+    if areal:  # A map needs one load curve for all directions, but a profile needs one for each direction.
         models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
     else:
         models = [
@@ -231,7 +231,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
 
 
 def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
-    """Find the contact candidates up to an approach (µm) once, so that later calls need not search for them.
+    """Find the contact candidates up to an approach (µm), so that later calls need not search for them again.
 
     Returns both bodies unchanged if contacts are not minima of the gap.
     """
@@ -245,16 +245,16 @@ def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactM
 
 @dataclass(frozen=True, eq=False)
 class PressedPair:
-    """Pair of bodies that are pressed together with a single elastic load."""
+    """Pair of bodies that are pressed together by one elastic load."""
 
     upper: Any
     lower: Any
-    curve: HalfSpaceCurve | LoadCurve  # load curve with only this load, for motion along +x
-    model: ContactModel | None = None  # contact model of the asperities; None for the half-space
+    curve: HalfSpaceCurve | LoadCurve  # load curve that contains only the given load, for motion along +x
+    model: ContactModel | None = None  # contact model of the asperities; None for the half-space model
 
     @classmethod
     def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
-        """Compute the contact of a pair at a load (mN), or return None if the solver fails."""
+        """Compute the contact between both bodies at a load (mN), or return None if the solver fails."""
         upper, lower = pair
         contact = study.contact
         if isinstance(contact, HalfSpaceContactTable):
@@ -284,7 +284,7 @@ class PressedPair:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE = 64  # size of a cache line of the processor in bytes
-SLIP_LOAD_FRACTION = 0.5  # fraction of the sliding load at which the slipped fraction is stored
+SLIP_LOAD_FRACTION = 0.5  # The normal load on the slipping contact is stored at this fraction of the sliding load.
 
 MEMBER_COSTS = {
     "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
@@ -322,7 +322,7 @@ _kept = threading.local()
 
 
 def member_sums(study: Study, index: int) -> Arrays:
-    """Compute all variables of one member of a study, as arrays without a member axis.
+    """Compute all variables of one member of a study. The arrays have no member axis.
 
     Measured bodies also have the `MEMBER_COORDINATES`. Values are NaN at loads for which the solver fails. Raises a
     `ValueError` if the bodies cannot be loaded.
@@ -338,7 +338,7 @@ def member_sums(study: Study, index: int) -> Arrays:
 
 @functools.lru_cache(maxsize=4)
 def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
-    """Return the shape and data type of each variable of a single member."""
+    """Return the shape and data type of each variable, for a single member."""
     cells = len(study.surfaces.cells())
     return {
         name: ((*spec.shape[:cells], *spec.shape[cells + 1 :]), spec.dtype)
@@ -347,7 +347,7 @@ def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[A
 
 
 def estimate_member_time(study: Study) -> float:
-    """Estimate the time (s) that one core takes to compute a member."""
+    """Estimate the time (s) for computing one member on one core."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
     points, areal = count_points(study), study.is_areal
@@ -366,7 +366,7 @@ def estimate_member_time(study: Study) -> float:
 
 
 def estimate_solution_time(study: Study) -> float:
-    """Estimate the time (s) that one core takes to compute a half-space solution at a single load."""
+    """Estimate the time (s) for computing a half-space solution at a single load on one core."""
     areal = study.is_areal
     besides = MEMBER_COSTS["half-space" if areal else "half-plane"]
     if study.contact.adheres:
@@ -382,7 +382,7 @@ def _cost_of_iteration(study: Study) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _estimate_relative_stiffness(study: Study) -> float:
-    """Return E* Sq Sdq / (4 w), computed from the gap of the first member, or 0 if files are missing.
+    """Return E* Sq Sdq / (4 w) for the gap of the first member, or 0 if files are missing.
 
     By the Cauchy-Schwarz inequality, this ratio is at least the elastic energy per area of complete contact, divided by
     w.
@@ -403,7 +403,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
 
 
 def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
-    """Yield indices and contact sums of one repetition for each combination of fractal dimension and amplitude."""
+    """Yield the contact sums of one repetition, with their indices, for each fractal dimension and amplitude."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return
@@ -422,7 +422,7 @@ def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Array
 
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
-    """Compute the contact sums of a pair at the approaches of the study with the asperity model."""
+    """Compute the contact sums of a pair with the asperity model, at the approaches given in the study."""
     steps, models = _steps(study.contact), _models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -438,7 +438,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
-    """Compute the onset of sliding along the first direction at each approach."""
+    """Compute the onset of sliding at each approach, for motion along the first direction."""
     contact = study.contact
     assert isinstance(contact, AsperityContactTable)
     assert contact.onset is not None
@@ -465,7 +465,7 @@ def _steps(contact: Any) -> Floats:
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
-    """Compute contact sums of profiles with the asperity model, for several fractal dimensions at the same time.
+    """Compute contact sums of profiles with the asperity model. Several fractal dimensions are computed together.
 
     The arrays have the shape (dimensions, amplitudes, rules, steps), with a single rule for quantities that do not
     depend on the motion.
@@ -493,7 +493,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _reuse_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that is reused by all tasks of a thread, because memory allocation is slow.
+    """Return an uninitialised array that all tasks of a thread reuse, because memory allocation is slow.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
@@ -509,7 +509,7 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
 
 def _solve_measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
-    """Yield the cutoff index and the contact sums at each cutoff, and write the member coordinates to `arrays`."""
+    """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
     unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
     for cell_index, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))

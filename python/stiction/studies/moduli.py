@@ -1,4 +1,4 @@
-"""Uncertainty of E*, which is given directly or computed from Young's moduli and Poisson's ratios."""
+"""Uncertainty of E*. The modulus is given directly, or computed from Young's moduli and Poisson's ratios."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MODULUS_NAMES = ("young", "poisson")
 
 @dataclass(frozen=True)
 class Moduli:
-    """Effective modulus E* with its uncertainty.
+    """Effective modulus E* and its uncertainty.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Moduli:
 
     @property
     def inputs(self) -> dict[str, UncertainInput]:
-        """Uncertain inputs by name. The keys include the side of the body, as in "young_upper"."""
+        """Uncertain inputs by name. For one body, the name includes "upper" or "lower", as in "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]
@@ -58,7 +58,7 @@ class Moduli:
         return {name: value for name, value in inputs.items() if not value.is_exact}
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Compute E* from samples of the inputs, and return its ratio to the central value of E*."""
+        """Compute E* from samples of the inputs, and divide it by the central value of E*."""
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
@@ -75,7 +75,7 @@ def _compute_compliance(young: Any, poisson: Any) -> Any:
 
 
 def find_material_moduli(body: Material) -> dict[str, UncertainInput]:
-    """Return Young's modulus (GPa) and Poisson's ratio of a material, each with the range given in the source."""
+    """Return Young's modulus (GPa) and Poisson's ratio of a material, each with the range given by its source."""
     poisson = replace(_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON_RATIO)
     return {"young": _input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 
@@ -86,7 +86,7 @@ def _input_from_range(value: MaterialValue, distribution: Distribution) -> Uncer
 
 
 def find_material_hardness(value: MaterialValue) -> UncertainInput:
-    """Return the hardness (GPa) of a material, with the range given in the source."""
+    """Return the hardness (GPa) of a material, with the range given by its source."""
     return _input_from_range(value, "log-normal")
 
 
@@ -94,7 +94,7 @@ def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[Elasticity, Moduli]:  # fmt: skip
-    """Return the elasticity of a pair, computed from the central values of the arguments, and the uncertain moduli.
+    """Return the elasticity for the central argument values, and the moduli with their uncertainties.
 
     The arguments have the meanings of `find_elasticity`, but may be ranges or have an uncertainty. Raises a
     `ValueError` if arguments are missing, contradictory or invalid.

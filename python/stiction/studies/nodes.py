@@ -48,18 +48,18 @@ SAMPLED_LOADS = 4
 CHOICE_LOADS = 2  # number of loads at which nodes are chosen (measured surfaces)
 # quantities besides friction that are evaluated at the nodes (measured surfaces)
 MEASURED_NAMES = ("contact_count", "gentle_friction")
-# largest number of mu0 or tau0 values in a study that become nodes; longer lists are thinned
+# maximum number of mu0 or tau0 values in a study that become nodes; longer lists are thinned
 MAX_STUDY_NODES = 9
-MAX_ROUNDS = 4  # largest number of refinements of an axis
+MAX_ROUNDS = 4  # maximum number of refinements of an axis
 MIN_NODE_DISTANCE = 0.35
 """Smallest distance between an initial node and a value in the study, relative to the node spacing."""
 
 CHECKED_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
 """Positions at which errors are measured, as fractions of the ranges of mu0 (first) and tau0 (second)."""
 
-# largest distance from a node (relative to the axis length) at which a value counts as the node
+# A value counts as a node if its distance from the node is below this fraction of the axis length.
 NODE_TOLERANCE = 1e-9
-MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 on the axis relative to E*, if the study has no larger value
+MAX_TAU0_OVER_MODULUS = 0.02  # upper end of the tau0 axis relative to E*, if the study has no larger value
 MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
 """Largest tau0 on the axis relative to the hardness, if the study has no larger value (0.7 of von Mises' strength)."""
 
@@ -77,12 +77,12 @@ class Axis:
 
     @property
     def values(self) -> Floats:
-        """All nodes: `rising` nodes followed by `ranged` nodes."""
+        """All nodes, i.e. the `rising` nodes followed by the `ranged` nodes."""
         return np.concatenate([self.rising, self.ranged])
 
     @property
     def bounds(self) -> list[tuple[float, float]]:
-        """Interval around each ranged node, in which all values are treated as equal to the node."""
+        """Interval around each ranged node. All values in the interval are treated as equal to the node."""
         return [
             (float(node / (1 + SAME_INPUT_TOLERANCE)), float(node / (1 - SAME_INPUT_TOLERANCE))) for node in self.ranged
         ]
@@ -92,7 +92,7 @@ class Axis:
         return Axis(np.unique([*self.rising, *additional]), self.ranged)
 
     def middles(self) -> Floats:
-        """Return the midpoint of each panel between rising nodes, shifted if it is too close to a ranged node."""
+        """Return the midpoint of each panel between rising nodes, shifted if it would be too close to a ranged node."""
         middles = (self.rising[1:] + self.rising[:-1]) / 2
         return np.where(self._is_ranged(middles), 0.5 * (middles + self.rising[1:]), middles)
 
@@ -103,7 +103,7 @@ class Axis:
 
     @property
     def panel_ends(self) -> NDArray[np.intp]:
-        """Index of the node at the far end of each node's panel, or the node's own index if no panel starts there."""
+        """Index of the node at which the panel of each node ends, or the node's own index if it has no panel."""
         indices = np.arange(self.values.size)
         return np.where(indices < self.rising.size - 1, indices + 1, indices)
 
@@ -113,7 +113,7 @@ class Axis:
         )
 
     def weights(self, value: float, *, cubic: bool = True) -> Floats:
-        """Return the weight that each node has in the interpolation at a given value of mu0 or tau0."""
+        """Return the weight of each node for the interpolation at a given value of mu0 or tau0."""
         weights = np.zeros(self.values.size)
         for index, (low, high) in enumerate(self.bounds):
             if low <= value <= high:
@@ -129,7 +129,7 @@ class Axis:
         return self._lagrange_weights(value, np.arange(first, first + number))
 
     def corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
-        """Return how the weights change if the preceding node, or the following node, is included.
+        """Return the changes in the weights if the interpolation also uses the preceding or the following node.
 
         A change is 0 at a node, and NaN if there is no such node.
         """
@@ -145,7 +145,7 @@ class Axis:
         ]
 
     def _lagrange_weights(self, value: float, indices: NDArray[np.intp]) -> Floats:
-        """Return the weights of the nodes in the interpolating polynomial through the rising nodes at `indices`."""
+        """Return the node weights of the polynomial that interpolates between the rising nodes at `indices`."""
         weights = np.zeros(self.values.size)
         nodes = self.rising[indices]
         for index, node in zip(indices, nodes, strict=True):
@@ -184,7 +184,7 @@ class Nodes:
 
     @cached_property
     def loads(self) -> Floats:
-        """Loads (mN) shown in a report. The array is empty if no pair of bodies touches."""
+        """Loads (mN) that a report shows. The array is empty if no pair of bodies is in contact."""
         if self.study.is_measured:
             return np.asarray(self.study.contact.steps())
         try:
@@ -195,7 +195,7 @@ class Nodes:
 
     @cached_property
     def kinds(self) -> list[Kind | None]:
-        """Kinds of members ("shifts", "surrogates"), starting with the kind from which friction is quoted."""
+        """Kinds of members ("shifts", "surrogates"). The quoted friction is that of the first kind."""
         head = self.result.head
         if "surrogate" not in head.coords:
             return [None]
@@ -204,7 +204,7 @@ class Nodes:
 
     @cached_property
     def axes(self) -> tuple[Axis, Axis]:
-        """Nodes of mu0 and tau0, which are chosen from the interpolation errors at a few loads."""
+        """Nodes of mu0 and tau0, chosen so that interpolation errors at a few loads are small."""
         if self.study.is_measured:
             loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:CHOICE_LOADS]
         else:
@@ -214,13 +214,13 @@ class Nodes:
 
     @cached_property
     def values(self) -> tuple[xarray.Dataset, ...]:
-        """Values and intervals at all loads and nodes, for each kind of members."""
+        """Values and intervals for each kind of members, at all loads and nodes."""
         names = MEASURED_NAMES if self.study.is_measured else None
         return tuple(self._at(self.loads, self.axes, kind, names) for kind in self.kinds)
 
     @cached_property
     def of_load(self) -> tuple[xarray.Dataset, ...]:
-        """Quantities of measured bodies that depend only on the load, evaluated for each kind of members."""
+        """Quantities of measured bodies that depend only on the load, for each kind of members."""
         return tuple(at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], of=kind) for kind in self.kinds)
 
     @cached_property
@@ -253,7 +253,7 @@ class Nodes:
         return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)
 
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return the friction coefficients and their intervals for all combinations of mu0 and tau0."""
+        """Return friction coefficients with their intervals for all combinations of mu0 and tau0."""
         names = ("contact_count",) if self.study.is_measured else ()
         return self._table(self._at(loads, (Axis(mu0), Axis(tau0)), self.kinds[0], names))
 
@@ -264,7 +264,7 @@ class Nodes:
 
 
 def axes_of(study: Study) -> tuple[Axis, Axis]:
-    """Return the initial nodes of mu0 and tau0 (GPa), from 0 to the largest value in a report."""
+    """Return the initial nodes of mu0 and tau0 (GPa), from 0 to the largest value that a report shows."""
     ranged = set(find_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     strength = MAX_TAU0_OVER_MODULUS * modulus
@@ -299,7 +299,7 @@ def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Axis:
 def refined(
     axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
 ) -> tuple[Axis, Axis]:
-    """Add nodes to each axis until interpolation errors along two lines parallel to the axis are within tolerance.
+    """Add nodes to each axis until interpolation errors are within tolerance along two lines parallel to the axis.
 
     An axis has at most `max_nodes` rising nodes after refinement. Nodes are added first where the measured error, or
     the estimated error of `is_interpolated`, is largest relative to its tolerance.
@@ -314,7 +314,7 @@ def refined(
     for index in range(2):
         other_nodes = refined_axes[1 - index].rising
         across = other_nodes[[min(1, other_nodes.size - 1), max(other_nodes.size - 2, 0)]]
-        rows: dict[float, Floats] = {}  # cached values and their interval limits by position
+        rows: dict[float, Floats] = {}  # cached values with their interval limits, by position on the axis
         for _ in range(MAX_ROUNDS):
             axis = refined_axes[index]
             middles = axis.middles()
@@ -340,7 +340,7 @@ def refined(
 
 
 def excess(estimated: Floats, exact: Floats) -> Floats:
-    """Return the larger of two ratios of error to tolerance, one for the value and one for its interval limits."""
+    """Return the error-to-tolerance ratio of the value or of the interval limits, whichever ratio is larger."""
     value, width = np.abs(exact[..., 0]), exact[..., 2] - exact[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(estimated - exact)
@@ -383,7 +383,7 @@ def largest_errors(
 
 
 def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float) -> Floats:
-    """Interpolate a table at mu0 and tau0 (GPa). The nodes of mu0 and tau0 are the last two axes of the table.
+    """Interpolate a table at given mu0 and tau0 (GPa). The last two axes of the table are the nodes of mu0 and tau0.
 
     The interpolation is cubic, or bilinear if one of the 16 nodes has no value.
     """
@@ -421,7 +421,7 @@ def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_
 
 
 def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
-    """Return interpolated values at the midpoints of the panels and their estimated errors, or NaN if undefined."""
+    """Return interpolated values at the midpoints of the panels, and the estimated errors. Undefined values are NaN."""
     over_mu0, over_tau0 = (
         np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles]) for axis in axes
     )
@@ -434,7 +434,10 @@ def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple
 
 
 def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
-    """Return the geometric mean of two changes of an interpolated number. If one change is NaN, return the other."""
+    """Estimate interpolation errors from the changes that adding a node before or after would cause.
+
+    The error is the geometric mean of the two changes, or one change if the other is NaN.
+    """
     before, after = np.abs(by_node_before), np.abs(by_node_after)
     return np.where(np.isnan(before), after, np.where(np.isnan(after), before, np.sqrt(before * after)))
 

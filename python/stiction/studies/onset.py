@@ -1,4 +1,4 @@
-"""Onset of sliding of a measured pair. The curve is averaged over some members and stored with the result."""
+"""Onset of sliding of a measured pair. The mean curve of some members is stored with the result."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from stiction.studies.store import StoredResult
 
 ONSET_FILE = "onset.nc"  # file name in a result folder
-ONSET_TABLE_FILE = "onset.csv"  # file name of the table of the mean onset curve, which suits a Masing model
+ONSET_TABLE_FILE = "onset.csv"  # file name of the mean onset curve, a table that can be used in a Masing model
 ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes that identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
@@ -57,7 +57,7 @@ _STATISTIC_NAMES = ["mean", "lower", "upper"]
 def compute_onset(
     study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
 ) -> xarray.Dataset | None:
-    """Compute the onset of sliding for the first members of a measured pair at a load (mN).
+    """Compute the onset of sliding at a load (mN) for the first members of a measured pair.
 
     By default the load is the first load of the study. The dataset has the dimensions `fraction` (of the sliding load)
     and `statistic`. It also contains the slip map of the first member, and the parameters of Iwan and LuGre models of
@@ -89,7 +89,7 @@ def compute_onset(
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """Compute the onset curve, index and position of a member, or return None if the solver fails."""
+    """Compute the onset curve of a member, and add index and position. Return None if the solver fails."""
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
@@ -98,7 +98,7 @@ def compute_member_onset(
             return None
         options: dict[str, Any] = {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed.curve, HalfSpaceCurve) else {}
         onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
-    except (RuntimeError, ValueError):  # the solver failed, or the contact law has no onset
+    except (RuntimeError, ValueError):  # raised if the solver failed or the contact law has no onset
         return None
     curve: dict[str, Any] = {
         name: getattr(onset, name) for name in (*_CURVE_TITLES, *_NUMBER_NAMES[:-1]) if name != "energy_lost"
@@ -155,14 +155,14 @@ The parameters are attributes of the dataset, such as "iwan_chi".
 
 
 def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
-    """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return the model parameters."""
+    """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return their parameters."""
     curve = onset.sel(statistic="mean")
     displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
     sliding = float(curve["sliding_load"])
     try:
         iwan = fit_iwan(displacement, load, sliding_load=sliding, stiffness=float(curve["stiffness"]))
         lugre = fit_lugre(displacement, load, sliding_load=sliding)
-    except ValueError:  # the curve of a free half-plane has no displacements
+    except ValueError:  # raised because the curve of a free half-plane has no displacements
         return {}
     chi = round(iwan.chi, 12) + 0.0  # adding 0.0 changes -0 to 0
     values = {
@@ -205,7 +205,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
 
 
 def format_backbone(onset: xarray.Dataset) -> str:
-    """Format the mean curve, which is the backbone curve of a Masing model, as CSV with units."""
+    """Format the mean curve, which serves as the backbone curve of a Masing model, as CSV with units."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
@@ -226,7 +226,7 @@ _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
-    """Compute the fraction of the sliding load at which each grid point or asperity contact starts to slip.
+    """Return the fraction of the sliding load at which slip starts, for each grid point or asperity contact.
 
     The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
     by the point that slips first. The dataset is empty for profiles.
@@ -260,7 +260,7 @@ def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
 
 
 def _find_block_minima(values: Floats, step: int) -> Floats:
-    """Return the minimum of each block of `step` rows and `step` columns, or NaN if all values in a block are NaN."""
+    """Return the minimum of each block of `step` rows and columns. It is NaN if all values in the block are NaN."""
     rows, columns = (-(-size // step) * step for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

@@ -1,4 +1,4 @@
-"""Conversion of the options of a measured pair to a study of this pair."""
+"""Convert the options of a measured pair to a study of this pair."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ from stiction.surfaces.surface import Surface, as_body
 
 # default number of positions of a pair of profiles (a few seconds of computing time)
 DEFAULT_NUM_POSITIONS = 64
-NUM_ADHESION_LOADS = 4  # number of loads (over two decades) below the requested loads for adhesive contacts
+NUM_ADHESION_LOADS = 4  # number of additional loads, over two decades below the requested loads, for adhesive contacts
 PRELOAD_FRACTION = 1e-3  # load that replaces a load of zero, relative to the attraction on a grid cell
 DEFAULT_LAW = "hertz-sphere"  # default contact law of the asperity model
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
@@ -73,7 +73,7 @@ GAP_REMARK = (
 
 
 class Pair:
-    """Pair of measured bodies and the options of their contact, with values in core units.
+    """Pair of measured bodies, with contact options converted to core units (µm, mN, GPa).
 
     Invalid options raise an `ArgumentError`.
     """
@@ -99,7 +99,7 @@ class Pair:
 
     @classmethod
     def from_values(cls, **values: object) -> Pair:
-        """Validate option values, and create a pair from them.
+        """Validate the values of options, and create a pair from them.
 
         The keywords are field names of `PairOptions`.
         """
@@ -111,7 +111,7 @@ class Pair:
         return kind
 
     def _parse_quantity(self, name: str, value: object) -> Quantity:
-        """Parse the value of an option as the kind of quantity that the option expects."""
+        """Parse the value of an option as a quantity of the required kind."""
         return parse_quantity(name, value, self._find_kind(name))
 
     def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
@@ -121,7 +121,7 @@ class Pair:
 
     @cached_property
     def files(self) -> tuple[MeasuredFile, MeasuredFile]:
-        """Entries for the files of both bodies, including their reading options."""
+        """Study entries for the files of both bodies, including the reading options."""
         files = []
         for index, side in enumerate(SIDES):
             scans = self.options.given(side) if self.options.gap is None else self.options.gap
@@ -131,7 +131,7 @@ class Pair:
         return files[0], files[1]
 
     def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredFile:
-        """Create the study entry for a body, which is a file with reading options or a body in memory."""
+        """Create the study entry for a body. The body is a file with reading options, or an object in memory."""
         options = self.options
         properties: dict[str, Any] = {}
         if options.tip is not None:
@@ -163,7 +163,7 @@ class Pair:
             key, reason = error.faults[0]
             if key not in PAIR_OPTIONS:
                 raise
-            raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=reason) from None
+            raise ArgumentError(f"{{{key}}} of {{{side}}} {{why}}", why=reason) from None
 
     def _select_value(self, name: str, index: int) -> Any:
         """Return the value of an option for one body. A single value applies to both bodies."""
@@ -199,7 +199,7 @@ class Pair:
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """First scan of the slider, and first scan of the counterface."""
+        """First scan of the slider and first scan of the counterface."""
         upper, lower = (file.read() for file in self.files)
         return upper, lower
 
@@ -220,7 +220,7 @@ class Pair:
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of the upper body, and number of scans of the lower body."""
+        """Number of scans of each body, as a pair (upper, lower)."""
         upper, lower = self.files
         return len(upper.scans), len(lower.scans)
 
@@ -233,14 +233,14 @@ class Pair:
 
     @property
     def press(self) -> str:
-        """Kind of members that are pressed: "areas", "lines" or "surrogates"."""
+        """Kind of members that the contact model presses together: "areas", "lines" or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models that are computed, starting with the model used for the result."""
+        """Contact models to compute. The first model is used for the result."""
         default: Mechanics = (
             "half-space" if self.press != "lines" or self.has_missing or self._uses_plastic_lines else "asperities"
         )
@@ -268,18 +268,18 @@ class Pair:
 
     @property
     def has_surrogates(self) -> bool:
-        """True if the study generates surrogates, which are random surfaces with the measured spectra."""
+        """True if the study generates surrogates, i.e. random surfaces that have the measured spectra."""
         return self.press == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property
     def elasticity(self) -> Elasticity:
-        """Elasticity of both bodies, computed from the central values of uncertain inputs."""
+        """Elasticity of both bodies. Uncertain inputs enter with their central values."""
         modulus, young, poisson = (self._nominal_value(name) for name in ("effective_modulus", "young", "poisson"))
         return find_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
-        """Inputs given as a range or with an uncertainty, by name."""
+        """Inputs that are given as a range or with an uncertainty, by name."""
         inputs: dict[str, list[UncertainInput]] = {}
         for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.given(name)) if text is not None]
@@ -302,7 +302,7 @@ class Pair:
 
     @cached_property
     def strength(self) -> Interface | None:
-        """Joint distribution of mu0 and tau0 given by the interface, or None if no interface is given."""
+        """Joint distribution of mu0 and tau0 defined by the interface, or None if no interface is given."""
         if self.options.interface is None:
             return None
         if not isinstance(self.options.interface, (str, Path)):
@@ -313,7 +313,7 @@ class Pair:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
     def _nominal_value(self, name: str) -> Any:
-        """Return the value of an option. Uncertain inputs are replaced by central values, rounded to four digits."""
+        """Return the value of an option. Uncertain inputs are replaced by central values rounded to four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
             return round_median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -325,7 +325,7 @@ class Pair:
 
     @property
     def _uncertainty_table(self) -> dict[str, Any]:
-        """Table `known` of the study, with the uncertain inputs and, if any modulus is uncertain, all moduli."""
+        """Table `known` of the study. It contains the uncertain inputs and, if any modulus is uncertain, all moduli."""
         names = set(self.uncertain_inputs) | {
             name for name in ("hardness", "creep") if self.options.given(name) is not None
         }
@@ -368,7 +368,7 @@ class Pair:
 
     @property
     def _cell_attraction(self) -> float:
-        """Largest attractive force on a grid cell (mN), which is w/ρ times the area of the cell."""
+        """Largest adhesive force (mN) on a grid cell, i.e. w/ρ times cell area (w: work, ρ: range of adhesion)."""
         points = int(np.prod(self._body_attributes.attributes["shape"]))
         steps = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work, study_range = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
@@ -377,7 +377,7 @@ class Pair:
 
     @property
     def _width(self) -> float:
-        """Width (µm) over which a load given as a force is distributed, for a pair of profiles."""
+        """Width (µm) over which a force on two profiles is distributed."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -404,14 +404,14 @@ class Pair:
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Study of the result, followed by the study with the other contact model if a check was requested."""
+        """Study of the result. If a check was requested, a study with the other contact model follows."""
         contacts = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
         loads = [exact_text(load, "mN") for load in self._load_steps(contacts).tolist()]
         return [self._build_study(contact | {"load": loads}) for contact in contacts]
 
     @property
     def preview_study(self) -> Study | None:
-        """Study that previews the pair with the asperity model.
+        """Study that uses the asperity model to preview the pair.
 
         None if lines are pressed, if points are masked, or if the result itself uses the asperity model.
         """
@@ -421,7 +421,7 @@ class Pair:
 
     @property
     def remarks(self) -> list[str]:
-        """Remarks to print about the materials and, if a gap is given, about the gap map."""
+        """Remarks to print about the materials and, if the pair is given as a gap, about the gap map."""
         elasticity, remarks = self.elasticity, []
         if elasticity.source and self.options.hardness is None:
             remarks.append(f"{elasticity.source}, {elasticity.hardness_source}")
@@ -483,7 +483,7 @@ class Pair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Keys of the table `[surfaces]` that filter the scans. They are set if some wavelengths may be noise.
+        """Entries of the table `[surfaces]` for filtering out wavelengths that may be noise.
 
         The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
         come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
@@ -545,7 +545,7 @@ class Pair:
         return [list(pair) for pair in zip(values[::2], values[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
-        """Return the number of line pairs, and the number of relative positions of each line pair."""
+        """Return the number of line pairs, and the number of relative positions for each line pair."""
         lines, offsets = self.options.lines or DEFAULT_LINES, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             listed = self._listed_positions
@@ -597,7 +597,7 @@ class Pair:
 
     @property
     def _adhesion(self) -> dict[str, Quantity]:
-        """Work of adhesion and range of adhesion, as entries of the contact table.
+        """Entries of the contact table that describe adhesion, i.e. work of adhesion and range of adhesion.
 
         Each must be a single value, because the contacts are computed for a single value.
         """
@@ -641,7 +641,7 @@ class Pair:
 
     @property
     def _hardness(self) -> Quantity | None:
-        """Hardness given by the user or, by default, the hardness of the softer material."""
+        """Hardness given by the user. The default is the hardness of the softer material."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
             return None if value is None else quantity(exact_text(value, "GPa"), "pressure")
@@ -669,7 +669,7 @@ class Pair:
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
-        """Return the loads (mN) at which contacts are computed, which are the same for all contact models."""
+        """Return the loads (mN) at which contacts are computed. All contact models use the same loads."""
         max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
@@ -714,7 +714,7 @@ class Pair:
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Validate the tables of a study that was created from options.
+    """Validate the tables of a study that was built from options.
 
     If an option set the invalid key, the `ArgumentError` names the option.
     """
@@ -728,7 +728,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the name of the option that sets a study key such as "friction.mu0[0]", or None if no option sets it."""
+    """Return the option that sets a study key such as "friction.mu0[0]", or None if no option sets it."""
     key = key.partition("[")[0]
     last = key.rpartition(".")[2]
     return next(
@@ -737,7 +737,7 @@ def _find_option(key: str) -> str | None:
 
 
 def study_from_options(options: PairOptions) -> Study:
-    """Create the study of two bodies, which are read from files or given in memory.
+    """Create a study of two bodies, each of which is read from a file or passed as an object.
 
     Raises a `ValueError` if the contact of the bodies cannot be computed.
     """
@@ -747,12 +747,12 @@ def study_from_options(options: PairOptions) -> Study:
 
 
 def _split_commas(value: Any) -> Any:
-    """Split a string at commas, and return values that are not strings unchanged."""
+    """Split a string at commas. Values that are not strings are returned unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a body, given as a list, a folder, comma-separated file names, or a single scan."""
+    """Return the scans of a body, which are given as a list, a folder, comma-separated file names, or a single scan."""
     if isinstance(given, (list, tuple)):
         scans = list(given)
     elif isinstance(given, str) and not given.strip():  # `Path` would interpret an empty string as the current folder
@@ -771,7 +771,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
-    """Find wavelengths of a scan that may be instrument noise, or noise that the spectrum of the scan may hide.
+    """Find the wavelengths of a scan that may be instrument noise, or at which its spectrum may hide noise.
 
     Returns None if they affect the slope only slightly.
     """
@@ -789,6 +789,6 @@ def _to_length(wavelength: float) -> Quantity:
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:
-    """Sort quantities in ascending order, and keep the last of equal quantities."""
+    """Sort quantities in ascending order, and keep only the last of several equal quantities."""
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]

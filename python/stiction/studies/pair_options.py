@@ -1,4 +1,4 @@
-"""Declarations of the options of a measured pair: types, units, defaults, help texts and conditions."""
+"""Declarations of the options for a measured pair: types, units, defaults, help texts and conditions."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from stiction.surfaces.surface import Surface
 
 
 class HeightData(Protocol):
-    """Height data from a library such as surfalize or xarray, which stores heights in the attribute `data`."""
+    """Height data object from a library such as surfalize or xarray. Its attribute `data` contains the heights."""
 
     @property
     def data(self) -> object:
@@ -86,7 +86,7 @@ def _read_degrees(value: object) -> float:
 
 
 def _read_positions(value: object) -> object:
-    """Parse a list of lengths, or a list of (x, y) pairs of lengths, and return a flat list."""
+    """Parse a list of lengths, or a list of (x, y) pairs of lengths, into a flat list."""
     value = scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
@@ -136,7 +136,7 @@ Level = Literal["mean", "line", "plane", "quadratic", "none"]
 
 
 class PairFacts(Protocol):
-    """Properties of a pair that determine which options apply."""
+    """Properties of a pair that determine which options are applicable."""
 
     @property
     def options(self) -> PairOptions:
@@ -160,19 +160,19 @@ class PairFacts(Protocol):
 
     @property
     def has_surrogates(self) -> bool:
-        """True if the study generates surrogates, which are random surfaces with the measured spectra."""
+        """True if the study generates surrogates, i.e. random surfaces that have the measured spectra."""
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of the upper body, and number of scans of the lower body."""
+        """Number of scans of each body, as a pair (upper, lower)."""
 
     @property
     def press(self) -> str:
-        """Kind of members that are pressed: "areas", "lines" or "surrogates"."""
+        """Kind of members that the contact model presses together: "areas", "lines" or "surrogates"."""
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models that are computed, starting with the model used for the result."""
+        """Contact models to compute. The first model is used for the result."""
 
     @property
     def contact_law(self) -> str:
@@ -181,14 +181,14 @@ class PairFacts(Protocol):
 
 @dataclass(frozen=True)
 class Condition:
-    """Condition under which an option may be used, and the message of the error raised otherwise."""
+    """Condition for using an option, and the message of the error raised if the condition is not met."""
 
     holds: Callable[[PairFacts], bool]
     message: str  # text after the option name; {name} stands for another option
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Condition]:
-    """Return a decorator that converts a function to a condition with the given error message."""
+    """Return a decorator that turns a function into a condition with the given error message."""
 
     def decorate(holds: Callable[[PairFacts], bool]) -> Condition:
         return Condition(holds, message)
@@ -198,13 +198,13 @@ def make_condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Cond
 
 @make_condition("must be one map")
 def is_one_map(pair: PairFacts) -> bool:
-    """Return whether the gap is given by a single height map."""
+    """Return whether a single height map of the gap is given."""
     return pair.are_maps and pair.scan_counts == (1, 1)
 
 
 @make_condition("must not be combined with {gap}, because the relative position of the two faces is fixed")
 def has_two_bodies(pair: PairFacts) -> bool:
-    """Return whether two bodies are given, rather than the gap between them."""
+    """Return whether two bodies are given instead of the gap between them."""
     return pair.options.gap is None
 
 
@@ -216,73 +216,73 @@ def has_two_profiles(pair: PairFacts) -> bool:
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairFacts) -> bool:
-    """Return whether two profiles are pressed as lines."""
+    """Return whether both bodies are profiles and are pressed as lines."""
     return pair.are_profiles and pair.press == "lines"
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def makes_surrogates_of_whole_scans(pair: PairFacts) -> bool:
-    """Return False if surrogates are requested and a scan has masked points, and True otherwise."""
+    """Return True unless surrogates are requested for a scan that has masked points."""
     return not (pair.has_missing and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
-    """Return False if the asperity model is used and a scan has masked points, and True otherwise."""
+    """Return True unless the asperity model is used for a scan that has masked points."""
     return not pair.has_missing or "asperities" not in pair.contact_models
 
 
 @make_condition("needs scans without masked points; {missing} interpolate fills them, and {crop} excludes them")
 def has_whole_scans(pair: PairFacts) -> bool:
-    """Return whether all points of the scans are measured."""
+    """Return whether the scans have no masked points."""
     return not pair.has_missing
 
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
 def has_no_spectrum(pair: PairFacts) -> bool:
-    """Return True unless a body is given as a spectrum that joins several scans."""
+    """Return True unless one of the bodies is a spectrum that joins several scans."""
     return not pair.has_spectrum
 
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_pairs_of_lines(pair: PairFacts) -> bool:
-    """Return whether several pairs of lines can be formed, from maps or from surrogates of profiles."""
+    """Return whether several pairs of lines can be formed, either from maps or from surrogates of profiles."""
     return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
 
 
 @make_condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairFacts) -> bool:
-    """Return whether the bodies are pressed as lines."""
+    """Return whether lines are pressed, rather than areas."""
     return pair.press == "lines"
 
 
 @make_condition("is for lines of surfaces")
 def presses_lines_of_surfaces(pair: PairFacts) -> bool:
-    """Return whether lines of height maps are pressed."""
+    """Return whether the pressed bodies are lines of height maps."""
     return pair.press == "lines" and not pair.are_profiles
 
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairFacts) -> bool:
-    """Return whether the areas of two height maps are pressed."""
+    """Return whether two height maps are pressed as areas."""
     return pair.press == "areas"
 
 
 @make_condition("is for areas; lines are always moved in both directions")
 def moves_areas(pair: PairFacts) -> bool:
-    """Return whether areas are pressed, either of height maps or of surrogates."""
+    """Return whether areas of height maps or of surrogates are pressed."""
     return pair.press != "lines"
 
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairFacts) -> bool:
-    """Return whether lines or areas of the scans themselves, rather than areal surrogates, are pressed."""
+    """Return whether `press` is "lines" or "areas", rather than "surrogates"."""
     return pair.press != "surrogates"
 
 
 @make_condition("must not be given with {positions}")
 def has_no_positions(pair: PairFacts) -> bool:
-    """Return True unless the relative positions of the bodies are listed."""
+    """Return True unless the user has listed the relative positions of the bodies."""
     return pair.options.positions is None
 
 
@@ -294,13 +294,13 @@ def presses_surrogates(pair: PairFacts) -> bool:
 
 @make_condition("must not be combined with {check}, which uses both contact models")
 def presses_by_one_model(pair: PairFacts) -> bool:
-    """Return whether only one contact model is used."""
+    """Return whether the options select a single contact model."""
     return not pair.options.check
 
 
 @make_condition("is for {mechanics} half-space")
 def presses_half_space(pair: PairFacts) -> bool:
-    """Return whether the half-space model is used, either for the result or as a check."""
+    """Return whether the half-space model is used, for the result or for a check."""
     return "half-space" in pair.contact_models
 
 
@@ -312,19 +312,19 @@ def has_result_by_half_space(pair: PairFacts) -> bool:
 
 @make_condition("is for {mechanics} half-space alone")
 def presses_half_space_alone(pair: PairFacts) -> bool:
-    """Return whether the half-space model is used without the asperity model as a check."""
+    """Return whether the half-space model is used without a check by the asperity model."""
     return pair.contact_models == ("half-space",)
 
 
 @make_condition("is for {mechanics} asperities")
 def presses_asperities(pair: PairFacts) -> bool:
-    """Return whether the asperity model is used, either for the result or as a check."""
+    """Return whether the asperity model is used, for the result or for a check."""
     return "asperities" in pair.contact_models
 
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def suits_grooves(pair: PairFacts) -> bool:
-    """Return whether the contact law suits the lay. A lay of grooves requires the contact law of cylinders."""
+    """Return whether the contact law suits the lay. For grooves, the law for elastic cylinders is required."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
@@ -336,13 +336,13 @@ def has_law_with_yield(pair: PairFacts) -> bool:
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
-    """Return True unless the yield strength of the asperities follows from a given hardness."""
+    """Return True unless a given hardness determines the yield strength of the asperities."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
 @make_condition("is for {mechanics} half-space, and for {law} jackson-green")
 def has_plastic_contacts(pair: PairFacts) -> bool:
-    """Return whether a contact model that can use a hardness is selected."""
+    """Return whether one of the selected contact models can use a hardness."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 
@@ -372,7 +372,7 @@ def has_no_interface(pair: PairFacts) -> bool:
 
 @make_condition("is for {young} and {law} jackson-green")
 def needs_poisson_ratio(pair: PairFacts) -> bool:
-    """Return whether Poisson's ratio is needed, either with Young's modulus or for the Jackson-Green contact law."""
+    """Return whether Young's modulus or the Jackson-Green contact law requires Poisson's ratio."""
     return pair.options.young is not None or pair.contact_law == JacksonGreen.name
 
 
@@ -387,7 +387,7 @@ DEFAULT_UNITS: dict[OptionKind, str] = {
 
 @dataclass(frozen=True, kw_only=True)
 class FormField:
-    """Form field of an option in the app."""
+    """Form field that represents an option in the app."""
 
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
@@ -402,7 +402,7 @@ class FormField:
 
 @dataclass(frozen=True)
 class Option:
-    """Declaration of a pair option, which is used by the command line, Python, study files and the app."""
+    """Declaration of a pair option, shared by the command line, the Python interface, study files and the app."""
 
     value: str  # placeholder for the value on the command line, such as PRESSURE; empty for a switch
     help: str  # one or two sentences of help; {name} stands for another option
@@ -410,7 +410,7 @@ class Option:
     usual: str = ""  # description of the default value
     flag: str = ""  # name on the command line, if it differs from the field name
     argument: str = ""  # name in Python, if it differs from the field name
-    key: str = ""  # key in a study file that the option sets
+    key: str = ""  # study-file key that the option sets
     field: FormField | None = None
     applies: tuple[Condition, ...] = ()
     is_common: bool = False  # True if the short help lists the option
@@ -420,7 +420,7 @@ class Option:
 
 
 class OptionGroup(BaseModel):
-    """Group of related options.
+    """Base class for groups of related options.
 
     The value None stands for the default.
     """
@@ -484,7 +484,7 @@ class SurfaceOptions(OptionGroup):
 
 
 class ReadingOptions(OptionGroup):
-    """Options for reading files. An option has one value for both files, or one value for each file."""
+    """Options for reading files. Each option has one value for both files, or one value per file."""
 
     title: ClassVar[str] = "Reading files"
 
@@ -686,7 +686,7 @@ class ContactOptions(OptionGroup):
 
 
 class EnsembleOptions(OptionGroup):
-    """Options for the relative positions of the bodies and for the surrogates."""
+    """Options for the relative positions of the bodies, and for surrogates."""
 
     title: ClassVar[str] = "Ensemble"
 
@@ -720,7 +720,7 @@ class EnsembleOptions(OptionGroup):
 
 
 class ComputingOptions(OptionGroup):
-    """Options for additional computations."""
+    """Options that request additional computations."""
 
     title: ClassVar[str] = "Computing"
 
@@ -764,7 +764,7 @@ READING_OPTION_NAMES: tuple[str, ...] = tuple(
 
 
 def split_list(name: str, text: str) -> str | tuple[str, ...]:
-    """Split the text of an option at commas. If the option has a single value, return the text unchanged."""
+    """Split the text of an option at commas, or return the text unchanged if the option has a single value."""
     return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
 
@@ -777,7 +777,7 @@ CHECK_ORDER: tuple[str, ...] = tuple(
 
 
 def list_choices(name: str) -> tuple[str, ...]:
-    """Return the words that an option accepts as values, or an empty tuple if the option accepts other values."""
+    """Return the words that an option accepts, or an empty tuple if its values are not a fixed list of words."""
     annotation = PairOptions.model_fields[name].annotation
     literal = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
     return tuple(argument for argument in get_args(literal) if isinstance(argument, str))
@@ -806,7 +806,7 @@ def format_python_name(name: str) -> str:
 
 @contextmanager
 def argument_errors() -> Iterator[None]:
-    """Convert the first fault of a pydantic validation error to an `ArgumentError`."""
+    """Convert the first error in a pydantic validation error to an `ArgumentError`."""
     try:
         yield
     except ValidationError as error:
@@ -833,7 +833,7 @@ def argument_errors() -> Iterator[None]:
 
 
 def read_options(values: dict[str, object]) -> PairOptions:
-    """Validate values given by field name, and create options from them.
+    """Validate option values given by field name, and create options from them.
 
     Raises an `ArgumentError` if a value is invalid.
     """

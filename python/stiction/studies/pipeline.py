@@ -1,4 +1,4 @@
-"""Completion of a result folder, to which missing blocks and companion files of a measured pair are added.
+"""Complete a result folder by adding missing blocks and, for a measured pair, companion files.
 
 Companion files contain the contacts of a typical member, areas at other hardnesses, and the onset of sliding. The
 cutoff study is stored in a subfolder.
@@ -55,7 +55,7 @@ _COMPANION_FILES = {
 
 
 def _ignore_line(_: str) -> None:
-    """Ignore a line of output, in runs that print nothing."""
+    """Ignore a line of output. Runs that print nothing use this function."""
 
 
 def complete_result(
@@ -64,7 +64,7 @@ def complete_result(
     print_remark: LinePrinter = _ignore_line, announce: LinePrinter = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of one part of its members.
+    """Compute the missing blocks of a study, or of one part of the study if `part` is given.
 
     Without a part, the companion files are computed too.
 
@@ -97,7 +97,7 @@ def complete_result(
         return Result(stored)
     result = Result(stored)
     if measured and load_areas_over_hardness(stored) is None and not is_unloaded(result):
-        # Some members are computed at other hardnesses and moduli if these inputs are ranges.
+        # If hardness or moduli are ranges, some members are also computed at values other than the nominal values.
         seconds = (
             count_solutions(stored.study) * estimate_solution_time(stored.study)
             if stored.study.uses_half_space
@@ -121,7 +121,7 @@ def complete_result(
 
 
 def _write_companion(stored: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a companion file. Nothing is written if there are no data, or if body files are missing."""
+    """Compute and write a companion file. Do nothing if there are no data, or if body files are missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored.path / name, replace=True)
@@ -131,7 +131,7 @@ def compute_companions(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
     announce: LinePrinter = _ignore_line, print_remark: LinePrinter = _ignore_line,
 ) -> None:  # fmt: skip
-    """Compute the cutoff study and the onset of sliding of a measured pair, if they are not stored yet."""
+    """Compute the cutoff study and the onset of sliding of a measured pair unless they are already stored."""
     stored = result.stored
     if stored is None or not stored.study.is_measured:
         return
@@ -141,7 +141,7 @@ def compute_companions(
             folder = stored.path / CUTOFF_STUDY_FOLDER
             existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing and find_member_differences(existing.study, cutoff_study):
-                remove_result(existing)  # the members differ, for example in their loads
+                remove_result(existing)  # the stored members differ from the cutoff study, for example in their loads
             seconds = cutoff_study.ensemble.repetitions * estimate_member_time(cutoff_study)
             (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                 f"cutoff study: about {format_duration(seconds)} of one core"
@@ -152,7 +152,7 @@ def compute_companions(
             return
         announce("onset of sliding")
         new_onset = compute_onset(stored.study, executor, members=onset)
-    except ValueError as error:  # the files of the bodies are missing
+    except ValueError as error:  # raised if the files of the bodies are missing
         print_remark(f"cutoff study and onset are not computed: {error}")
         return
     if new_onset is not None:
@@ -162,7 +162,7 @@ def compute_companions(
 
 
 def remove_result(stored: StoredResult) -> None:
-    """Remove the files of a result (study, blocks, areas, onset), but no other files in the folder."""
+    """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files."""
     for block in stored.blocks:
         (stored.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
     areas = (AREAS_FILE,) if stored.study.is_measured else ()

@@ -1,4 +1,4 @@
-"""Values at one point of an `at_load` dataset: one combination of roughness or cutoff, load, mu0 and tau0."""
+"""Values at one point of an `at_load` dataset, i.e. at one roughness or cutoff, load, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RuleValue:
-    """Coefficient of static friction at a point, evaluated with one sliding rule."""
+    """Coefficient of static friction at a point under one sliding rule."""
 
     rule: str  # "all" or "opposing"
     value: float  # mean coefficient over the directions
@@ -36,7 +36,7 @@ class RuleValue:
 
 
 def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
-    """Yield a dataset for each combination of roughness or cutoff, load, mu0 and tau0 in an `at_load` dataset."""
+    """Yield one dataset for each point, i.e. for each combination of roughness or cutoff, load, mu0 and tau0."""
     cells = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     for indices in np.ndindex(*(at.sizes[name] for name in dims)):
@@ -49,23 +49,23 @@ RULE_ORDER = ("all", "opposing")
 Under the quoted rule, friction acts at all contacts, because mu0 is measured on smooth faces.
 """
 
-CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of the cells of any kind of study
+CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that the cells of a study may have
 MEAN_AND_ENDS = ("mean", "lower", "upper")  # labels of a mean and of the limits of its 95 % interval
 
 
 def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
-    """Return the name and value of the roughness exponent, which is H for self-affine surfaces and D otherwise."""
+    """Return the name and value of the roughness exponent. The name is H for self-affine surfaces, and D otherwise."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
 
 def by_rule(table: Any, rule: str) -> Any:
-    """Select the values for a sliding rule from an array. An array without sliding rules is returned unchanged."""
+    """Select the values for a sliding rule. An array without the dimension `sliding` is returned unchanged."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
 def value_of(point: xarray.Dataset, name: str) -> float:
-    """Return the value of a quantity at a point, averaged over all directions, or NaN if the quantity is missing."""
+    """Return a quantity at a point, averaged over all directions, or NaN if the quantity is missing."""
     if name not in point.variables:
         return math.nan
     table = point[name]
@@ -76,7 +76,7 @@ def value_of(point: xarray.Dataset, name: str) -> float:
 
 
 def contact_status_of(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the true area at a point: "ok", "complete", or "above-nominal" (asperity model only)."""
+    """Return the status of the true area at a point: "ok", "complete", or (asperity model only) "above-nominal"."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     above = value_of(point, "contact_area_fraction") > 1
@@ -99,7 +99,7 @@ def rules_of(study: Study) -> list[str]:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the nominal area is a meaningful quantity for the contact model.
+    """Return whether the nominal area is meaningful for the contact model.
 
     For spheres on a strip of arbitrary thickness, it is not.
     """
@@ -114,7 +114,7 @@ def law_of(study: Study) -> str:
 
 
 def is_capped(study: Study) -> bool:
-    """Return whether a hardness or a yield strength limits the contact pressure."""
+    """Return whether the contact pressure is limited by a hardness or a yield strength."""
     return study.contact.hardness is not None or "jackson" in law_of(study)
 
 
@@ -124,7 +124,7 @@ def modulus_of(point: xarray.Dataset, study: Study) -> float:
 
 
 def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the range of adhesion (µm) in the study, and the range that is used so that the grid resolves it."""
+    """Return the range of adhesion (µm) in the study, and the range used. A coarse grid requires a larger range."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or ADHESION_RANGE)
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))
@@ -145,7 +145,7 @@ def hardness_of(study: Study) -> float:
 
 
 def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
-    """Return tau0/H', which is the adhesive friction coefficient of fully plastic contacts.
+    """Return tau0/H', the adhesive part of the friction coefficient for fully plastic contacts.
 
     The value is NaN at seizure, or None without a hardness.
     """

@@ -1,4 +1,4 @@
-"""Adhesion without an external load: pull-off force, pull-off pressure and friction of unloaded bodies."""
+"""Adhesion without an external load: pull-off force, pull-off pressure, and friction at zero load."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ ValueWithInterval = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Sticking:
-    """Pull-off force (mN), pull-off pressure (GPa) and friction force of unloaded bodies (mN), with 95 % intervals."""
+    """Pull-off force (mN), pull-off pressure (GPa) and friction force at zero load (mN), with 95 % intervals."""
 
     pull_off: ValueWithInterval
     pressure: ValueWithInterval
     friction: ValueWithInterval
-    is_bound: bool  # True if the pull-off force of some members is a lower bound
+    is_bound: bool  # True if the pull-off force of some members is only a lower bound
 
     @property
     def sticks(self) -> Literal["yes", "no", "uncertain"]:
-        """Assessment of whether the bodies stick together: "yes", "no" or "uncertain".
+        """Assessment of whether the bodies stick together, which is "yes", "no" or "uncertain".
 
         The value is "yes" if the interval of the pull-off pressure is above `STICKING_PRESSURE`, "no" if it is below,
         and "uncertain" if it contains this pressure.
@@ -46,7 +46,7 @@ class Sticking:
 
 
 def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
-    """Return pull-off force, pull-off pressure and unloaded friction at a point, or None without adhesion."""
+    """Return pull-off force, pull-off pressure and friction at zero load, or None if the point has no such values."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (

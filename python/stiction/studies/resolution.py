@@ -1,4 +1,4 @@
-"""Effect of the scan resolution on a measured pair: a study at several cutoffs, and the slope at each wavelength."""
+"""Effect of the scan resolution on a measured pair: results at several cutoffs, and slopes at each wavelength."""
 
 from __future__ import annotations
 
@@ -38,16 +38,18 @@ if TYPE_CHECKING:
     import xarray
 
 CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in a result folder
-# number of members for height maps (the first members of the result)
+# number of members in a cutoff study of height maps (the first members of the result)
 NUM_AREAL_MEMBERS = 4
-NUM_LINE_MEMBERS = 16  # number of members for profiles
-MAX_CUTOFFS = 4  # largest number of cutoffs, which start at the shortest resolved wavelength and double successively
+NUM_LINE_MEMBERS = 16  # number of members in a cutoff study of profiles
+# Maximum number of cutoffs.
+# The first cutoff is the shortest resolved wavelength, and each further cutoff is twice as long as the previous one.
+MAX_CUTOFFS = 4
 FOUR_DIGIT_ERROR = 5e-4  # largest relative error of a number rounded to four digits
-MAX_RELATIVE_CUTOFF = 1 / 30  # largest ratio of a cutoff to the shortest side of the scans
+MAX_RELATIVE_CUTOFF = 1 / 30  # maximum ratio of a cutoff to the shortest side of the scans
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Create a cutoff study, which has several cutoffs, fewer members and the loads of the original study.
+    """Create a cutoff study. It has several cutoffs, fewer members, and the loads of the original study.
 
     The first cutoff is the cutoff of the original study. The other cutoffs start at the shortest resolved wavelength
     and double successively. Returns None for generated bodies, for the asperity model, if the original study has
@@ -88,7 +90,7 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
-    """Evaluate a measured pair at several cutoffs and at the loads of its study.
+    """Evaluate a measured pair at several cutoffs, for the loads of its study.
 
     The cutoffs are those of the result itself or of the cutoff study in its folder. Returns None if there is neither.
     """
@@ -118,7 +120,7 @@ def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap between two bodies at resolved wavelengths, and its extrapolation to shorter wavelengths."""
+    """Roughness of the gap at resolved wavelengths, with an extrapolation to shorter wavelengths."""
 
     shortest: float  # shortest resolved wavelength (two points or the cutoff), µm
     longest: float  # longest side of the pressed bodies, µm
@@ -127,7 +129,7 @@ class ResolvedRoughness:
     estimate: HurstEstimate | None  # Hurst exponent of the gap, or None if the gap has no self-affine band
 
     def fraction_below(self, wavelength: float) -> float:
-        """Return the fraction of the mean square gradient of the gap that comes from wavelengths below a limit (µm)."""
+        """Return the fraction of the gap's mean square gradient that comes from wavelengths below a limit (µm)."""
         return float(self.roughness.fraction_below(wavelength))
 
     def find_plastic_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
@@ -140,7 +142,7 @@ class ResolvedRoughness:
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, spread)
 
     def extrapolate(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Extrapolate the gap gradient and the area fraction of elastic bodies to finer scans.
+        """Extrapolate the gap gradient and the area fraction to finer scans, assuming elastic bodies.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
         area fractions are triples of value, lower limit and upper limit.
@@ -155,7 +157,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Return the resolved roughness of the gap of a pair, or None for generated bodies or missing files."""
+    """Return the resolved roughness of the gap, or None if the bodies are generated or if files are missing."""
     if not study.is_measured:
         return None
     try:
@@ -188,7 +190,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return lower bounds on mu_s and on the area fraction for finer scans, or None unless the half-space is plastic.
+    """Return lower bounds on mu_s and the area fraction for all finer scans, or None if contacts cannot yield.
 
     The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
     is the nominal pressure.
@@ -245,7 +247,7 @@ class Resolution:
 
 
 def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> Resolution | None:
-    """Return the effect of the scan resolution on a dataset, or None if neither roughness nor cutoffs are known.
+    """Return the effect of the scan resolution, or None if roughness and results at cutoffs are both unavailable.
 
     `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
     """
@@ -277,7 +279,7 @@ def _cutoff_point(point: xarray.Dataset, study: Study) -> CutoffPoint:
 
 
 def yield_estimates(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> tuple[YieldEstimate, ...]:
-    """Estimate the wavelengths at which the mean contact pressure reaches typical hardnesses.
+    """Estimate the wavelengths at which the mean contact pressure would reach typical hardnesses.
 
     At this wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
     result.
@@ -295,7 +297,7 @@ def yield_estimates(point: xarray.Dataset, study: Study, scan: ResolvedRoughness
 
 
 def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return the limits for elastic and plastic contact that are drawn in the figure of results against cutoff.
+    """Return the elastic and plastic limits that are drawn in the figure of the cutoff study.
 
     `dataset` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``, the
     plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files are
@@ -329,7 +331,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
 
 
 def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Return the closed-form estimate from the spectra of both bodies, or None if no body joins several scans."""
+    """Return the closed-form estimate from the spectra of both bodies, or None if neither is a joined spectrum."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]

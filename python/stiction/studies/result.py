@@ -1,4 +1,4 @@
-"""Result of a study, in memory or in a directory, with contact sums and values derived from the sums."""
+"""Result of a study, in memory or in a directory. It contains contact sums, from which values are computed."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _Read = TypeVar("_Read")
 
 
 class Result:
-    """Result of a study of generated or measured surfaces, as returned by `run`, `pair` and `open_result`.
+    """Result of a study of generated or measured surfaces. It is returned by `run`, `pair` and `open_result`.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Result:
 
     @classmethod
     def of(cls, result: Result | xarray.Dataset | StoredResult) -> Result:
-        """Return a result unchanged, or create one from a dataset of member sums or from an open directory."""
+        """Convert a dataset of member sums or an opened directory to a result. Return a result unchanged."""
         import xarray
 
         if isinstance(result, Result):
@@ -72,7 +72,7 @@ class Result:
 
     @property
     def stored(self) -> StoredResult | None:
-        """Directory of the result, or None for a result in memory."""
+        """Result stored in a directory, or None if the result is in memory."""
         return self.source if isinstance(self.source, StoredResult) else None
 
     @cached_property
@@ -82,12 +82,12 @@ class Result:
 
     @property
     def path(self) -> Path | None:
-        """Directory of the result, or None for a result in memory."""
+        """Directory of the result, or None if the result is in memory."""
         return None if self.stored is None else self.stored.path
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """Dataset with the contact sums of all members, held in memory.
+        """Dataset that contains the contact sums of all members in memory.
 
         Raises a `StoreError` if the sums take more than 2 GiB.
         """
@@ -95,7 +95,7 @@ class Result:
 
     @cached_property
     def head(self) -> xarray.Dataset:
-        """Dataset with the coordinates and attributes of the result, but with values of the first members only.
+        """Dataset with the coordinates and attributes of the result. It contains values of the first members only.
 
         Raises a `StoreError` if no member is finished.
         """
@@ -119,7 +119,7 @@ class Result:
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in pieces (groups of members) with the named variables, one piece in memory at a time.
+        """Yield the result in pieces (groups of members) with the named variables. Only one piece is held in memory.
 
         The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
         """
@@ -133,7 +133,7 @@ class Result:
             yield selected.isel(repetition=slice(first, first + step))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
-        """Average variables over all members, holding only one piece of the result in memory at a time."""
+        """Average variables over all members. Only one piece of the result is held in memory at a time."""
         import xarray
 
         names, total, count = list(names), dict[str, xarray.Variable](), 0
@@ -152,13 +152,13 @@ class Result:
 
     @cached_property
     def num_solved(self) -> int:
-        """Number of members that were solved at all loads or approaches."""
+        """Number of members that the solver completed at all loads or approaches."""
         from stiction.studies.maps import solved_pieces
 
         return sum(piece.sizes["repetition"] for piece in solved_pieces(self, ["normal_elastic"]))
 
     def alongside(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
-        """Read data from the directory of the result with the given function, and cache the returned value.
+        """Read data stored alongside the result by calling `read`, and cache the data.
 
         Returns None for results in memory.
 
@@ -185,7 +185,7 @@ class Result:
 
     @property
     def over_cut_offs(self) -> xarray.Dataset | None:
-        """Values at several cutoff wavelengths for a few members, or None if no cutoff study is stored."""
+        """Values of a few members at several cutoff wavelengths, or None if no cutoff study is stored."""
         from stiction.studies.resolution import evaluate_cutoffs
 
         return self.alongside(evaluate_cutoffs)
@@ -208,7 +208,7 @@ class Result:
         return coming_and_going(self)
 
     def find_touching_profiles(self, load: float) -> tuple[Profile, Profile, float, float] | None:
-        """Return the first pair of measured profiles that touch at a load (mN), with the approach and the offset (µm).
+        """Find the first profiles that touch at a load (mN). Return both profiles, their approach and offset (µm).
 
         Returns None if no pair touches.
         """
@@ -218,7 +218,7 @@ class Result:
 
     @property
     def height_factors(self) -> dict[ScaledSides, list[float]]:
-        """Stored height factors, listed separately for scaling both bodies, the upper body or the lower body."""
+        """Lists of the stored height factors that scale both bodies, only the upper body, or only the lower body."""
         from stiction.studies.height_scale import list_stored_factors
 
         return {} if self.stored is None else list_stored_factors(self.stored)
@@ -232,7 +232,7 @@ class Result:
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the measured bodies, which apply at all loads.
+        """Caveats about the measured bodies. They apply at all loads.
 
         The files are read on first use.
         """
@@ -253,7 +253,7 @@ class Result:
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) in the study or, if the study has none, a few loads within the range of the result.
+        """Loads (mN) in the study, or a few loads within the range of the result if the study has no loads.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -270,7 +270,7 @@ class Result:
 
     @cached_property
     def at_study_loads(self) -> xarray.Dataset:
-        """Values and intervals at the loads, mu0 and tau0 in the study, including the uncertainty budget.
+        """Values, intervals and uncertainty budget at the loads, mu0 and tau0 of the study.
 
         If the study has a range of fractal dimensions, only `NUM_OVERVIEW_DIMENSIONS` values are evaluated.
         """
@@ -291,7 +291,7 @@ class Result:
         height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
         compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Evaluate the result and its intervals at any loads, mu0 and tau0.
+        """Evaluate the result with its intervals at any loads, mu0 and tau0.
 
         The contacts need no new computation.
 
@@ -397,7 +397,7 @@ class Result:
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Compute a table with one row for each contact of a typical member or of the given members.
+        """Return a table with one row per contact, for a typical member or for the given members.
 
         Parameters
         ----------
@@ -429,7 +429,7 @@ class Result:
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Summarize the values that may be quoted at given loads, mu0 and tau0.
+        """Summarize the values that may be quoted at the given loads, mu0 and tau0.
 
         By default the loads, mu0 and tau0 are the values in the study.
         The default summary is computed only once.
@@ -439,7 +439,7 @@ class Result:
         return self.summary_of(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def summary_of(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset that was returned by `at` with `budget=True`, or a selection from such a dataset."""
+        """Summarize a dataset returned by `at` with `budget=True`, or a selection from such a dataset."""
         from stiction.studies.summary import summarize
 
         return summarize(at, self.study, input_caveats=self.input_caveats)
@@ -459,22 +459,22 @@ class Result:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Limits of the combined 95 % interval of `value`, which covers inputs, positions and unresolved roughness."""
+        """Limits of the combined 95 % interval of `value`. It includes inputs, positions and unresolved roughness."""
         return self._first.lower, self._first.upper
 
     @property
     def of_positions(self) -> tuple[float, float]:
-        """Limits of the 95 % sampling interval of the mean over positions, with central values of all inputs."""
+        """Limits of the 95 % sampling interval of the mean over positions, for inputs at their central values."""
         return self._first.rules[0].positions
 
     @property
     def next_test(self) -> tuple[float, float]:
-        """Limits of the 95 % prediction interval for a single test at one position in one direction of motion."""
+        """Limits of the 95 % prediction interval for one test at one position in one direction of motion."""
         return self._first.rules[0].next_test
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """Uncertainty budget, with the interval that would remain if one input at a time were exact.
+        """Uncertainty budget. Each row contains the interval that would remain if one input were exact.
 
         The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
         and share (fraction of the width that would vanish).
@@ -501,12 +501,12 @@ class Result:
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about `value` with their remedies. Faults come first."""
+        """Caveats about `value`, each with a remedy. Faults come first."""
         return self._first.caveats
 
     @property
     def sentence(self) -> str:
-        """Sentence that states `value` and all conditions on which it depends."""
+        """Sentence that contains `value` and all conditions under which it holds."""
         from stiction.views.sentence import sentence_text
 
         return sentence_text(self._first)
@@ -514,7 +514,7 @@ class Result:
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table written to CSV files, with one row per load, mu0, tau0, sliding rule and direction."""
+        """Return the table that CSV files contain. It has one row per load, mu0, tau0, sliding rule and direction."""
         from stiction.views.rows import summary_table
 
         return summary_table(self.summary())
@@ -554,18 +554,18 @@ class Result:
         return list(select_figures(self))
 
     def save_report(self, path: str | Path) -> Path:
-        """Write the interactive HTML report of the result and return its path."""
+        """Save the interactive HTML report of the result, and return its path."""
         from stiction.views.report import save_report
 
         save_report(self, Path(path), name=self.path.resolve().name if self.path else "result")
         return Path(path)
 
     def to_netcdf(self, path: str | Path) -> None:
-        """Write all variables, coordinates and attributes of the result to a new netCDF file."""
+        """Write the result to a new netCDF file, including all variables, coordinates and attributes."""
         export(self.dataset, path)
 
     def export(self, path: str | Path) -> None:
-        """Write the result to a new file: ``.nc`` contains all numbers, ``.csv`` and ``.tex`` a table of values.
+        """Write the result to a new file: all numbers for ``.nc``, or a table of values for ``.csv`` and ``.tex``.
 
         Raises
         ------
@@ -579,10 +579,10 @@ class Result:
     # ---- Display in a terminal or a notebook -------------------------------------------------------------------------
 
     def __repr__(self) -> str:
-        """Return the text that is printed on a terminal."""
+        """Return the text that is shown if the result is printed on a terminal."""
         try:
             return self._text().rstrip()
-        except ValueError as error:  # There is no contact or no finished member.
+        except ValueError as error:  # raised if there is no contact or no finished member
             return f"no answer: {error}"
 
     def _text(self) -> str:
@@ -592,14 +592,14 @@ class Result:
         return text.result_text(summary) if self.study.is_measured else text.overview_text(summary)
 
     def _repr_html_(self) -> str:
-        """Return the text that is printed on a terminal, together with a figure, as HTML."""
+        """Return HTML that contains a figure and the text that is shown on a terminal."""
         names = self.figures()
         name = next((each for each in ("contacts", "friction", *names) if each in names), None)
         return f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(name)) if name else ''}</div>"
 
 
 def open_result(directory: str | Path) -> Result:
-    """Open a finished or unfinished result in a directory written by `run`, `pair` or a command.
+    """Open a finished or unfinished result in a directory that was written by `run`, `pair` or a command.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Execution of a study by an executor, which runs one task for each block of members."""
+"""Run a study with an executor, which computes each block of members in a separate task."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ if TYPE_CHECKING:
 BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-MIN_BLOCKS = 16  # smallest number of blocks, which limits the wait for the last block
-MIN_BLOCK_TIME = 0.06  # smallest computing time (s) of a block, because writing its file takes some milliseconds
-MAX_SUBMITTED_TASKS = 1000  # largest number of queued tasks if the workers write the block files
-# largest number of queued tasks if this process writes the block files
+MIN_BLOCKS = 16  # minimum number of blocks, which limits the wait for the last block
+MIN_BLOCK_TIME = 0.06  # minimum computing time (s) of a block; writing its file takes some milliseconds
+MAX_SUBMITTED_TASKS = 1000  # maximum number of queued tasks if the workers write the block files
+# maximum number of queued tasks if this process writes the block files
 MAX_RETURNED_TASKS = 256
 SHUTDOWN_TIMEOUT = 3.0  # time (s) for which an interrupted run waits for unfinished blocks
-MAX_BYTES_IN_MEMORY = 2**34  # largest size (bytes) of a result without a store
+MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result without a store, and of a single repetition
 
 
 def choose_block_size(study: Study) -> int:
@@ -113,7 +113,7 @@ def compute_missing(
     study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
-    """Compute the blocks of a study that are missing in a folder.
+    """Compute all blocks of a study that its folder does not contain yet.
 
     The part (3, 16) is every 16th block, starting with the third.
 
@@ -147,7 +147,7 @@ def complete_blocks(
     stored: StoredResult, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
 ) -> StoredResult:  # fmt: skip
-    """Compute the blocks that a stored result lacks, and return the result with these blocks.
+    """Compute the blocks that are missing in a stored result, and return the complete result.
 
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
     was too low. Raises the errors of `compute_missing`.
@@ -171,7 +171,7 @@ def _compute_into(
     stored: StoredResult, missing: _MissingMembers, pool: Executor, advance: Callable[[int], None],
     announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
-    """Compute the blocks that a stored result lacks, and write their files.
+    """Compute the blocks that are missing in a stored result, and write them to files.
 
     Workers that can access the folder write the block files.
     """
@@ -203,7 +203,7 @@ def _compute_into(
 
 @contextlib.contextmanager
 def _create_token(path: Path) -> Iterator[SharedFolder]:
-    """Create a token file, which exists as long as the run is active.
+    """Create a token file that exists as long as the run is active.
 
     If a worker finds the token file, the worker can access the folder, and the run is still active.
     """
@@ -222,7 +222,7 @@ def _create_token(path: Path) -> Iterator[SharedFolder]:
 
 @contextlib.contextmanager
 def _count_finished_on_error(stored: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to the messages of errors about storage or workers that died."""
+    """Add the number of finished members to the messages of storage errors and of errors about dead workers."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -258,7 +258,7 @@ LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice on
 
 
 def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:
-    """Describe the remaining work in one line: run time, number and size of files, and a warning if space is short."""
+    """Describe the remaining work in one line: run time, number and size of files, and whether disk space is short."""
     study = stored.study
     free = shutil.disk_usage(stored.path).free
     files = sum(1 for _ in missing)
@@ -282,7 +282,7 @@ MIN_REPORTED_TIME = 60.0  # remaining time (s) above which a new estimate of the
 
 
 def _new_estimate(missing: _MissingMembers, members: int, seconds: float, workers: int, cost: float) -> str:
-    """Return a line with a better estimate of the run time, made after the first block.
+    """Return a line with a better estimate of the run time, based on the first block.
 
     The line is empty if little time remains, or if the first estimate was right.
     """
@@ -294,7 +294,7 @@ def _new_estimate(missing: _MissingMembers, members: int, seconds: float, worker
 
 
 class _MissingMembers:
-    """Unfinished members of a study, or of one part of it, in ranges that lie within single blocks."""
+    """Unfinished members of a study or of one part of it. Each range of members lies within one block."""
 
     def __init__(self, stored: StoredResult, part: tuple[int, int] | None) -> None:
         members = stored.study.ensemble.repetitions
@@ -322,7 +322,7 @@ def _compute_ranges(
     missing: _MissingMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
-    """Submit a task for each range of missing members, and pass the result of each task to `accept`.
+    """Submit a task for each range of missing members, and pass the result of the task to `accept`.
 
     At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
     """
@@ -359,7 +359,7 @@ def _compute_ranges(
 
 @dataclass(frozen=True)
 class SharedFolder:
-    """Result folder into which workers on other machines write their blocks if they can access the folder."""
+    """Result folder. Workers on other machines write their blocks into the folder if they can access it."""
 
     path: Path
     token: str  # name of the token file, which exists in the blocks folder during a run
@@ -370,7 +370,7 @@ class SharedFolder:
 
 
 def compute_block(version: str, study: Study, folder: SharedFolder | None, members: range) -> bytes | None:
-    """Compute a block of members and write its file, or return the file content if the folder is not accessible."""
+    """Compute a block of members and write its file. If the folder is not accessible, return the file content."""
     from stiction.studies.store import encode_members
 
     is_visible = folder is not None and folder.is_visible()
@@ -382,7 +382,7 @@ def compute_block(version: str, study: Study, folder: SharedFolder | None, membe
 
 
 def compute_block_arrays(version: str, study: Study, members: range) -> Arrays:
-    """Compute the arrays that contain the values of a block of members.
+    """Compute the arrays of values for a block of members.
 
     Raises a `StudyError` if `version` is not the version of this process.
     """
@@ -400,7 +400,7 @@ NUM_PREVIEW_MEMBERS = 4
 
 
 def preview_result(study: Study) -> Result:
-    """Compute a preview result, which contains only the first members of a study.
+    """Compute a preview result from the first few members of a study.
 
     Raises a `ValueError` if their contact cannot be computed.
 

@@ -1,4 +1,4 @@
-"""Results on disk, each in a folder with a study file and one file for each block of members.
+"""Results on disk. Each result has a folder with a study file and one file per block of members.
 
     DIR/study.toml                               the study
     DIR/blocks/0000008-0000015-1b2c3d4e.nc       members 8 to 15; the last field is the CRC-32 of the file's bytes
@@ -61,8 +61,8 @@ if TYPE_CHECKING:
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
 STUDY_FILE_MARK = "# Written by stiction"  # first words of each study file written by stiction
-MAX_RESULT_BYTES = 2**31  # largest result (bytes) that is read into memory as a whole
-MAX_COMPANION_BYTES = 2**26  # largest companion file (bytes) that is read
+MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory as a whole
+MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a companion file that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 MAX_RELOADS = 3
 
@@ -73,7 +73,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class Block:
-    """Block of members, with its range of members and its checksum, which are part of its file name."""
+    """Block of members. Its file name consists of the range of members and a checksum."""
 
     first: int
     last: int
@@ -87,7 +87,7 @@ class Block:
 
 @dataclass(frozen=True)
 class StoreInfo:
-    """Description of a result folder: study, progress, size and version."""
+    """Description of a result folder, with study, progress, size and version."""
 
     study: Study
     finished: int  # number of finished repetitions out of study.ensemble.repetitions
@@ -108,7 +108,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[Block, int, int]]:
-        """List of blocks, each with the range of members to read from the block.
+        """List of blocks, each with the range of members to be read from it.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -144,16 +144,16 @@ class StoredResult:
 
     @property
     def nbytes(self) -> int:
-        """Size in bytes that the result has in memory."""
+        """Size in bytes of the result when it is loaded into memory."""
         return self.count * member_bytes(self.study)
 
     def reload(self) -> StoredResult:
-        """Return the result after listing the blocks in its folder again."""
+        """Return the result with an updated list of the blocks in its folder."""
         return StoredResult(self.path, self.study, _list_blocks(self.path))
 
     @cached_property
     def first_content(self) -> BlockContent:
-        """Contents of the first block. The study in this block may differ from the study in the folder."""
+        """Contents of the first block. The study in this block may differ from the study file in the folder."""
         return self._read(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
@@ -176,7 +176,7 @@ class StoredResult:
         )
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in consecutive pieces, holding only one piece in memory (see `Result.pieces`)."""
+        """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
         selected, count = None if names is None else list(names), self.count
         for first in range(0, count, self._piece_length):
             piece = (
@@ -193,14 +193,14 @@ class StoredResult:
 
     @cached_property
     def _single_piece(self) -> xarray.Dataset:
-        """Whole result as a dataset of read-only arrays, which all tables and figures share."""
+        """Whole result as a dataset of read-only arrays that all tables and figures share."""
         dataset = self._read_range(0, self.count)
         for variable in dataset.data_vars.values():
             variable.values.flags.writeable = False
         return dataset
 
     def _read_range(self, first: int, last: int) -> xarray.Dataset:
-        """Return a dataset with the finished members at the positions from `first` to `last` - 1."""
+        """Return a dataset of the finished members `self.finished[first:last]`, in ascending order."""
         version, numbers = self.version, self.finished[first:last]
         axis = len(self.study.surfaces.cells())
         arrays: Arrays = {
@@ -230,7 +230,7 @@ class StoredResult:
         return build_dataset(self.study, numbers, arrays, bodies).assign_attrs(stiction_version=version)
 
     def _read(self, block: Block) -> BlockContent:
-        """Read a block, check its checksum against the file name, and return its contents."""
+        """Read a block, compare its checksum with the checksum in the file name, and return the contents."""
         try:
             written = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
             if zlib.crc32(written) != block.checksum:
@@ -256,7 +256,7 @@ def _damage_error(path: Path, block: Block, reason: str) -> StoreError:
 
 
 def read(path: str | Path) -> xarray.Dataset:
-    """Read a result from its folder, or from a netCDF file that `export` wrote.
+    """Read a result from a folder, or from a netCDF file that `export` has written.
 
     If the study is not finished, the dataset contains only the finished repetitions, and a warning is issued.
 
@@ -321,7 +321,7 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
 
 
 def open_stored(path: str | Path) -> StoredResult:
-    """Open the result in a folder without reading the blocks of the result.
+    """Open the result in a folder without reading its blocks.
 
     Raises a `StoreError` if the folder has no result.
     """
@@ -341,7 +341,7 @@ def open_stored(path: str | Path) -> StoredResult:
 
 
 def info(path: str | Path) -> StoreInfo:
-    """Describe the contents of a result folder, reading at most one block.
+    """Describe the contents of a result folder. At most one block is read.
 
     Raises
     ------
@@ -378,7 +378,7 @@ def _study(path: Path) -> Study:
 
 
 def create_or_open(path: str | Path, study: Study) -> StoredResult:
-    """Create a result in a folder, or open an existing result of the same study to resume its computation.
+    """Create a result in a folder. If the folder already contains a result of the same study, open it to resume.
 
     Stale partial files are removed. Raises a `StoreError` if the folder cannot be written, contains another study, or
     was created by another version.
@@ -399,7 +399,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
             _files.write_atomically(
                 path / STUDY_FILE, f"{STUDY_FILE_MARK} {__version__}.\n\n{study.to_toml()}".encode()
             )
-    except (OSError, RuntimeError) as error:  # A RuntimeError is due to a symbolic link that refers to itself.
+    except (OSError, RuntimeError) as error:  # A symbolic link that refers to itself raises a RuntimeError.
         if stored.count < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
@@ -407,7 +407,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
 
 
 def _check_resumable(stored: StoredResult) -> None:
-    """Raise a `StoreError` if the computation of this study cannot be resumed from the existing blocks."""
+    """Raise a `StoreError` if the existing blocks prevent the computation of this study from being resumed."""
     path, content, total = stored.path, stored.first_content, stored.study.ensemble.repetitions
     if differ := find_member_differences(content.study, stored.study):
         raise OtherStudyError(path, content.study, differ)
@@ -433,7 +433,7 @@ def _check_resumable(stored: StoredResult) -> None:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` unless the study file in a folder was written by stiction and may be replaced."""
+    """Raise a `StoreError` unless stiction wrote the study file in a folder and may replace it."""
     try:
         if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_MARK.encode()):
             return
@@ -448,7 +448,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
 
 
 def _has_study(path: Path, study: Study) -> bool:
-    """Return whether the folder contains a study that is equal to the given study."""
+    """Return whether the folder contains the given study."""
     try:
         return _study(path) == study
     except (OSError, ValueError):
@@ -464,12 +464,12 @@ class OtherStudyError(StoreError):
         self.path, self.stored, self.differ = path, stored, differ
 
     def with_remedy(self, advice: str) -> OtherStudyError:
-        """Return a copy of the error whose message suggests another remedy."""
+        """Return a copy of the error with another remedy in the message."""
         return OtherStudyError(self.path, self.stored, self.differ, advice)
 
 
 def write_block(path: Path, first: int, written: bytes, count: int) -> None:
-    """Write a block file with `count` members, of which the first has the index `first`.
+    """Write a block file that contains `count` members. The first member has the index `first`.
 
     Raises a `StoreError` if the file cannot be written.
     """
@@ -502,7 +502,7 @@ _template_lock = threading.Lock()  # lets concurrent threads create only one tem
 
 
 class DamageError(Exception):
-    """Error raised if a file is not a valid result. The message describes the reason."""
+    """Error raised if a file is not a valid result. The message contains the reason."""
 
 
 @dataclass(frozen=True)
@@ -536,7 +536,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _template(study: Study, count: int) -> bytes:
-    """Return the bytes of a block file with `count` members, in which all values are zero.
+    """Return the bytes of a block file with `count` members, in which all values are 0.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
@@ -550,7 +550,7 @@ def _template(study: Study, count: int) -> bytes:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file as xarray does, but without the locks that xarray uses.
+    """Write a dataset to a netCDF file in the same way as xarray, but without using xarray's locks.
 
     The locks of xarray would require a Dask scheduler in Dask workers.
     """
@@ -576,7 +576,7 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
 
 
 def append_seal(file: io.BytesIO) -> None:
-    """Append a seal to the file, which is the checksum of all bytes before the seal."""
+    """Append a seal, i.e. the checksum of all preceding bytes, to the file."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
 
@@ -632,7 +632,7 @@ def _parse_study(text: str) -> Study:
 
 
 def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    """Return the values of a variable, which must be stored in the file itself rather than in a linked file."""
+    """Return the values of a variable. The values must be stored in the file itself, not in a linked file."""
     import h5py
 
     variable = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
@@ -649,11 +649,11 @@ def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) ->
 
 
 class ExportError(ValueError):
-    """Error raised if a file cannot be written."""
+    """Error raised if an exported file cannot be written."""
 
 
 def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) -> None:
-    """Write all variables, coordinates and attributes of a dataset to a netCDF file without loss.
+    """Write all variables, coordinates and attributes of a dataset to a netCDF file without loss of information.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Studies, which are validated descriptions of a computation, read from a TOML file or built in."""
+"""Studies, i.e. validated descriptions of a computation. They are read from TOML files or built in."""
 
 from __future__ import annotations
 
@@ -52,8 +52,8 @@ from stiction.studies.values import (
 if TYPE_CHECKING:
     import xarray
 
-MAX_STUDY_BYTES = 1_000_000  # largest study file (bytes) that is read
-MAX_COMBINATIONS = 1000  # largest number of combinations of load, mu0 and tau0 of measured surfaces
+MAX_STUDY_BYTES = 1_000_000  # maximum size (bytes) of a study file that is read
+MAX_COMBINATIONS = 1000  # maximum number of combinations of load, mu0 and tau0 of measured surfaces
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
 """Pairs of a table and a key, where the value of the key selects the class of the table."""
@@ -65,12 +65,12 @@ _LEADING_KEYS = (
 """Keys that are written first in their tables."""
 
 _STUDY_LIBRARY = resources.files("stiction.studies") / "library"
-DEFAULT_SEED = 2016  # default seed of the random numbers
+DEFAULT_SEED = 2016  # default seed of the random number generator
 StudyDifference = tuple[str, str, str]  # dotted key, with its TOML values in the first and the second study
-MAX_LISTED_DIFFERENCES = 4  # largest number of differences in a message
+MAX_LISTED_DIFFERENCES = 4  # maximum number of differences in a message
 
 Surfaces = GeneratedSurfaces | MeasuredSurfaces  # table `[surfaces]` of a study
-SURFACE_CASES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # all classes of the table `[surfaces]`
+SURFACE_CASES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # all classes that can represent the table `[surfaces]`
 
 
 def _list_cases(key: str, *cases: type[Surfaces]) -> tuple[str, dict[str, type[Surfaces]]]:
@@ -89,7 +89,7 @@ The first class is the default.
 
 
 def select_surface_case(table: Mapping[str, Any]) -> type[Surfaces]:
-    """Return the class for the table `[surfaces]` that its keys `kind`, `generator` and `press` select."""
+    """Return the class for the table `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
     key, cases = _SURFACE_CASES[chosen("kind", table, _SURFACE_CASES)]
     return cases[chosen(key, table, cases)]
 
@@ -102,7 +102,7 @@ LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these 
 
 
 class GeneratedFriction(Case):
-    """Table `[friction]` for generated surfaces, with the interface strengths for which figures are drawn."""
+    """Table `[friction]` for generated surfaces. It contains the interface strengths to plot."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -112,14 +112,14 @@ class GeneratedFriction(Case):
 
 
 class FrictionOfAsperities(GeneratedFriction):
-    """Table `[friction]` for generated surfaces with the asperity model, with the interface strengths to be plotted."""
+    """Table `[friction]` for generated surfaces in the asperity model. It contains the interface strengths to plot."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class FrictionOfHalfSpace(GeneratedFriction):
-    """Table `[friction]` for generated surfaces with the half-space model, with strengths and loads to be plotted."""
+    """Table `[friction]` for half-spaces with generated surfaces. It contains the strengths and loads to plot."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -127,7 +127,7 @@ class FrictionOfHalfSpace(GeneratedFriction):
 
 
 class FrictionOfMeasured(Case):
-    """Table `[friction]` for measured surfaces, with interface strengths, loads and dwell times."""
+    """Table `[friction]` for measured surfaces. It contains interface strengths, loads and dwell times."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -154,7 +154,7 @@ def select_friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Frict
 
 
 class Ensemble(Table):
-    """Number of members in the ensemble, and seed of the random numbers."""
+    """Number of members in the ensemble, and seed for the random numbers."""
 
     repetitions: int = Field(
         default=100, ge=1, le=100_000_000,
@@ -178,7 +178,7 @@ def _check_distinct(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class Figures(Table):
-    """Figures to be drawn for a result of generated surfaces."""
+    """Figures to draw for a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_check_distinct)] = Field(
         default=("friction", "area"), description="Figures that `run` and `plot` draw."
@@ -221,18 +221,18 @@ def _add_bracketing_loads(
 
 
 def _nominal_area(surfaces: Mapping[str, Any]) -> float:
-    """Return the nominal area (µm²) of the generated surfaces described by a table."""
+    """Return the nominal area (µm²) of generated surfaces from the table that describes them."""
     table: Any = select_surface_case(surfaces).model_validate(surfaces)
     return math.prod(table.extents()) if table.is_areal else float(table.extent) * THICKNESS
 
 
 def _empty_table() -> Any:
-    """Return an empty table. The validation replaces it with the class that matches the surfaces."""
+    """Return an empty table. Validation replaces it with an instance of the class that matches the surfaces."""
     return {}
 
 
 class Study(Table):
-    """Complete description of a computation, with pairs of surfaces, contact model and parameters.
+    """Complete description of a computation, including surface pairs, contact model and parameters.
 
     Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
     "10 GPa". In Python, a quantity may also be a number in core units (µm, GPa, mN). Some keys exist only for a single
@@ -256,7 +256,7 @@ class Study(Table):
     @model_validator(mode="before")
     @classmethod
     def _add_curve_loads(cls, given: Any) -> Any:
-        """Add loads below and above the requested loads, so that results can be interpolated at the requested loads.
+        """Add loads below and above the requested loads, so that results can be interpolated at all requested loads.
 
         The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
         used if `friction.load` is missing.
@@ -292,7 +292,7 @@ class Study(Table):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _read_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a table with the class that matches the surfaces, or return an empty table if these are invalid."""
+        """Validate a table with the class that matches the surfaces, or return an empty table for invalid surfaces."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfiles(), {}
@@ -344,26 +344,26 @@ class Study(Table):
 
     @property
     def is_gap(self) -> bool:
-        """True if the study has a measured map of the gap between the surfaces."""
+        """True if the study contains a measured map of the gap between two surfaces."""
         return bool(getattr(self.surfaces, "gap", None))
 
     @property
     def is_areal(self) -> bool:
-        """True if the members are areal contacts rather than profiles."""
+        """True if the members are areal contacts, and False if they are profiles."""
         return self.surfaces.is_areal
 
     @property
     def uses_half_space(self) -> bool:
-        """True if the contact model is the elastic half-space rather than isolated asperities."""
+        """True if the contact model is the elastic half-space, and False if it consists of isolated asperities."""
         return self.contact.mechanics == "half-space"
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Name of the quantity that is prescribed at each loading step, "approach" or "load"."""
+        """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
         return self.contact.step
 
     def sums(self) -> tuple[str, ...]:
-        """Return the names of the contact sums that a result stores for each member and loading step."""
+        """Return the names of the contact sums that are stored for each member and loading step."""
         if self.uses_half_space:
             return HALF_SPACE_SUMS + (ADHESION if self.contact.adheres else ())
         approach = ("approach",) if self.step == "load" else ()
@@ -394,7 +394,7 @@ class Study(Table):
 
     @classmethod
     def named(cls, name: str) -> Study:
-        """Return the built-in study with the given name, which `study_names` lists.
+        """Return the built-in study with the given name. The function `study_names` lists all names.
 
         Raises
         ------
@@ -458,7 +458,7 @@ class Study(Table):
         return validated(Study, data, "changes")
 
     def to_toml(self) -> str:
-        """Return the study as TOML text with all keys, from which `Study.from_toml` creates an equal study."""
+        """Return the study as TOML text with all keys. `Study.from_toml` creates an equal study from this text."""
         tables = []
         for name, table in self._to_tables().items():
             if not table:
@@ -468,7 +468,7 @@ class Study(Table):
         return "\n".join(tables)
 
     def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the tables of the study before the changes, converted to the classes that the changes require."""
+        """Return the tables of the study before any changes, converted to the classes that the changes require."""
         data = self._to_tables()
         selectors = {
             key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -487,7 +487,7 @@ class Study(Table):
         return data
 
     def _reset_loads(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
-        """Remove loads of generated surfaces that the changes invalidate, or that depend on changed loads."""
+        """For generated surfaces, remove loads that the changes make invalid or that depend on changed loads."""
         if "contact.load" in changes or not is_allowed:
             data["friction"].pop("load", None)
         elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
@@ -499,7 +499,7 @@ class Study(Table):
 
 
 def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
-    """Convert a table to another class, keeping values that differ from the defaults of the original class."""
+    """Convert a table to another class. Values that differ from the defaults of the original class are kept."""
     table_class = type(table)
     changed = {key for key, value in table if value != table_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
@@ -508,7 +508,7 @@ def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
 
 
 def list_written_keys(table: Table) -> dict[str, Any]:
-    """Return the entries of a table that are not None, in the order of study files."""
+    """Return the entries of a table that are not None, in the order used in study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredAreasContact):
@@ -543,7 +543,7 @@ def study_summary(name: str) -> str:
 
 
 def study_of(dataset: xarray.Dataset) -> Study:
-    """Return the study that is stored in the dataset of a result.
+    """Return the study stored in the dataset of a result.
 
     Raises a `StudyError` if the dataset has no attribute 'study'.
     """
@@ -554,12 +554,12 @@ def study_of(dataset: xarray.Dataset) -> Study:
 
 
 def find_step_dimension(dataset: xarray.Dataset) -> str:
-    """Return the dimension of the loading steps, which is "load" if loads are prescribed and "approach" otherwise."""
+    """Return the dimension of the loading steps: "load" if loads are prescribed, and "approach" otherwise."""
     return "load" if "load" in dataset.dims else "approach"
 
 
 def find_differences(first: Table, second: Table, prefix: str = "") -> list[StudyDifference]:
-    """List the differences between two tables, in the order of the keys in study files."""
+    """List the differences between two tables, in the order of keys in study files."""
     texts, result = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
@@ -576,7 +576,7 @@ def find_differences(first: Table, second: Table, prefix: str = "") -> list[Stud
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """List the differences between two studies that would lead to different members.
+    """List the differences between two studies that affect their members.
 
     Members do not depend on the table `[friction]`, on figures, or on file paths.
     """
@@ -589,7 +589,7 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
 
 
 def format_differences(differ: list[StudyDifference]) -> str:
-    """Format the first few differences between two studies as lines of a message."""
+    """Format the first few differences between two studies as lines for a message."""
     lines = [
         f"{key} = {short_repr(stored)} there, {short_repr(new)} here"
         for key, stored, new in differ[:MAX_LISTED_DIFFERENCES]

@@ -1,4 +1,4 @@
-"""Summary of a result, with all values that may be quoted, which are computed once for all views.
+"""Summary of a result. It contains all values that may be quoted, and is computed once for all views.
 
 A summary has one point for each cell, load, mu0 and tau0. The terminal, JSON, CSV, figures, reports and notebooks show
 these points, and compute no further values.
@@ -46,7 +46,7 @@ MIN_NAMED_FRACTION = 0.1
 
 @dataclass(frozen=True)
 class RemainingInterval:
-    """Entry of the uncertainty budget, with the interval that would remain if an input were exact."""
+    """Entry of the uncertainty budget. It contains the interval that would remain if one input were exact."""
 
     words: str
     lower: float
@@ -56,7 +56,7 @@ class RemainingInterval:
 
 @dataclass(frozen=True)
 class DwellTimeValue:
-    """Friction coefficient after a dwell time under load, with its combined 95 % interval."""
+    """Friction coefficient after a dwell time under load, and its combined 95 % interval."""
 
     seconds: float
     value: float
@@ -66,7 +66,7 @@ class DwellTimeValue:
 
 @dataclass(frozen=True, eq=False)
 class PointSummary:
-    """Values, intervals, caveats and assessment for one combination of roughness or cutoff, load, mu0 and tau0.
+    """Values, intervals, caveats and assessment at one roughness or cutoff, load, mu0 and tau0.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ class PointSummary:
 
     @property
     def scans(self) -> tuple[int, int]:
-        """Numbers of scanned places on the upper body and on the lower body."""
+        """Number of scanned places on each body, as a pair (upper, lower)."""
         return self.study.surfaces.scan_counts
 
     @property
@@ -144,7 +144,7 @@ class PointSummary:
         return is_unloaded(self.values)
 
     def quantity(self, name: str) -> tuple[float, float, float]:
-        """Return a quantity averaged over directions, with its 95 % interval, or NaN if the quantity is unknown."""
+        """Return the mean of a quantity over directions with its 95 % interval, or NaN if the quantity is unknown."""
         if name not in self.values:
             return math.nan, math.nan, math.nan
         table = by_rule(self.values[name], self.rules[0].rule)
@@ -176,7 +176,7 @@ class PointSummary:
 
     @property
     def ageing(self) -> float:
-        """Increase of the coefficient per unit ln(dwell time), or NaN if there are no dwell times."""
+        """Increase of the coefficient per unit increase of ln(dwell time), or NaN if there are no dwell times."""
         last = self.waited[-1] if self.waited else DwellTimeValue(1.0, self.value, self.lower, self.upper)
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
@@ -193,7 +193,7 @@ class PointSummary:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Summary of a result at some loads, mu0 and tau0, with one entry per point and data from companion files.
+    """Summary of a result at some loads, mu0 and tau0. It has one entry per point, and data from companion files.
 
     Attributes
     ----------
@@ -216,7 +216,7 @@ class Summary:
 
     @cached_property
     def resolution(self) -> Resolution | None:
-        """Effect of the scan resolution, or None for generated surfaces or if files are missing."""
+        """Effect of the scan resolution, or None if the surfaces are generated or if files are missing."""
         from stiction.studies.resolution import find_resolution
 
         has_cutoffs = self.over_cut_offs is None and self.at.sizes.get("cut_off", 0) > 1
@@ -224,17 +224,17 @@ class Summary:
 
     @property
     def headlines(self) -> list[PointSummary]:
-        """All points except those at a second cutoff, which are covered by the interval of another point."""
+        """Points to quote. Points at a second cutoff are omitted, because the quoted intervals already cover them."""
         return [point for point in self.points if not point.covered]
 
     @property
     def first(self) -> PointSummary:
-        """Point that is quoted first."""
+        """First of the quoted points."""
         return self.headlines[0]
 
 
 def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (), **alongside: Any) -> Summary:
-    """Summarize a dataset returned by `Result.at` for a given study.
+    """Summarize a dataset that `Result.at` returned for a given study.
 
     Parameters
     ----------
@@ -251,7 +251,7 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 
 
 def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the quoted cutoff to cover the other cutoff, whose points are listed last."""
+    """Extend the intervals at the quoted cutoff to include those at the other cutoff, whose points come last."""
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
     others = {_place(point): point for point in points if point.at["cut_off"] != cut_off}
     quoted = [point for point in points if point.at["cut_off"] == cut_off]
@@ -260,12 +260,12 @@ def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _place(point: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Return the coordinates of a point without its cutoff."""
+    """Return the coordinates of a point except its cutoff."""
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
 def _covering(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return the quoted point with intervals and caveats that also cover the same point at the other cutoff.
+    """Return the quoted point after extending its intervals and caveats to include those at the other cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
@@ -302,7 +302,7 @@ def _covering(point: PointSummary, other_point: PointSummary) -> PointSummary:
 
 
 def _over_both(value: RuleValue, other_value: RuleValue) -> RuleValue:
-    """Extend the intervals of a value to cover the intervals of the same value at another cutoff."""
+    """Extend the intervals of a value to include the intervals of the same value at another cutoff."""
     lower, upper = float(np.fmin(value.lower, other_value.lower)), float(np.fmax(value.upper, other_value.upper))
     (low, high), (other_low, other_high) = value.next_test, other_value.next_test
     next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
@@ -310,7 +310,7 @@ def _over_both(value: RuleValue, other_value: RuleValue) -> RuleValue:
 
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
-    """Summarize a point of a dataset returned by `Result.at`, including caveats about the bodies."""
+    """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
     statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
@@ -357,7 +357,7 @@ def _ends_of(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
 
 
 def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
-    """Return the intervals that would remain if one input at a time were exact, in ascending order of width."""
+    """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
     if "friction_if_known" not in point:
         return ()
     budget, intervals = by_rule(point, rule), []
@@ -376,7 +376,7 @@ def _waited(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, tau0 and slopes to the friction coefficient if friction acts at all contacts."""
+    """Return the contributions of mu0, tau0 and slopes to friction at all contacts, or None for other sliding rules."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
@@ -413,12 +413,12 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 
 def _spoils_bracket(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bracket. All faults do, except the caveat about too few contacts."""
+    """Return whether a caveat invalidates the bracket. All faults do, except the fault for too few contacts."""
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
-    """Return bounds on the friction coefficient that any finer scan would give, accurate to second order in slope.
+    """Return bounds on the friction coefficient that hold for all finer scans to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. The bounds may be equal.

@@ -1,4 +1,4 @@
-"""Friction tests in a text file, which has one line of column names and units and one row per test."""
+"""Friction tests in a text file. A heading contains column names and units, and each row below it one test."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _SLID_VALUES = {"": True, "1": True, "yes": True, "true": True, "0": False, "no"
 
 
 def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
-    """Parse a table of friction tests that has a column `load` and a column `force` or `coefficient`.
+    """Parse a table of friction tests. It must have a column `load`, and a column `force` or `coefficient`.
 
     `TEST_COLUMNS` lists all columns. Columns are separated by tabs, semicolons or commas. With tabs or semicolons,
     decimal commas are accepted. The column `pair` contains the name of one of the bodies, which are results or balls.
@@ -75,7 +75,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
 
 
 def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
-    """Return the index and the unit of each column, by the standard name of the column."""
+    """Return the index and unit of each column, keyed by the standard name of the column."""
     columns: dict[str, tuple[int, str]] = {}
     for index, cell in enumerate(head):
         match = _TITLE_PATTERN.fullmatch(cell)

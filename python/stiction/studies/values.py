@@ -1,4 +1,4 @@
-"""Types of the values in a study file: quantities with units, ascending lists, and ranges."""
+"""Types for the values in a study file: quantities with units, ascending lists, and ranges."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, Sliding
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
-MAX_VALUES = 10_000  # largest number of values of one parameter in a study
-MAX_SHORT_LIST_LENGTH = 100  # largest number of entries in a list of mu0, tau0, cutoffs, loads or times
-MAX_DEGREES = 360  # largest absolute value of a direction in degrees
+MAX_VALUES = 10_000  # maximum number of values of one parameter in a study
+MAX_SHORT_LIST_LENGTH = 100  # maximum number of entries in a list of mu0, tau0, cutoffs, loads or times
+MAX_DEGREES = 360  # maximum absolute value of a direction in degrees
 
 
 def _reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
@@ -51,7 +51,7 @@ read_length = _reader("length")
 
 
 def written(value: Any) -> Any:
-    """Format quantities and floats, also in tuples, as text, and return other values unchanged."""
+    """Format quantities and floats as text, including those in tuples. Other values are returned unchanged."""
     if isinstance(value, tuple):
         return tuple(map(written, value))
     if isinstance(value, Quantity):
@@ -85,7 +85,7 @@ _Item = TypeVar("_Item")
 
 
 def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
-    """Return a tuple unchanged, or raise a `ValueError` if two of its elements are equal."""
+    """Return a tuple unchanged if all of its elements differ. Otherwise, raise a `ValueError`."""
     if len(set(values)) < len(values):
         raise ValueError("must differ from each other, but two values are equal")
     return values
@@ -113,7 +113,7 @@ Times = Annotated[tuple[Time, ...], *_none_or_few]
 
 
 def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]) -> PlainValidator:
-    """Return a validator that accepts either a single value or a list of several different values."""
+    """Return a validator that accepts a single value, or a list of several different values."""
 
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -157,19 +157,19 @@ Rules = Annotated[Sliding | tuple[Sliding, ...], _one_or_tuple("rule", _read_sli
 
 
 class Table(BaseModel):
-    """Base class for the tables of a study file, which are immutable and have declared keys and strict types."""
+    """Base class for the tables of a study file. Tables are immutable, and have declared keys with strict types."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
 
 class Case(Table):
-    """Base class for a table of a study file for which several classes exist, each with different keys."""
+    """Base class for study-file tables with several variants. Each variant is a class with different keys."""
 
     place: ClassVar[str]  # name of the class in messages
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys that select this class of a table, with the only value that each key can have."""
+        """Return the keys that select this class, with the single value that each key allows."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -177,12 +177,12 @@ class Case(Table):
 
 
 def fault_at(key: str, message: str) -> PydanticCustomError:
-    """Create a validation error for a key of a table."""
+    """Create a validation error that refers to a key of a table."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
 def chosen(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key in a table, which is the first name in `cases` by default.
+    """Return the value of a key in a table. If the key is missing, return the first name in `cases`.
 
     Raises an error if the value is not a name in `cases`.
     """
@@ -285,7 +285,7 @@ def array_of(values: _Range | tuple[float, ...]) -> Floats:
 
 
 def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type[Case]]) -> None:
-    """Raise an error if a key belongs to another class of the table, or if a required key is missing.
+    """Raise an error if a key belongs to another class of this table, or if a required key is missing.
 
     `shared` lists base classes whose keys several classes have. Messages refer to these classes by `place`.
     """
@@ -309,11 +309,11 @@ def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type
 _Kind = TypeVar("_Kind", bound=Table)
 
 
-MAX_LISTED_FAULTS = 5  # largest number of errors in a message about a study
+MAX_LISTED_FAULTS = 5  # maximum number of errors in a message about a study
 
 
 class StudyError(ValueError):
-    """Error raised for an invalid study. Each line of the message describes one fault and names its key.
+    """Error raised if a study is invalid. Each line of the message describes one fault and names its key.
 
     Attributes
     ----------
@@ -392,7 +392,7 @@ _ERROR_MESSAGES = {
 
 
 def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
-    """Convert a pydantic error to the key that caused it and a message."""
+    """Convert a pydantic error to a message and the key that caused the error."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_NAME, LIST_NAME)]
     key = "".join(
         f"[{key_part}]" if isinstance(key_part, int) else f".{key_part}" for key_part in location
@@ -416,11 +416,11 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
     return key, message
 
 
-MAX_SUGGESTIONS = 3  # largest number of suggestions for an unknown key
+MAX_SUGGESTIONS = 3  # maximum number of suggestions for an unknown key
 
 
 def _suggestion(kind: type[Table], location: list[int | str]) -> str:
-    """Return a hint that lists similar keys of the table, or the command that lists all keys."""
+    """Return a hint that names similar keys of the table, or the command that lists all keys."""
     tables = [kind]
     for parent_key in location[:-1]:
         fields = [table.model_fields[str(parent_key)] for table in tables if str(parent_key) in table.model_fields]
@@ -434,7 +434,7 @@ def _suggestion(kind: type[Table], location: list[int | str]) -> str:
 
 
 def tables_of(annotation: Any) -> list[type[Table]]:
-    """Return the table classes that are accepted by a field with the given annotation."""
+    """Return the table classes that a field with the given annotation accepts."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, Table) else []
     return [table for argument in get_args(annotation) for table in tables_of(argument)]
