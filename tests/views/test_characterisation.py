@@ -65,7 +65,7 @@ class TestCharacterisationText:
         assert "given" in texts["fitted band"]
         assert "periodic" in texts["spectrum"]
 
-    def test_profile_without_band_has_no_hurst_exponent_and_bad_arguments_are_rejected(self, profile):
+    def test_characterisation_text_has_no_hurst_exponent_without_a_band_and_rejects_invalid_profiles(self, profile):
         assert "none" in texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
         with pytest.raises(ValueError, match="band"):
             characterisation_text(profile, band=(1.0, 1.001))

@@ -241,7 +241,7 @@ def test_figure_lines_have_the_colours_of_their_sliding_rules(maps_at_two_cutoff
         )
 
 
-def test_compass_curve_passes_through_the_mean_in_each_direction_on_an_axis_from_zero(maps_at_two_cutoffs):
+def test_compass_curve_passes_through_the_mean_in_each_direction_and_its_axis_starts_at_zero(maps_at_two_cutoffs):
     axes = draw_figure(maps_at_two_cutoffs, "compass").axes[0]
     reference = at_load(maps_at_two_cutoffs, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
     points, curve = axes.lines[:2]
@@ -252,7 +252,9 @@ def test_compass_curve_passes_through_the_mean_in_each_direction_on_an_axis_from
     assert 4 <= len(axes.get_yticks()) <= 6
 
 
-def test_positions_figure_is_sorted_for_maps_and_ordered_by_offset_for_profiles(maps_at_two_cutoffs, profiles_dataset):
+def test_positions_figure_sorts_the_values_of_maps_and_plots_profile_values_at_their_positions(
+    maps_at_two_cutoffs, profiles_dataset
+):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
     assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # There are 4 members in 4 directions.
     assert (np.diff(line_of_maps.get_ydata()) >= 0).all()
@@ -309,7 +311,7 @@ def test_force_arrows_stay_inside_their_frame(circular_arc, tmp_path):
 # ---- Style -----------------------------------------------------------------------------------------------------------
 
 
-def test_labels_of_curves_are_separated_and_ordered():
+def test_labels_of_curves_do_not_overlap_and_are_in_the_order_of_their_values():
     label_positions = spread_labels([1.0, 1.01, 0.99, 3.0], 0.1)
     assert np.array_equal(np.argsort(label_positions), [2, 0, 1, 3])
     assert np.diff(np.sort(label_positions)).min() == pytest.approx(0.1)

@@ -63,7 +63,7 @@ def test_form_error_causes_a_caveat_unless_it_is_removed(rough_profile):
     assert find_input_caveats(rough_profile, curved_profile, study) == ()
 
 
-def test_spikes_cause_a_caveat_with_their_number(rough_profile):
+def test_spikes_cause_a_caveat_that_states_their_number(rough_profile):
     heights = rough_profile.heights.copy()
     heights[[500, 1200]] += 2 * MAX_SPIKE_RATIO * np.abs(np.diff(heights, 2)).max()
     caveats = caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
@@ -73,7 +73,7 @@ def test_spikes_cause_a_caveat_with_their_number(rough_profile):
 
 
 @pytest.mark.parametrize("kind", MACHINED_SURFACES)
-def test_spikes_of_a_map_cause_a_caveat_with_their_number(kind):
+def test_spikes_of_a_map_cause_a_caveat_that_states_their_number(kind):
     rng = np.random.default_rng(1)
     heights = 0.02 * scale_to_unit_rms(MACHINED_SURFACES[kind](rng, 2))
 

@@ -170,7 +170,7 @@ def zoom_by_wheel(driver, plot):
 @pytest.mark.parametrize(
     ("page_name", "plot"), [(page_name, plot) for page_name, plots in PLOTS_WITH_AXES.items() for plot in sorted(plots)]
 )
-def test_plot_zooms_and_pans_by_mouse_keys_and_touch(driver, pages, page_name, plot):
+def test_plot_zooms_and_pans_by_mouse_keyboard_and_touch(driver, pages, page_name, plot):
     from selenium.webdriver.common.keys import Keys
 
     browser.open_page(driver, pages[page_name])

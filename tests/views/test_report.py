@@ -38,7 +38,7 @@ def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
     assert len(text.encode()) < 250_000 + 6 * 20 * num_cells * LOAD_STEPS * MAX_NODES**2
 
 
-def test_report_rejects_a_too_large_result(monkeypatch, generated_dataset, maps_dataset):
+def test_report_rejects_a_result_that_is_too_large(monkeypatch, generated_dataset, maps_dataset):
     monkeypatch.setattr("stiction.views.report.generated.MAX_GENERATED_COEFFICIENTS", 79)
     with pytest.raises(ReportError, match="at most 79"):
         report_page(generated_dataset)

@@ -127,7 +127,7 @@ def test_split_table_repeats_label_columns():
     ]  # fmt: skip
 
 
-def test_wrapped_text_keeps_number_and_unit_together():
+def test_wrapped_text_keeps_each_number_and_its_unit_on_one_line():
     text = wrap_text("x" * 33 + " τ0 = 50 MPa and more words that fill the line up to its end", 40)
     assert "τ0 = 50 MPa" in text.splitlines()[1]
 

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-AREA_ROUND_OFF = 1e-6  # relative range of A/F above which its interval is printed
+AREA_ROUND_OFF = 1e-6  # relative range of A/F above which the interval of A/F is printed
 MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution in the figure
 
 
 def calibration_text(interface: Interface) -> str:
-    """Format a calibration: the sum mu0 + tau0 A/F, mu0 and tau0 if the tests separate them, and the fits."""
+    """Format a calibration: the sum mu0 + tau0 A/F, the fits, and mu0 and tau0 if the tests separate them."""
     first_fit = interface.fits[0]
     condition = f"at the A/F of the tests, {_area_per_load_text(interface)}, {RULE_DESCRIPTIONS[first_fit.sliding]}"
     lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hang="  ")]

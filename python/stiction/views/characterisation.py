@@ -59,7 +59,7 @@ NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_RATIO = 3.0  # minimum ratio of the density of a peak to the density at longer wavelengths
 _MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths with which a possible peak is compared
 _MIN_PEAK_FRACTION = 0.1  # a peak is reported if it contributes at least this fraction of m4
-_MAX_DISPERSION = 2.0  # dispersion of a spectrum about its fit above which the scatter is reported
+_MAX_DISPERSION = 2.0  # the scatter is reported if the dispersion of the spectrum about its fit is above this limit
 # Variance of the logarithmic density in a bin of a Hann-windowed spectrum, multiplied by the number of harmonics.
 _HANN_VARIANCE = 2.0
 
@@ -68,7 +68,7 @@ _JSON_UNITS = {"": "1"}  # JSON unit of dimensionless parameters; `_unit` conver
 
 
 class Row(NamedTuple):
-    """Table row: a label, one text (or two texts, for x and y), and values for JSON and CSV."""
+    """Table row: a label, a text (or one text for x and one for y), and values for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
@@ -215,7 +215,7 @@ class Characterisation:
 
     @cached_property
     def limit(self) -> InstrumentLimit:
-        """Shortest trustworthy wavelength."""
+        """Shortest reliable wavelength of the scan."""
         return instrument_limit(
             self.body, tip_radius=self.tip_radius, periodic=self.periodic, texture=self.textured
         )  # fmt: skip
@@ -434,7 +434,7 @@ class Characterisation:
         return rows
 
     def _peak_ratio(self, longest: float) -> float:
-        """Return the ratio of the density at the start of a band to the density at longer wavelengths.
+        """Return the density at the longest wavelength of a band, divided by the density at longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """

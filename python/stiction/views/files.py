@@ -1,4 +1,4 @@
-"""Output of results to files; the ending of the file name selects the format."""
+"""Output of results to files. The file extension selects the format."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def new_text(path: Path, text: str) -> None:
 
 
 def result_csv(result: Result) -> str:
-    """Return the values of a result at the loads of its study as CSV."""
+    """Return the values of a result as CSV, computed at the loads of the study."""
     return frame_to_csv(result.to_dataframe())
 
 
@@ -54,7 +54,7 @@ EXPORT_WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
 
 
 def write_result(result: Result, path: Path) -> None:
-    """Write a result to a new file in the format given by the file name ending.
+    """Write a result to a new file in the format that the file extension selects.
 
     Raises a `ValueError` if the file exists, if it cannot be written, or if its ending is not in `EXPORT_WRITERS`.
     """

@@ -27,7 +27,7 @@ _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
-    """Return a `friction_table` as CSV, with units in the header and one row per combination of inputs."""
+    """Return a `friction_table` as CSV. The header contains units, and each combination of inputs has one row."""
     return _csv(table[list(_LOAD_QUANTITIES)], _COORDINATES)
 
 

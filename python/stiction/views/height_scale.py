@@ -39,7 +39,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Format an `evaluate_height_scale` dataset: one table per load, mu0 and tau0, with one row per height factor."""
+    """Format an `evaluate_height_scale` dataset. Each load, mu0 and tau0 has a table with one row per height factor."""
     scaled_surfaces = SCALED_SURFACE_TEXTS[dataset.attrs["scaled"]]
     lines = [
         wrap_text(

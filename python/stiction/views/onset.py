@@ -43,18 +43,18 @@ def onset_text(onset: xarray.Dataset) -> str:
 
 
 def _length_scale(table: xarray.DataArray) -> tuple[float, str]:
-    """Return the factor from µm to the unit in which a mean length has the fewest zeros, and this unit."""
+    """Return the factor that converts µm to the unit in which a mean length has the fewest zeros, and this unit."""
     value = _interval_ends(table)[0]
     factor, unit = choose_prefix(value if math.isfinite(value) else 0.0, "um")
     return 1 / factor, unit
 
 
 def _stiffness_scale(table: xarray.DataArray) -> tuple[float, str]:
-    """Return the factor from mN/µm to the unit in which a mean stiffness is printed, and this unit."""
+    """Return the factor that converts mN/µm to the unit in which a mean stiffness is printed, and this unit."""
     return (1e-3, "N/µm") if _interval_ends(table)[0] >= MIN_STIFFNESS_IN_NEWTON else (1.0, "mN/µm")
 
 
-MIN_STIFFNESS_IN_NEWTON = 1e4  # mN/µm; larger stiffnesses are printed in N/µm
+MIN_STIFFNESS_IN_NEWTON = 1e4  # stiffness in mN/µm above which stiffnesses are printed in N/µm
 
 
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
@@ -90,7 +90,7 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
 
 
 def onset_note(onset: xarray.Dataset) -> str:
-    """Return a note on the number of averaged members and the assumptions about the onset of sliding."""
+    """Return a note about the number of averaged members and the assumptions for the onset of sliding."""
     attributes = onset.attrs
     members = int(attributes["members"])
     count = "one member" if members == 1 else f"{members} members"

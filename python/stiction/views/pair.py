@@ -99,7 +99,7 @@ def pair(
     executor: Executor | None = None,
     progress: bool = False,
 ) -> Result:
-    """Compute the static friction of two measured profiles or surfaces at given loads, with intervals.
+    """Compute the static friction, with its interval, of two measured profiles or surfaces at given loads.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Texts about the conditions of a point: sliding rules, materials, load and directions."""
+"""Texts that describe one point of a result: sliding rules, materials, load and directions."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ RULE_DESCRIPTIONS = {
 
 
 def materials_text(study: Study) -> str:
-    """Return the material names, as in "mild steel on brass"; empty if the materials have no names."""
+    """Return the material names, as in "mild steel on brass", or an empty string if there are no names."""
     names = study.contact.materials
     return "" if names is None else " on ".join(names)
 

@@ -33,7 +33,7 @@ def wavelengths_text(scan: ResolvedRoughness) -> str:
 
 
 def cut_off_rows(resolution: Resolution, hardness: float | None) -> Rows:
-    """Return a table with headings and one row per cutoff, at the first load, mu0 and tau0.
+    """Return a table with headings and a row per cutoff, evaluated at the first load, first mu0 and first tau0.
 
     The last row is the plastic limit if there is a hardness (GPa).
     """
@@ -75,7 +75,7 @@ def cut_off_note(resolution: Resolution) -> str:
 
 
 def yield_rows(estimates: Sequence[YieldEstimate], scan: ResolvedRoughness) -> Rows:
-    """Return a table of `yield_estimates` with headings; empty if there are no estimates."""
+    """Return a table of `yield_estimates` with headings, or an empty list if there are no estimates."""
     rows = []
     for estimate in estimates:
         if math.isnan(estimate.wavelength):

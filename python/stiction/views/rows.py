@@ -186,12 +186,12 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
 
 def _load_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the quantities to write to a CSV file, leaving out quantities with one value for each direction."""
+    """Return the quantities to write to a CSV file. Quantities with one value for each direction are left out."""
     return [name for name in shown_in("csv") if name in dataset and dataset[name].sizes.get("direction", 1) == 1]
 
 
 def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns with the coefficients after dwell times and the roughness contribution (means over directions).
+    """Return columns of direction-averaged coefficients: values after dwell times, and the roughness contribution.
 
     Each column has one value per rule and point. Values for rules other than the quoted rule are NaN.
     """
@@ -260,7 +260,7 @@ def entry(
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
-    """Return the JSON record of a result for a command: points, caveats, cutoff study and onset of sliding."""
+    """Return a JSON record of a command and its results: points, caveats, cutoff study and onset of sliding."""
     dataset, study = summary.at, summary.study
     fields = {"kind": "pair" if study.is_measured else "study", **fields}
     fields |= {name: str(dataset.attrs[name]) for name in ("upper", "lower", "reading") if name in dataset.attrs}

@@ -37,7 +37,7 @@ COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "alumi
 """Materials for which the figure shows a line at hardness / E*, where E* is for two bodies of the material."""
 
 SCAN_COLOURS = (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
-MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name in a figure
+MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name that a figure shows
 
 
 # ---- Joined spectrum -------------------------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ def repeated_text(comparison: RepeatedScans) -> str:
 
 
 def limit_text(comparison: RepeatedScans) -> str:
-    """Return a sentence on the shortest usable wavelength of the mean scan."""
+    """Return a sentence about the shortest usable wavelength of the mean scan."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.limit <= comparison.wavelength[0]:
@@ -218,7 +218,7 @@ def repeated_record(comparison: RepeatedScans) -> dict[str, Any]:
 
 
 def octaves_csv(comparison: RepeatedScans) -> str:
-    """Return the noise in each octave of wavelengths as CSV, with the shortest usable wavelength in a comment line."""
+    """Return the noise in each octave as CSV. A comment line gives the shortest usable wavelength."""
     import pandas
 
     columns = {

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-# Relative difference of the coefficient between definitions of the load above which the sentence states the definition.
+# The sentence states the definition of the load if this definition changes the coefficient by more than this fraction.
 MIN_STATED_READING_DIFFERENCE = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Relative difference of A E* h'/F from its usual value above which the small-slope estimate does not apply."""
@@ -34,7 +34,7 @@ SLOPE_ESTIMATE_KAPPA = float(signature(gentle_friction).parameters["kappa"].defa
 
 
 def finer_text(point: PointSummary) -> str:
-    """Return a phrase on the coefficients that a finer scan would give at the given hardness; empty if unknown."""
+    """Return a phrase with the coefficients that a finer scan would give, or an empty string if they are unknown."""
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
@@ -43,7 +43,7 @@ def finer_text(point: PointSummary) -> str:
 
 
 def sentence_text(point: PointSummary) -> str:
-    """Return the sentence to quote with its inputs, or the reason why the result must not be quoted."""
+    """Return the sentence to quote, including the inputs, or the reason why the result must not be quoted."""
     assumed = list_all_assumptions(point)
     if point.unloaded and point.sticking is not None:
         parts = [f"{pull_off_text(point.sticking).removesuffix('.')}, at {inputs_text(point)}", note_text(point)]
@@ -64,7 +64,7 @@ def sentence_text(point: PointSummary) -> str:
 
 
 def covers_text(point: PointSummary) -> str:
-    """Return a phrase that lists the inputs covered by the 95 % interval; empty if there is no interval."""
+    """Return a phrase that lists the inputs covered by the 95 % interval, or an empty string without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.words for contribution in point.budget) or [
@@ -82,7 +82,7 @@ def assessment_text(point: PointSummary) -> str:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return text about the contribution of the roughness to the coefficient; empty if it is unknown."""
+    """Return text about the contribution of the roughness to the coefficient, or an empty string if it is unknown."""
     if point.from_roughness is None or not math.isfinite(point.value):
         return ""
     return f"roughness contributes {round(point.from_roughness, 3) + 0.0:.3f} of {point.value:.3f}"
@@ -126,7 +126,7 @@ def inputs_text(point: PointSummary) -> str:
 
 
 def _input_range_text(values: xarray.Dataset, study: Study, name: str) -> str:
-    """Return the range of mu0 or tau0 in brackets if the point uses its central value; otherwise an empty string."""
+    """Return the range of mu0 or tau0 in brackets if a point uses the central value; otherwise an empty string."""
     text = getattr(study.known, name)
     return f" ({text})" if text is not None and _is_central_value(values, study, name) else ""
 
@@ -164,7 +164,7 @@ _READING_TEXTS = {
 
 
 def note_text(point: PointSummary) -> str:
-    """Return a note on the averaged directions and members, and on the definition of the load."""
+    """Return a note about the averaged directions and members, and the definition of the load."""
     values, study = point.values, point.study
     items = []
     if study.surfaces.press == "lines" and values["direction"].size == 2:
@@ -182,7 +182,7 @@ def note_text(point: PointSummary) -> str:
 
 
 def _averaging_text(point: PointSummary) -> str:
-    """Return text with the number and kind of the averaged members."""
+    """Return text that counts the averaged members, as in "8 positions"."""
     study = point.study
     kind = "pairs" if not study.is_measured else "positions"
     kind = "pairs of random surfaces with these spectra" if study.surfaces.press == "surrogates" else kind
@@ -211,7 +211,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return all assumptions of a point, which are part of the sentence to quote."""
+    """Return all assumptions of a point. They are part of the sentence to quote."""
     values, study = point.values, point.study
     if not study.is_measured:
         return ()
@@ -229,7 +229,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scans_text(study: Study) -> str:
-    """Return the number of scans of each part as text, and state which spread between places the interval excludes."""
+    """Return text with the number of scans per body. If only one body has a single scan, a remark is added."""
     counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"
@@ -243,7 +243,7 @@ def _scans_text(study: Study) -> str:
 
 
 def slopes_text(point: PointSummary) -> str:
-    """Return the small-slope estimate, or the reason why it does not apply; empty if there is no estimate."""
+    """Return a sentence with the small-slope estimate and, if it does not apply, the reason; "" without an estimate."""
     values, study = point.values, point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:

@@ -1,4 +1,4 @@
-"""Tables of the keys of study files for the documentation and the terminal, generated from the data models."""
+"""Tables of the keys in study files, generated from the data models for the documentation and the terminal."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.study import FRICTION_CASES, SHARED_FRICTION_TABLES, SURFACE_CASES, Ensemble, Figures
 from stiction.views.text import wrap_text
 
-Row = tuple[str, str, str, str]  # key, default, allowed values, meaning
+Row = tuple[str, str, str, str]  # key, default, allowed values and meaning of an entry
 
 _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
     (values.Length, "a length above 0"),
@@ -72,7 +72,7 @@ _KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[va
 
 
 def key_tables() -> list[tuple[str, str, list[Row]]]:
-    """Return the title, the description and the rows of each table of a study file."""
+    """Return the title, the description and the rows of each table of keys. Each row describes one key."""
     tables = []
     for title, phrases, cases, shared in _KEY_TABLES:
         owners: dict[Row, list[type[values.Table]]] = {}
@@ -104,7 +104,7 @@ def key_tables() -> list[tuple[str, str, list[Row]]]:
 def _case_names(
     owners: Sequence[type[values.Table]], cases: Sequence[type[values.Table]], shared: Sequence[type[values.Case]]
 ) -> list[str]:
-    """Return the names of the models that have a key, or of their base class if all of its models have the key."""
+    """Return the names of the models that have a key. A base class replaces its models if all of them have the key."""
     members = {item: {case for case in cases if issubclass(case, item)} for item in shared}
     remaining, places = set(owners), []
     for item in sorted(shared, key=lambda item: -len(members[item])):

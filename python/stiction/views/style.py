@@ -39,16 +39,19 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
 
 # Colours from Okabe and Ito (2008) and Tol (2021). They remain distinguishable with colour vision deficiencies.
 OPPOSING_COLOUR = "#d55e00"
-NOT_OPPOSING_COLOUR = "#0072b2"  # contacts whose slope does not oppose the motion
-ALL_CONTACTS_COLOUR = "#332288"  # the rule with friction at all contacts
-RULE_COLOURS = {"all": ALL_CONTACTS_COLOUR, "opposing": OPPOSING_COLOUR}  # sliding rules in the order of legends
+NOT_OPPOSING_COLOUR = "#0072b2"  # colour of contacts whose slope does not oppose the motion
+ALL_CONTACTS_COLOUR = "#332288"  # colour of the rule with friction at all contacts
+RULE_COLOURS = {
+    "all": ALL_CONTACTS_COLOUR,
+    "opposing": OPPOSING_COLOUR,
+}  # colours of the sliding rules, in the order of legends
 AREA_COLOUR = "#009e73"  # true contact area
 FORCE_COLOUR = "#000000"  # elastic forces
 FRICTION_COLOUR = "#cc79a7"  # friction forces
 UPPER_COLOUR = "#c6d9e7"  # the upper body
 LOWER_COLOUR = "#e3d5bb"  # the lower body
 STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
-AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of curves that differ by the value on one axis of a map
+AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of the curves for the x axis and the y axis of a map
 SELF_LOCKED_COLOUR = "#7a0019"  # self-locking contacts
 FRICTION_MAP = "plasma"
 """Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""

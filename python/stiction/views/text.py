@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 COMPLETE_OUTPUT = "summary()"  # method of a result that prints all points and caveats
-MIN_TERMINAL_WIDTH = 40  # width of texts on narrower terminals, in characters
+MIN_TERMINAL_WIDTH = 40  # minimum text width in characters, also used if the terminal is narrower
 Rows = Sequence[Sequence[str]]
 
 
@@ -200,7 +200,7 @@ def values_text(
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return text on the onset of sliding and, with `verbose`, on the cutoff study; absent results are left out."""
+    """Return text about the onset of sliding and, if `verbose`, the cutoff study. Missing results are omitted."""
     onset = summary.onset
     paragraphs = []
     if any(math.isfinite(point.value) for point in summary.points):
@@ -316,7 +316,7 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def contributions_text(point: PointSummary) -> str:
-    """Return text with the contributions of mu0, adhesion and slopes to the coefficient; empty if unknown."""
+    """Return text with the contributions of mu0, adhesion and slopes to the coefficient, or "" if they are unknown."""
     if point.parts is None:
         return ""
     mu0, adhesion, slopes = (round(contribution, 3) + 0.0 for contribution in point.parts)
@@ -364,7 +364,7 @@ def single_test_text(point: PointSummary) -> str:
 
 
 def dwell_time_text(point: PointSummary) -> str:
-    """Return text with the coefficients after the dwell times of the study; empty if there are no dwell times."""
+    """Return text with the coefficients after the dwell times of the study, or an empty string without dwell times."""
     entries = [
         f"{format_time(aged.seconds)} {format_estimate(aged.value, aged.lower, aged.upper)}" for aged in point.waited
     ]
@@ -443,7 +443,7 @@ _UNIT_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
 
 
 def _first_cell(headlines: Sequence[PointSummary]) -> str:
-    """Return text with the coordinates of the first of several cells, as in "H = 0.9"; empty for a single cell."""
+    """Return the coordinates of the first cell as text, as in "H = 0.9", or "" if there is only one cell."""
     hidden = {"load", "mu0", "tau0", *(["fractal_dimension"] if "hurst_exponent" in headlines[0].at else [])}
     names = [
         name for name in headlines[0].at if name not in hidden and len({point.at[name] for point in headlines}) > 1
@@ -463,7 +463,7 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
     in_words = len(loads) == 1 and study.is_measured and not verbose
     for name in (*shown_in("table"), *(shown_in("verbose") if verbose else ())):
         is_hidden = {
-            "mean_pressure": in_words,  # omitted, because it is the ratio of load and area, which are both printed
+            "mean_pressure": in_words,  # hidden, because the printed load and area give the mean pressure
             "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
             **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or study.is_gap)),
             **dict.fromkeys(LOAD_INDEPENDENT, not verbose),
@@ -514,7 +514,7 @@ def is_bound_on_pull_off(name: str, dataset: xarray.Dataset) -> bool:
 
 
 def _row(name: str, label: str, estimates: Sequence[xarray.DataArray]) -> list[list[str]]:
-    """Return a list with the table row of a quantity (name, unit, one cell per load), empty if no load has a value."""
+    """Return the table row of a quantity in a list, or an empty list if the quantity has no value at any load."""
     unit = QUANTITIES[name].unit
     if unit in ("um", "GPa", "mN"):
         values = [value for value in map(_largest, estimates) if math.isfinite(value)]
@@ -551,7 +551,7 @@ def _cell(estimate: xarray.DataArray, factor: float) -> str:
 
 
 def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
-    """Return a sentence about grooves if friction reveals any; `verbose` adds the values along each axis."""
+    """Return a sentence about grooves if friction depends on the axis. `verbose` adds the values along each axis."""
     if "friction_by_axis" not in values or values.sizes.get("axis", 0) < 2:
         return ""
     table = values["friction_by_axis"]
@@ -564,7 +564,7 @@ def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
 
 
 def _rules_table(title: str, table: xarray.DataArray, dimension: str, format_coordinate: Callable[[float], str]) -> str:
-    """Format coefficients with one row per coordinate along a dimension and one column per sliding rule."""
+    """Format coefficients as a table with one row per coordinate and one column per sliding rule."""
     rules = [rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(table["sliding"].values)]
     rows = [[title, *(RULE_TITLES[rule] for rule in rules)]]
     for coordinate in table[dimension].values:
@@ -578,7 +578,7 @@ def _axis_name(degrees: float) -> str:
 
 
 def lay_text(table: xarray.DataArray) -> str:
-    """Return a sentence about grooves, which are reported if the intervals along two axes do not overlap."""
+    """Return a sentence about grooves. Grooves are reported if the intervals along two axes do not overlap."""
     mean, lower, upper = (table.sel(statistic=statistic) for statistic in MEAN_AND_ENDS)
     if not np.isfinite(lower.values).all():
         return "Grooves: unknown, because the coefficients along the axes have no intervals."
@@ -626,7 +626,7 @@ def history_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def preview_text(summary: Summary) -> str:
-    """Return a line that previews a study by the friction coefficient of its first members."""
+    """Return a preview line with the friction coefficient computed from the first members of a study."""
     point = summary.points[0]
     return (
         f"preliminary, with asperities: μ_s = {format_estimate(point.value)}  {RULE_DESCRIPTIONS[point.rules[0].rule]}"
@@ -680,12 +680,12 @@ def _count_rows(dataset: xarray.Dataset) -> int:
 
 
 def _ends_and_middle(dataset: xarray.Dataset) -> xarray.Dataset:
-    """Select the middle mu0, and the first and last tau0."""
+    """Select the middle mu0 and the first and last tau0 of a dataset."""
     return dataset.isel(mu0=[dataset.sizes["mu0"] // 2], tau0=sorted({0, dataset.sizes["tau0"] - 1}))
 
 
 def _omission_text(dataset: xarray.Dataset, full_dataset: xarray.Dataset, study: Study) -> str:
-    """Return how many values an overview omits and how to print them; empty if all values are printed."""
+    """Return how many values an overview omits and how to print them, or an empty string if all values are printed."""
     every = study.surfaces.cells()["fractal_dimension"].size
     sizes = {
         shape_coordinate(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], every),

@@ -17,7 +17,7 @@ from stiction.views.style import (
     new_figure,
 )
 
-MIN_REDUCTION = 0.02  # inputs that would reduce the interval by less than this fraction are not drawn
+MIN_REDUCTION = 0.02  # inputs are not drawn if making them exact would narrow the interval by less than this fraction
 MAX_INPUTS = 5  # maximum number of inputs in the figure
 
 

@@ -1,4 +1,4 @@
-"""Figures of contacts: two profiles with forces on the upper body, and the contacts of two measured bodies."""
+"""Figures of contacts: two profiles with forces on the upper body, or the contacts of two measured bodies."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ from stiction.views.style import (
 _MIN_ZOOM_SPACINGS = 40  # minimum number of grid spacings on each side of the magnified contact
 _MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which the axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # maximum length of an arrow, inches
-EDGE_COLOUR = "#e00030"  # colour of contacts that the edge of the map cuts
+EDGE_COLOUR = "#e00030"  # colour of contacts that are cut by the edge of the map
 NUM_NEIGHBOURS = 5  # number of neighbouring contacts in the magnified range, besides the strongest contact
-MIN_ZOOM_POINTS = 60  # minimum number of points on each side of the strongest contact
+MIN_ZOOM_POINTS = 60  # minimum number of points shown on each side of the strongest contact
 
 
 def contact_figure(
@@ -133,7 +133,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
 
 
 def _reserve_arrow_length(axes: Axes, highest: float) -> float:
-    """Extend the axes for arrows above the highest contact, and return the length of the longest arrow (inches)."""
+    """Extend the axes to make room for arrows above the highest contact. Return the longest arrow length (inches)."""
     figure = axes.get_figure()
     assert figure is not None
     extent_in_inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
@@ -297,7 +297,7 @@ def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardnes
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw the contacts of two maps or profiles, coloured by whether they oppose the motion or are cut by an edge.
+    """Draw the contacts of two maps or profiles. Colours mark contacts that oppose the motion or are cut by an edge.
 
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees). The figure is
     80 mm wide.
@@ -355,7 +355,7 @@ def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_
     centres, width = (
         picture["contact_x"].values,
         picture["contact_patch_area"].values,
-    )  # areas (µm²) equal contact widths (µm), because profiles are 1 µm wide
+    )  # contact areas in µm² equal contact widths in µm, because profiles are 1 µm wide
     zoom = slice(*np.searchsorted(x, _zoom_range(x, centres, width, picture["contact_force"].values, is_cut)))
     for axes, selection in zip(panels, (slice(None), zoom), strict=True):
         draw_bodies(axes, x[selection], *bodies[:, selection])

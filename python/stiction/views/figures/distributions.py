@@ -105,7 +105,7 @@ def _draw_rings(axes: Any, highest: float) -> None:
 
 
 def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the friction coefficient of each member in each single direction (80 mm wide).
+    """Draw the friction coefficient of each member in each direction, without averaging over directions (80 mm wide).
 
     `values` has the dimensions repetition, direction and sliding. `points` contains the means of `values`, as for
     `compass_figure`. Members of a single traverse are drawn against the offset, other members in ascending order.

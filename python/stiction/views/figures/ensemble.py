@@ -52,7 +52,7 @@ MAX_CURVES = 8
 COLOUR_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
 
-MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest
+MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure (the lowest and the highest)
 
 FADING_LIMITS = (0.3, 1.2, 0.85)
 """Relative interval widths at which the fading of a cell starts and reaches its maximum, and this maximum."""
@@ -103,7 +103,7 @@ def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Datas
 
 
 def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines: model and motion if they differ from the paper, and the number of missing repetitions."""
+    """Return heading lines for the model and motion, if they differ from the paper, and for an unfinished ensemble."""
     contact = study.contact
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
@@ -131,7 +131,7 @@ def draw_panel_letter(axes: Axes, number: int) -> None:
 def create_axes_rows(
     rows: int, height: float, above: float, below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """Return a figure (170 mm wide), its height in mm, and a function that adds axes by left end, row and width."""
+    """Return a figure (170 mm wide), its height in mm, and a function that adds axes to a given row."""
     total = above + below + rows * (height + between) - between
     figure = new_figure(total, width=PAGE_WIDTH, layout=None)
 
@@ -205,7 +205,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
 
 def _common_load(result: Result, lowest: float) -> float:
-    """Return a load (mN) that nine of ten ensembles reach: a power of ten, unless it would be below `lowest`."""
+    """Return a load (mN) that nine of ten ensembles reach. Powers of ten from `lowest` upwards are preferred."""
     elastic = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step).values
     common = float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
@@ -223,7 +223,7 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
 
 
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw curves with intervals for the lowest and the highest shear strength, dotted where the model is invalid."""
+    """Draw friction curves for the lowest and highest shear strength. They are dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # axes: fractal dimension, shear strength
     value, lower, upper = (curves["friction_coefficient"].sel(statistic=each).values for each in MEAN_AND_ENDS)
@@ -234,7 +234,7 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
         axes.plot(dimension, value[:, index], ":", **style)
         axes.plot(dimension, np.where(is_valid[:, index], value[:, index], np.nan), **style)
     finite = value[np.isfinite(value)]
-    # The axis includes all valid values, and other values where space permits.
+    # The axis includes all valid values, and invalid values where space permits.
     valid_upper_ends = upper[np.isfinite(upper) & is_valid]
     upper_limit = (
         1.1 * max(2 * mu0, float(valid_upper_ends.max(initial=0.0)), 2.5 * float(np.min(finite, initial=1.0))) or 1.0
@@ -393,7 +393,7 @@ def _cell_edges(centres: Floats) -> Floats:
 
 
 def area_figure(dataset: xarray.Dataset) -> Figure:
-    """Draw true contact area, and its ratio to the load, against load with 95 % intervals; one row per amplitude."""
+    """Draw true contact area and area/load against load, with 95 % intervals and a row of panels per amplitude."""
     result = Result.of(dataset)
     study, loads = result.study, result.reached_loads()
     mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
@@ -442,7 +442,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
 def _area_curves(
     axes: list[Axes], areas: xarray.Dataset, *, has_no_validity_limit: bool, label_distance: float
 ) -> None:
-    """Draw the area and its ratio to the load for each fractal dimension, with labels at the left ends."""
+    """Draw area and area/load for each fractal dimension, with labels at the left ends of the curves."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=each).values for each in MEAN_AND_ENDS)
@@ -479,7 +479,7 @@ def _area_curves(
 
 
 def profiles_figure(study: Study) -> Figure:
-    """Draw profiles with equal phases for several fractal dimensions, at full length and within one length scale."""
+    """Draw profiles with equal phases for several fractal dimensions, at full length and over one length scale."""
     surfaces: Any = study.surfaces
     dimensions = surfaces.fractal_dimensions()
     dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_PROFILES)]

@@ -111,7 +111,7 @@ def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) ->
 
 
 def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return a cycle between a load and its negative: each branch is the loading curve doubled (Masing's rule)."""
+    """Return a load cycle between a load and its negative. Each branch is the doubled loading curve (Masing's rule)."""
     loading = _interpolate_loading(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
@@ -129,7 +129,7 @@ def has_slip_map(onset: xarray.Dataset) -> bool:
 
 
 def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the tangential load at which each contact point starts to slip, over a map of the heights (80 mm wide).
+    """Draw, on a height map, the tangential load at which each contact point starts to slip (80 mm wide).
 
     `onset` is a result of `compute_onset` for areal contact. With the asperity model, each contact is one marker, whose
     colour shows the load at which the contact slides.
@@ -182,7 +182,7 @@ def _draw_slip(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm: Bo
 
 
 def _busiest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the rows, the columns and the extent (µm) of the part of the map where contact points are densest."""
+    """Return the part of the map where contact points are densest: its rows, its columns and its extent (µm)."""
     from scipy.ndimage import gaussian_filter
 
     is_contact = np.isfinite(onset["slip"].values)
@@ -215,7 +215,7 @@ LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from 
 
 
 def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
-    """Draw pre-sliding displacement, slip and stiffness against fractal dimension; one row per amplitude.
+    """Draw pre-sliding displacement, slip and stiffness against fractal dimension, with a row of panels per amplitude.
 
     Bands are 95 % intervals. Curves are dotted where the model is not valid.
     """

@@ -128,7 +128,7 @@ def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
 
 
 def _finish_spectrum(axes: Axes, unit: str, density: Floats | None = None) -> None:
-    """Set logarithmic scales, a wavelength axis and the legend of a spectrum."""
+    """Set the scales and limits of a spectrum plot, and add a wavelength axis and a legend."""
     axes.set(xscale="log", yscale="log", xlabel="wave number $q$ (1/µm)", ylabel=f"density $C$ ({unit})")
     axes.secondary_xaxis("top", functions=(to_wavelength, to_wavelength)).set_xlabel(r"wavelength $\lambda$ (µm)")
     density_values = np.asarray(axes.lines[0].get_ydata() if density is None else density[density > 0], np.float64)

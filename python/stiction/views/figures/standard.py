@@ -39,7 +39,7 @@ def draw_figures(
     result: Result | xarray.Dataset, directory: str | Path, *, formats: Sequence[str] = ("png",),
     picture: xarray.Dataset | None = None, first: bool = False,
 ) -> list[Path]:  # fmt: skip
-    """Draw the figures of a result into a directory, and return their paths.
+    """Draw the figures of a result, save them in a directory, and return their paths.
 
     Generated surfaces have the figures that the table [figures] of the study lists: ``profiles``, ``length_scales``,
     ``friction_mu0_*`` (one for each mu0), ``area`` and ``onset``. File names contain the sliding rule and direction if
@@ -80,7 +80,7 @@ def draw_figures(
 def select_figures(
     result: Result | xarray.Dataset, picture: xarray.Dataset | None = None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Yield the file name (without ending) and the drawing function of each figure of a result."""
+    """Yield the name and the drawing function of each figure of a result. The names have no file extension."""
     result = Result.of(result)
     if not result.study.is_measured:
         yield from _generated_figures(result.dataset, result.study)
@@ -95,7 +95,7 @@ def pair_title(study: Study) -> str:
 
 
 def format_print_title(study: Study) -> str:
-    """Return the title of a pair for print, without file name endings and underscores."""
+    """Return the title of a pair for print: file names without extensions, with spaces instead of underscores."""
     return re.sub(r"\.\w+(?= on |$)", "", pair_title(study)).replace("_", " ")
 
 
@@ -178,7 +178,7 @@ def _cut_off(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
 def draw_height_scale(
     result: Result, scaled: ScaledSides, factors: list[float], indices: tuple[int, ...] = (0, 0), *, title: str
 ) -> Figure:
-    """Draw friction against the stored height factors of a result, at its first load and one pair of mu0 and tau0."""
+    """Draw friction against the height factors stored in a result, for the first load and one pair of mu0 and tau0."""
     friction = result.study.friction
     mu0, tau0 = friction.mu0[indices[0]], float(friction.tau0[indices[1]])
     dataset = result.at(float(friction.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled)
@@ -186,7 +186,7 @@ def draw_height_scale(
 
 
 def draw_positions(result: Result, dataset: xarray.Dataset, *, title: str) -> Figure:
-    """Draw the friction of each member of a result at one point of a dataset returned by `at_load`."""
+    """Draw the friction coefficient of each member at one point, given the dataset of this point from `at_load`."""
     load, mu0, tau0 = (float(dataset[name]) for name in ("load", "mu0", "tau0"))
     members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)
     values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)

@@ -34,7 +34,8 @@ from stiction.views.report.page import REPORT_AXES, PageResult, ReportError, axe
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.tables import Tables
 
-# Maximum number of coefficients on a page: product of the numbers of nodes, loads, cells, rules and directions.
+# Maximum number of coefficients on a page.
+# The number of coefficients is the product of the numbers of nodes, loads, cells, rules and directions.
 MAX_GENERATED_COEFFICIENTS = 1_000_000
 # The page warns if the mean of overlap / radius exceeds this value.
 # The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.
@@ -43,7 +44,7 @@ SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
 def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
-    """Return the report on a result of generated surfaces. The default title is the name of the study.
+    """Return the report on a result for generated surfaces. The default title is the name of the study.
 
     Raises a `ReportError` if it is too large for a page or has no members.
     """
@@ -110,7 +111,7 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
 
 
 def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, tables: Tables) -> dict[str, Any]:
-    """Add all quantities at the nodes to tables with the axes cell, amplitude, rule, motion, load, mu0 and tau0."""
+    """Add all quantities at the nodes to `tables`. The axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
     rules, angles = motions_of(study)
     axes, loads = nodes.axes, nodes.loads
     count = math.prod(head.sizes[name] for name in SHAPE_DIMENSIONS) * loads.size * len(rules) * len(angles)
@@ -219,7 +220,7 @@ def _relative_width(points: Floats) -> Floats:
 
 
 def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[str]:
-    """Add colour ranges of quantities with positive values to the tables, and return the names of these quantities.
+    """Add a colour range to the tables for each quantity with positive values. Return the names of these quantities.
 
     The axes of a range are amplitude, rule, motion, mu0 and tau0.
     """
@@ -238,7 +239,7 @@ def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[st
 
 
 def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], study: Study) -> dict[str, int]:
-    """Return the cell and load where the valid value at the study's mu0 and tau0 has the narrowest interval."""
+    """Choose the initial cell and load of a page: those with the smallest relative interval of a valid value."""
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
     index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *nodes)
@@ -255,7 +256,7 @@ def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], st
 def _checked_numbers(
     node_values: xarray.Dataset, points: Floats, area: Floats, contacts: Floats, study: Study, members: int
 ) -> dict[str, Any]:
-    """Return, for every node, the numbers that are compared with limits to assess generated surfaces."""
+    """Compute, for every node, the numbers that the assessment of generated surfaces compares with limits."""
     load, mu0, tau0 = (to_leading_order(node_values[name]) for name in ("load", "mu0", "tau0"))
     carried = to_leading_order(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
     surfaces: Any = study.surfaces
@@ -270,13 +271,13 @@ def _checked_numbers(
 
 
 def _reason_record(reason: Caveat | Check) -> dict[str, Any]:
-    """Return the page record of a caveat or check: text, remedy, severity and the number in the text."""
+    """Return a caveat or check as a record: text, remedy, severity, and the format of the number in the text."""
     number = _number_format(reason) if isinstance(reason, Check) and "{}" in reason.text else None
     return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number}
 
 
 def _number_format(check: Check) -> dict[str, Any]:
-    """Return the table, factor, decimals and unit of the number in the text of a check."""
+    """Return how a page formats the number in the text of a check: source table, factor, decimals and unit."""
     name, format_name = check.shown_name, check.shown
     if format_name == "percent":
         return {"table": name, "factor": 100, "decimals": 0, "unit": " %"}

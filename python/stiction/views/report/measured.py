@@ -48,14 +48,15 @@ from stiction.views.resolution import wavelengths_text
 from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.text import budget_text, dwell_time_text
 
-# Maximum number of coefficients on a page: product of the numbers of nodes, loads, cutoffs, rules and directions.
+# Maximum number of coefficients on a page.
+# The number of coefficients is the product of the numbers of nodes, loads, cutoffs, rules and directions.
 MAX_MEASURED_COEFFICIENTS = 400_000
 
 _UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without an SI prefix
 
 
 def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
-    """Return the report on a result of measured bodies. The title consists of the file names and, if given, `name`.
+    """Return the report on a result for measured bodies. The title consists of the file names and, if given, `name`.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if
     the result is too large.
@@ -132,7 +133,7 @@ _CURVE_PANELS = {
 
 
 def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, Any]:
-    """Add friction at the nodes to tables with the axes kind, cutoff, rule, motion, load, mu0 and tau0."""
+    """Add friction at the nodes to `tables`. The axes are kind, cutoff, rule, motion, load, mu0 and tau0."""
     (rules, angles), axes, kinds = motions_of(study), nodes.axes, nodes.kinds
     motions: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
@@ -265,7 +266,7 @@ MAX_READINGS = 4  # maximum number of scans per part for which the report shows 
 
 
 def _reading_table(scan: MeasuredFile) -> str:
-    """Return a table that shows how a file was read; empty for a surface in memory and for a missing file."""
+    """Return a table that shows how a file was read, or an empty string if there is no readable file."""
     with contextlib.suppress(ValueError, OSError):
         if (reading := scan.reading) is not None:
             return reading_table(reading, {name: getattr(scan, name) for name in READING_OPTIONS})
@@ -273,7 +274,7 @@ def _reading_table(scan: MeasuredFile) -> str:
 
 
 def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
-    """Return values, interval ends, decimals and texts of all quantities except friction, by kind, cutoff and load."""
+    """Return a record for each quantity except friction, with its values, interval ends, decimals and texts."""
     records = []
     for name in (name for name in shown_in("report") if name in evaluations[0]):
         means = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
@@ -316,7 +317,7 @@ _CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contributions(answer: PointSummary) -> dict[str, Any] | None:
-    """Return the coefficient with friction at all contacts, its interval, and its contributions with their texts."""
+    """Return the coefficient for friction at all contacts, its interval, and its contributions as numbers and text."""
     estimate = next((rule for rule in answer.rules if rule.rule == "all"), None)
     if answer.parts is None or estimate is None or not math.isfinite(estimate.value):
         return None

@@ -72,7 +72,7 @@ def part(name: str) -> str:
 
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
-    """Return markup with the scripts of a page, and with the facts and packed numbers of a result."""
+    """Return markup with the scripts of a page and the data of a result: `facts` as JSON, and packed numbers."""
     # Escaping "<" ensures that the JSON text cannot close its HTML element or open another one.
     facts_json = to_json(facts).replace("<", "\\u003c")
     element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
@@ -117,7 +117,7 @@ REPORT_AXES = {
 
 @dataclass(frozen=True, eq=False)
 class PageResult:
-    """Content of a page. `details`, `touching` and `pictures` contain markup of the study and of the figures."""
+    """Content of a page. `details`, `touching` and `pictures` are markup that describes the study or shows figures."""
 
     study: Study
     name: str
@@ -131,7 +131,7 @@ class PageResult:
     pictures: str = ""
 
     def unfinished(self) -> str:
-        """Return markup with notices about missing and unsolved members; empty for a complete result."""
+        """Return markup with notices about missing and unsolved members, or an empty string for a complete result."""
         total, notices = self.study.ensemble.repetitions, []
         if self.num_members < total:
             notices.append(f"{self.name} is unfinished: {self.num_members} of {total} repetitions.")
@@ -164,12 +164,12 @@ def _without_folders(study: Study) -> Study:
 
 
 def motions_of(study: Study) -> tuple[list[str], list[float]]:
-    """Return the sliding rules and directions (degrees) of a study, in the order of the stored sums."""
+    """Return the sliding rules and the directions (degrees) of a study, in the order in which the sums are stored."""
     return list(study.contact.rules()), [float(angle) for angle in study.contact.degrees()]
 
 
 def axes_facts(axes: tuple[Axis, Axis], study: Study) -> dict[str, Any]:
-    """Return the nodes of mu0 and tau0 (MPa) for a page, with the steps and initial values of their sliders."""
+    """Return the nodes of mu0 and tau0 (MPa) for a page, with the step and the initial value of each slider."""
     initial = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),

@@ -62,7 +62,7 @@ def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
 
 
 def height_scale_panels(result: Result, title: str) -> str:
-    """Return panels (markup) that show the results for all stored height factors; empty if no factors are stored.
+    """Return panels (markup) that show the results for all stored height factors, or "" if there are none.
 
     The panels show the first load, mu0 and tau0.
     """
@@ -108,7 +108,7 @@ def positions_panel(result: Result, load: float, title: str) -> str:
 
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:
-    """Return the panel (markup) with the onset curve and, for maps, the panel with the onset map."""
+    """Return the panel (markup) with the onset curve. For maps, add the panel with the map of slip."""
     curve = _panel(
         "Onset of sliding",
         "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",

@@ -15,7 +15,7 @@ READING_OPTIONS = ("unit", "spacing", "columns", "channel", "missing_value", "mi
 
 
 def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
-    """Return a table (markup) that shows how a file was read, with its reading options."""
+    """Return a table (markup) that shows how a file was read and which reading options were used."""
     rows = "".join(
         f'<tr><th scope="row">{escaped(name)}</th><td>{escaped(value)}</td></tr>'
         for name, value in reading_rows(reading, options)
@@ -24,7 +24,7 @@ def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
 
 
 def reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return table rows (name and value) with the detected layout of a file and its reading options."""
+    """Return table rows (name and value) that contain the detected layout of a file and the reading options."""
     source, body = reading.source, reading.body
     steps = [f"{step:.6g} µm along {axis}" for axis, step in zip("xy", body.spacings[::-1], strict=False)]
     specified = {name: options.get(name) for name in READING_OPTIONS}

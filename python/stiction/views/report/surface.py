@@ -32,7 +32,7 @@ READING_SECTION = Template(
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> Page:
-    """Return the page of a levelled profile or surface, with its command and a table on the reading of its file.
+    """Return the report page of a levelled profile or surface, with the command and a table of how the file was read.
 
     `options` are the options of `characterisation_text`.
     """

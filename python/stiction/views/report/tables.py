@@ -1,4 +1,4 @@
-"""Tables of numbers on a report page, each stored with the number of decimals to print."""
+"""Tables of numbers on a report page. Each number is stored with the number of decimals to print."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefix, format_estimate
 
-FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores, for a relative precision of 5e-7
-NO_INTERVAL = -128  # value stored as the decimals of the upper end if no interval is printed
+FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores; they give a relative precision of 5e-7
+NO_INTERVAL = -128  # value stored instead of the number of decimals of the upper end if no interval is printed
 MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded digits before the decimal point
 
 
-_COMPRESSION = 7  # zlib level; it takes a sixth of the time of level 9, with 0.5 % more bytes
+_COMPRESSION = 7  # zlib level; compression takes a sixth as long as at level 9 and gives 0.5 % more bytes
 
 
 def packed(values: ArrayLike, leading: int) -> str:
-    """Encode doubles as text after rounding to their leading bytes: all first bytes, then all second bytes, and so on.
+    """Encode doubles, rounded to their leading bytes, as text: all first bytes, then all second bytes, and so on.
 
     Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
     """
@@ -42,7 +42,7 @@ def packed_bytes(values: NDArray[np.int8]) -> str:
 
 @dataclass
 class Tables:
-    """Concatenated arrays of a page; `offsets` contains the start of each array by name."""
+    """Concatenated arrays of a page. The dictionary `offsets` maps the name of each array to the start of the array."""
 
     offsets: dict[str, int] = field(default_factory=dict)
     floats: list[Floats] = field(default_factory=list)
@@ -56,7 +56,7 @@ class Tables:
         arrays.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
 
     def add_points(self, name: str, points: Floats, *, decimals: Any = None) -> None:
-        """Append values, lower ends and upper ends (along the last axis), and their numbers of decimals to print.
+        """Append values, lower ends and upper ends (last axis of `points`), and the numbers of decimals to print.
 
         `decimals` is the number of decimals for values without an interval.
         """
@@ -76,7 +76,7 @@ class Tables:
 
 
 def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals `format_estimate` prints for the mean and lower end, and for the upper end.
+    """Return how many decimals `format_estimate` prints: one number for mean and lower end, and one for the upper end.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are `NO_INTERVAL`
     if `format_estimate` prints no interval.
@@ -118,7 +118,7 @@ def _rounded_exponent(values: Floats) -> Floats:
 
 
 def text_with_unit(point: Sequence[float], unit: str) -> str:
-    """Return a value with interval and unit, as in "12.1 [11.0, 13.3] µm²"; fractions have the unit "%"."""
+    """Return a value with its interval and unit, as in "12.1 [11.0, 13.3] µm²"; fractions are given in %."""
     value, lower, upper = point
     if np.isnan(value):
         return "none"
