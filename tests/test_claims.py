@@ -41,7 +41,7 @@ def resampled(result):
     return claims.Resampled(result, 0.1)
 
 
-def test_studies_for_claims_have_the_settings_of_the_paper():
+def test_studies_used_to_judge_claims_have_the_settings_of_the_paper():
     study = claims.claims_study()
     assert study.surfaces.fractal_dimensions().size == 50
     assert study.ensemble.repetitions == 100
@@ -266,7 +266,7 @@ def test_claims_are_judged_with_the_sliding_rule_and_mechanics_of_their_column()
         judge(create_result(), sliding="all")
 
 
-def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_dimension():
+def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_fractal_dimension():
     result = create_result().sel(fractal_dimension=slice(1.0, 1.501))
     computed = {judge_values.part.name: judge_values.verdict for judge_values in judge(result)}
     assert {name for name, verdict in computed.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}

@@ -565,7 +565,7 @@ REJECTED_ARGUMENTS = [
 
 
 @pytest.mark.parametrize(("changes", "pattern"), REJECTED_ARGUMENTS)
-def test_pair_rejects_bad_input_in_one_sentence(upper, lower, changes, pattern):
+def test_pair_rejects_invalid_input_in_one_sentence(upper, lower, changes, pattern):
     arguments = {"first": upper, "second": lower} | PAIR_ARGUMENTS | changes
     with pytest.raises(ValueError, match=pattern) as caught:
         pair(arguments.pop("first"), arguments.pop("second"), **arguments)

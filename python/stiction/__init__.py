@@ -1,4 +1,4 @@
-"""stiction: the coefficient of static friction of rough surfaces, from their shape.
+"""stiction: computation of the static friction coefficient of rough surfaces from their shape.
 
 Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles in rad.
 """
@@ -70,7 +70,7 @@ __all__ = sorted(_MODULES)
 
 
 def __getattr__(name: str) -> object:
-    from importlib import import_module  # imported on demand, because many commands use no public name
+    from importlib import import_module  # imported only when a public name is used, which many commands never do
 
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -60,7 +60,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or more numbers. If `integers` is True, a comma as in "0,90" always separates two numbers."""
+    """Parse one or more numbers. If `integers` is True, a comma always separates two numbers: "0,90" is 0 and 90."""
     if not integers:
         reject_decimal_commas(name, value)
     try:
@@ -97,7 +97,7 @@ def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load. Return the load, and True for a pressure or False for a force.
+    """Parse a load. Return the load, and True if it is a pressure or False if it is a force.
 
     A number without a unit is a force in mN. A pressure acts on the slider.
     The load must be above 0 or, if `or_zero` is True, at least 0.

@@ -101,7 +101,7 @@ def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise a `ValueError` unless the value is an instance of `kind`, which the message describes by `words`."""
+    """Raise a `ValueError` unless the value is an instance of `kind`. In the message, `words` describes this type."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 

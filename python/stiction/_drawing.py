@@ -18,7 +18,7 @@ HEIGHT_MAP = "gray"
 _MAX_NM_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
 _MAX_BAR_FRACTION = 0.25  # maximum length of the scale bar, relative to the width of the map
 PRESSURE_MAP = "inferno"
-MAX_LEGEND_LINES = 12  # maximum number of lines for which a legend is drawn
+MAX_LEGEND_LINES = 12  # a legend is drawn only if there are at most this many lines
 
 
 def to_readable_unit(heights: Floats) -> tuple[Floats, str]:
@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw the spectral density of all harmonics, and its bin averages, against wave number on logarithmic axes."""
+    """Draw the spectral density of all harmonics, and the averages in bins, against wave number on logarithmic axes."""
     wave_number, density = harmonics
     positive = density > 0
     if not positive.any():
@@ -65,7 +65,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
-    """Draw, for each octave of wavelength, the rms height that two scans share and the rms noise of one scan."""
+    """Draw the rms height common to both scans, and the rms noise of a single scan, for each octave of wavelength."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -114,7 +114,7 @@ def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
 
 
 def set_log_ticks(axes: Axes) -> None:
-    """Label logarithmic axes with plain numbers over up to three decades, and with powers of ten over wider ranges."""
+    """Label logarithmic axes with plain numbers if they span up to three decades, and otherwise with powers of ten."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for axis in (axes.xaxis, axes.yaxis):
@@ -167,7 +167,7 @@ def draw_friction(
 
 
 def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return a nested list with one label per pair of mu0 and tau0, or an empty list if both are scalars."""
+    """Return one label per pair of mu0 and tau0, as a nested list. The list is empty if both are scalars."""
     materials = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if materials[0].ndim == 0:
         return []

@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _MessageValues(dict[str, Any]):
-    """Mapping from message placeholders to values. An unknown placeholder is the name of an argument."""
+    """Mapping from message placeholders to values. An unknown placeholder is treated as the name of an argument."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)

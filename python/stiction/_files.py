@@ -1,4 +1,4 @@
-"""Atomic writing of files, and bounded reading of input files."""
+"""Atomic writing of files, and reading of input files up to a maximum size."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ The name contains the machine, the process id, the run and a random number.
 
 MAX_PARTIAL_AGE = 3600.0  # age in seconds above which a partial file left by another machine counts as stale
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-_RUN_TOKEN = secrets.token_hex(4)  # random token of this run, because process ids are reused
-_NUM_SEARCHED_BYTES = 2**16  # number of bytes at the beginning and end of a file that are searched for its mark
+_RUN_TOKEN = secrets.token_hex(4)  # random token that identifies this run; a process id may be reused
+# The mark that identifies a file is searched in this many bytes at the beginning and at the end of the file.
+_NUM_SEARCHED_BYTES = 2**16
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -32,7 +33,7 @@ _NUM_SEARCHED_BYTES = 2**16  # number of bytes at the beginning and end of a fil
 
 @contextmanager
 def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that is renamed to `path` when it is complete; raise `failure` if `path` exists."""
+    """Yield a temporary file that is renamed to `path` when complete. Raise `failure` if `path` already exists."""
     with _translate_errors(path, failure):
         if os.path.lexists(path):
             raise FileExistsError
@@ -42,7 +43,7 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
 
 @contextmanager
 def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that replaces `path` when complete; raise `failure` if `path` exists but lacks `mark`.
+    """Yield a temporary file that replaces `path` when complete; raise `failure` if an existing file lacks `mark`.
 
     A file without the bytes `mark` near its start or its end was not written by this package.
     """
@@ -74,7 +75,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 def _partial(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
     """Yield an empty file in the folder of `path`. Rename it to `path` on success, and remove it otherwise."""
     partial = path.parent / new_partial_name()
-    try:  # create the file inside `try`, because Ctrl-C may arrive immediately afterwards
+    try:  # create the file inside `try`, so that it is removed even if Ctrl-C arrives right afterwards
         os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial
         move(partial, path)
@@ -167,5 +168,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason for a system error, leaving out the file name, which may be internal."""
+    """Return the reason for a system error without the name of the file, because this name may be internal."""
     return os.strerror(error.errno) if error.errno else str(error)

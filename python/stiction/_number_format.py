@@ -1,4 +1,4 @@
-"""Formatting of numbers with as many digits as their intervals justify, in units that need few zeros."""
+"""Formatting of numbers. The interval determines the number of digits, and the magnitude determines the unit."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import json
 import math
 from typing import Any
 
-MAX_DIGITS = 4  # maximum number of significant digits of a value, even with a narrow interval
+MAX_DIGITS = 4  # maximum number of significant digits of a value, however narrow its interval
 UNBOUNDED_END = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-MAX_PRECISE_END_RATIO = 100.0  # above this ratio of the upper end to the value, the upper end is printed with one digit
+MAX_PRECISE_END_RATIO = 100.0  # an interval end above this multiple of the value is printed with one digit
 
 _PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
@@ -20,7 +20,7 @@ _PREFIXES = {
 
 
 def format_with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
-    """Format a value and its interval, rounded to `digits` digits of the half-width, as in "0.157 [0.102, 0.216]".
+    """Format a value and its interval, as in "0.157 [0.102, 0.216]". The half-width is printed to `digits` digits.
 
     The value has two to four significant digits. The text is "none" for a missing value, and ends with "no interval"
     for a missing interval. The interval is omitted if both ends are equal to four digits.
@@ -42,7 +42,7 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
 
 
 def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number with its interval to one digit of the half-width, or without an interval to two digits."""
+    """Format a number and its interval to one digit of the half-width, or a number alone to two significant digits."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
@@ -51,7 +51,7 @@ def format_estimate(mean: float, lower: float = math.nan, upper: float = math.na
 
 
 def format_limits(low: float, high: float) -> str:
-    """Format the ends of a range, rounded to one digit of the half-width but to at least two significant digits."""
+    """Format the ends of a range to one digit of the half-width, with at least two digits for the larger end."""
     if math.isinf(high):
         return f"{format_significant(low)} to {UNBOUNDED_END}"
     decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
@@ -60,7 +60,7 @@ def format_limits(low: float, high: float) -> str:
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number to `digits` significant digits. Exponents appear only below 1e-6 and from 1e6 upwards."""
+    """Format a number to `digits` significant digits. Exponents are used only below 1e-6 and from 1e6 upwards."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -71,7 +71,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Return the number of decimals to print: `digits` digits of the half-width, but two to four of the value."""
+    """Return the number of decimals for a value: `digits` digits of its half-width, but 2 to 4 digits of the value."""
     size = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
         return size + MAX_DIGITS - 1
@@ -91,7 +91,7 @@ def format_with_unit(value: float, unit: str) -> str:
 
 
 def choose_prefix(value: float, unit: str) -> tuple[float, str]:
-    """Return the conversion factor and the name of the prefixed unit in which a value has the fewest zeros."""
+    """Choose the prefixed unit in which a value has the fewest zeros. Return the conversion factor and the unit."""
     if value == 0:
         return 1.0, unit.replace("um", "µm")
     # Round the value to the printed digits first, so that 0.99996 mN is printed as 1 mN.
@@ -99,7 +99,7 @@ def choose_prefix(value: float, unit: str) -> tuple[float, str]:
     return next((factor, name) for minimum, factor, name in _PREFIXES[unit] if rounded >= minimum)
 
 
-MIN_PERCENT = 0.001  # smallest percentage that is printed; a smaller percentage is printed as "below" this limit
+MIN_PERCENT = 0.001  # smallest percentage that is printed as a number; below it, "less than" this number is printed
 
 
 def format_time(seconds: float) -> str:

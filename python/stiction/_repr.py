@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NOTEBOOK_DPI = 110  # resolution of a notebook image, dots per inch
-NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of a notebook image, inches
-MAX_COLUMN_WIDTH = 4.0  # maximum width (inches) of one-column figures, which get a higher resolution
-PNG_COMPRESSION = 4  # compression level; it takes half the time of the default level 6, but map images are 10 % larger
+NOTEBOOK_DPI = 110  # resolution of a notebook image in dots per inch
+NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of a notebook image in inches
+MAX_COLUMN_WIDTH = 4.0  # figures up to this width (inches) count as one-column figures and get a higher resolution
+# At this zlib level, compression takes half as long as at the default level 6, but map images are 10 % larger.
+PNG_COMPRESSION = 4
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
 """Next smaller unit of each unit, with the conversion factor. It is used for values below 0.1."""
@@ -60,12 +61,12 @@ class TableRepr(TextRepr):
 
 
 def field_units(cls: Any) -> dict[str, str]:
-    """Return the units of dataclass fields by field name, omitting fields without a unit."""
+    """Return a mapping from the names of dataclass fields to their units. Fields without a unit are omitted."""
     return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
 
 
 def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
-    """Format a number to four digits, and return it with the unit in which it has the fewest zeros."""
+    """Format a number to four digits. Return it with the unit in which it has the fewest zeros."""
     if unit in _SMALLER_UNITS and 0 < abs(value) < 0.1:
         factor, unit = _SMALLER_UNITS[unit]
         value = value / factor
@@ -136,7 +137,7 @@ def table_html(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def plot_html(draw: Callable[[Axes], object]) -> str:
-    """Call a plotting function and return its plot as an inline image, or its error message as preformatted text."""
+    """Call a plotting function. Return the plot as an inline image, or an error message as preformatted text."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=NOTEBOOK_SIZE, layout="constrained")

@@ -10,7 +10,7 @@ MAX_PATH_LENGTH = 300  # maximum number of characters of a path in a message
 MAX_WORD_LENGTH = 80  # maximum number of characters of a key, version or name in a message
 MAX_LINE_LENGTH = 1000  # maximum number of characters of a line that is quoted in a message
 
-# Escaped Unicode categories: control and format characters, surrogates, line and paragraph separators.
+# Unicode categories that are escaped: control and format characters, surrogates, line and paragraph separators.
 _UNPRINTABLE = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 

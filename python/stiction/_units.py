@@ -55,7 +55,7 @@ class Quantity(float):
 
 
 def quantity(text: object, kind: str) -> Quantity:
-    """Parse a number with a unit, such as "200 MPa", as a quantity of a kind such as "pressure".
+    """Parse a number with a unit, such as "200 MPa". The parameter `kind` names the quantity, such as "pressure".
 
     Raises a `ValueError` if the text is not a number with a unit of that kind.
     """

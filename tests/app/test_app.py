@@ -527,7 +527,7 @@ def test_app_computes_profiles_with_the_asperity_model_by_default(empty_page, tm
     assert shown_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
-def test_form_controls_change_the_profile_preview_and_the_computed_fractal_dimension(empty_page):
+def test_form_controls_change_the_preview_of_a_profile_and_the_computed_fractal_dimension(empty_page):
     empty_page.find_element("css selector", "#made > summary").click()
     image_address_script = "return document.getElementById('profile').src"
     previous_address = wait_until(lambda: empty_page.execute_script(image_address_script), bool)
@@ -585,7 +585,7 @@ def test_app_has_no_accessibility_violations(empty_page, maps):
         set_window_size(empty_page)
 
 
-def test_server_counts_as_abandoned_only_if_it_had_a_window():
+def test_server_counts_as_abandoned_only_if_a_browser_window_has_been_open():
     window = SimpleNamespace(last_request_time=100.0, has_window=True)
     assert not is_abandoned(window, 100.0 + MAX_WINDOW_ABSENCE)
     assert is_abandoned(window, 100.5 + MAX_WINDOW_ABSENCE)

@@ -18,7 +18,7 @@ from stiction.app.preview import preview_scan
 from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_choices
 
 
-def test_form_fields_for_reading_files_are_reader_options():
+def test_form_fields_for_reading_files_have_the_names_of_reader_options():
     names = {flag.replace("-", "_") for flag in READING_FIELDS}
     assert names < set(ReadingOptions.model_fields)
 

@@ -188,7 +188,7 @@ def test_desktop_menu_entry_starts_the_app(app):
     assert "two scans" in subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def test_requests_with_invalid_or_too_large_bodies_are_rejected(app):
+def test_requests_with_invalid_or_oversized_bodies_are_rejected(app):
     assert app.request("POST", "/jobs", b"", Content_Length=str(10**6))[0] == 413
     assert app.request("POST", "/jobs", b"", Transfer_Encoding="chunked", Content_Length="2")[0] == 411
     assert app.request("POST", "/jobs", b"[" * 2**16)[0] == 400

@@ -35,7 +35,7 @@ def test_run_command_completes_if_its_output_pipe_is_closed(tmp_path):
     assert (completed.returncode, completed.stderr) == (0, "")
 
 
-def test_full_output_device_is_reported_and_unencodable_characters_are_replaced(tmp_path):
+def test_output_to_a_full_device_is_reported_and_unencodable_characters_are_replaced(tmp_path):
     completed = run_shell_script('"$@" > /dev/full', "studies", cwd=tmp_path)
     assert_rejected(completed, "stiction: ", "No space left on device")
     completed = subprocess.run(
@@ -90,7 +90,7 @@ def test_import_error_caused_by_an_interrupt_is_reported_as_interruption(monkeyp
     assert capsys.readouterr().err == "stiction: interrupted\n"
 
 
-def test_partly_constructed_objects_print_no_error_when_deleted(monkeypatch, capfd):
+def test_deletion_of_partly_constructed_objects_prints_no_error(monkeypatch, capfd):
     class Partial:
         def __del__(self):
             self.file.close()

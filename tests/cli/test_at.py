@@ -85,7 +85,7 @@ def test_at_command_prints_library_values_for_any_mu0_and_tau0(results_folder, n
     assert expected_points[0].verdict in text
 
 
-def test_at_command_uses_conditions_of_the_study_by_default_and_reports_the_status(results_folder):
+def test_at_command_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_folder):
     record = json.loads(stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_folder))
     assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)
@@ -98,7 +98,7 @@ def test_at_command_uses_conditions_of_the_study_by_default_and_reports_the_stat
     assert "! no computed load" in text
 
 
-def test_at_command_without_options_uses_conditions_of_the_study(results_folder):
+def test_at_command_without_options_uses_the_loads_mu0_and_tau0_of_the_study(results_folder):
     record = json.loads(stiction_output("at", "maps", "--json", cwd=results_folder))
     study = open_stored(results_folder / "maps").study
     expected_conditions = [
@@ -170,7 +170,7 @@ def test_at_command_error_names_the_rejected_option(results_folder, arguments, e
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_info_command_writes_the_same_schema_for_every_result(results_folder, name):
+def test_info_command_writes_json_with_the_same_schema_for_every_result(results_folder, name):
     record = json.loads(stiction_output("info", name, "--json", cwd=results_folder))
     assert list(record)[:3] == ["schema", "stiction", "command"]
     assert (record["schema"], record["command"]) == (SCHEMA_VERSION, "info")
@@ -233,7 +233,7 @@ def test_scale_heights_option_requires_compute_option_and_prints_table_or_json(r
         ("study", ("--scale-heights", "2", "--load", "1 uN", "--compute"), "needs two measured surfaces"),
     ],
 )  # fmt: skip
-def test_scale_heights_option_rejects_bad_input(results_folder, name, arguments, expected_message):
+def test_scale_heights_option_rejects_invalid_input(results_folder, name, arguments, expected_message):
     assert_rejected(call_stiction("at", name, *arguments, cwd=results_folder), expected_message)
 
 
@@ -268,7 +268,7 @@ def test_run_command_adds_repetitions_to_a_result_directory(results_folder, name
     assert_rejected(call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=results_folder), "mu0")
 
 
-def test_plot_command_writes_requested_formats_to_output_directory(results_folder, tmp_path, monkeypatch):
+def test_plot_command_writes_requested_formats_to_the_output_directory(results_folder, tmp_path, monkeypatch):
     calls = []
 
     def record_call(_, output_folder, *, formats):

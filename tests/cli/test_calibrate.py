@@ -125,7 +125,7 @@ def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
         ("load (mN),coefficient", ("0,5", "0,25"), "semicolons"),
     ],
 )
-def test_calibrate_command_rejects_contradictory_table(tmp_path, header, row, expected_words):
+def test_calibrate_command_rejects_a_contradictory_table_of_friction_tests(tmp_path, header, row, expected_words):
     write_table(tmp_path / "forces.csv", [row], header)
     assert_rejected(call_stiction("calibrate", "forces.csv", *BALL_OPTIONS, cwd=tmp_path), "forces.csv", expected_words)
 
@@ -151,7 +151,7 @@ def test_calibrate_command_rejects_conflicting_arguments(tmp_path, arguments, ex
     assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), expected_words)
 
 
-def test_calibrate_command_accepts_a_test_without_sliding_and_semicolons(tmp_path):
+def test_calibrate_command_accepts_a_test_without_sliding_and_columns_separated_by_semicolons(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(
         f"{load};{coefficient};{0.03 * coefficient};1" for load, coefficient, _ in ball_test_rows()
     )
@@ -214,7 +214,7 @@ def test_units_in_a_friction_test_file_are_converted(tmp_path):
         ("--upper", "PMMA", "--lower", "glass"),
     ],
 )
-def test_calibrated_interval_of_tau0_contains_fits_at_both_modulus_limits(tmp_path, ranges):
+def test_calibrated_interval_of_tau0_contains_the_values_fitted_at_both_modulus_limits(tmp_path, ranges):
     write_table(tmp_path / "forces.csv", ball_test_rows())
     arguments = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
     completed = check_stiction(*arguments, *ranges, cwd=tmp_path, without_figures=True)

@@ -249,7 +249,7 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_folder
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
     ],
 )
-def test_characterise_command_rejects_bad_input(scans_folder, arguments, expected_message):
+def test_characterise_command_rejects_invalid_input(scans_folder, arguments, expected_message):
     (scans_folder / "empty.csv").touch()
     completed = call_stiction("characterise", *arguments, cwd=scans_folder)
     assert_rejected(completed, expected_message)
@@ -257,14 +257,14 @@ def test_characterise_command_rejects_bad_input(scans_folder, arguments, expecte
     assert completed.stderr.startswith("stiction: ")
 
 
-def test_characterise_command_reads_stylus_profile(measured, tmp_path):
+def test_characterise_command_reads_a_stylus_profile(measured, tmp_path):
     history, output_table, _ = run_characterise(measured("dektak-1.csv"), cwd=tmp_path)
     assert "spacing 0.1562454 µm from its positions, declared as 0.156 µm" in history
     assert "Pq                  94.24 nm\n" in output_table
     assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in output_table
 
 
-def test_characterise_command_reads_atomic_force_microscope_map(measured, tmp_path):
+def test_characterise_command_reads_an_atomic_force_microscope_map(measured, tmp_path):
     pytest.importorskip("SurfaceTopography")
     history, output_table, _ = run_characterise(measured("di-4.di"), cwd=tmp_path)
     assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
@@ -282,7 +282,7 @@ def test_characterise_command_reads_atomic_force_microscope_map(measured, tmp_pa
 # ---- Scales ---------------------------------------------------------------------------------------------------------
 
 
-def test_characterise_command_filters_at_cutoff_and_reports_blunt_tip(scans_folder, profile):
+def test_characterise_command_filters_a_scan_at_a_cutoff_and_reports_a_blunt_tip(scans_folder, profile):
     filtered_profile = cut_off(levelled(profile, "line"), 0.5)
     history, output_table, _ = run_characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=scans_folder)
     assert history[-1] == filtered_profile.history[-1]
@@ -350,7 +350,7 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert json.loads(completed.stdout)["limit_um"] == comparison.limit
 
 
-def test_dry_run_option_prints_layout_points_and_units_of_files(scans_folder):
+def test_dry_run_option_prints_the_layout_number_of_points_and_unit_of_each_file(scans_folder):
     completed = check_stiction(
         "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=scans_folder
     )

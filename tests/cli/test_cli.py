@@ -79,7 +79,7 @@ def test_run_command_adds_repetitions_and_reports_missing_repetitions(run_once, 
     assert "of 5 repetitions are finished" in completed.stderr
 
 
-def test_run_command_in_two_parts_gives_the_result_of_a_single_run(run_once, tmp_path):
+def test_run_command_in_two_parts_gives_the_same_result_as_a_single_run(run_once, tmp_path):
     for part in ("1/2", "2/2"):
         completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--part", part, cwd=tmp_path)
         assert f"part {part} is finished" in completed.stdout
@@ -181,7 +181,7 @@ def test_shell_completion_offers_commands_and_options(monkeypatch, tmp_path):
         (["run"], ["stiction: ", "STUDY", "try stiction run --help"]),
     ],
 )
-def test_commands_reject_bad_input(tmp_path, arguments, expected_words):
+def test_commands_reject_invalid_input(tmp_path, arguments, expected_words):
     (tmp_path / "binary.toml").write_bytes(b"\x89PNG\r\n\x1a\n\xff\xfe\x00")
     (tmp_path / "file").write_text("")
     assert_rejected(call_stiction(*arguments, cwd=tmp_path), *expected_words)

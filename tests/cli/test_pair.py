@@ -156,7 +156,7 @@ REPETITIONS_KEY = "ensemble.repetitions"
         ),
     ],
 )
-def test_pair_option_sets_its_key_in_the_study(scans_folder, files, options, values):
+def test_pair_command_option_sets_the_corresponding_study_key(scans_folder, files, options, values):
     load = [] if "--load" in options else LOAD_OPTION
     study = parse_study(scans_folder, *files, *MATERIAL_OPTIONS, *load, *options)
     for key, value in values.items():
@@ -235,7 +235,7 @@ def test_jackson_green_hardness_is_2_84_times_yield_strength(scans_folder):
     assert law_by_hardness.poisson_ratio == 0.3
 
 
-def test_load_steps_extend_beyond_requested_loads_but_not_above_hardness(scans_folder):
+def test_load_steps_extend_beyond_requested_loads_unless_hardness_limits_the_load(scans_folder):
     steps = parse_study(scans_folder, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION).contact.steps()
     assert steps[[0, -1]] == pytest.approx([0.02 / 30, 0.02 * 30])
     assert 0.02 in steps
@@ -280,7 +280,7 @@ def test_material_names_set_modulus_hardness_and_yield_strength(scans_folder):
         parse_study(scans_folder, *MAP_ARGUMENTS, *arguments, "--hardness", "1 GPa")
 
 
-def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed(scans_folder):
+def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed_load(scans_folder):
     steps = parse_study(
         scans_folder, *PROFILE_FILES, "--mu0", "0.3", "--effective-modulus", "10 GPa", "--load", "1e-12 mN"
     ).contact.steps()
@@ -371,7 +371,7 @@ def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed(sc
         ([*MAP_ARGUMENTS, "--direction", "0,360"], ["direction"]),
     ],
 )
-def test_pair_command_rejects_bad_input(scans_folder, arguments, expected_words):
+def test_pair_command_rejects_invalid_input(scans_folder, arguments, expected_words):
     completed = call_stiction("pair", *MATERIAL_OPTIONS, *LOAD_OPTION, "--output", "bad", *arguments, cwd=scans_folder)
     assert_rejected(completed, *expected_words)
     assert not (scans_folder / "bad" / "blocks").exists()
@@ -647,7 +647,7 @@ def test_pair_command_stores_the_result_figures_report_and_model_check(scans_fol
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_pair_command_resumes_with_equal_options_and_rejects_other_options(scans_folder, result_of_maps):
+def test_pair_command_resumes_with_the_same_options_and_rejects_different_options(scans_folder, result_of_maps):
     command = [
         "pair",
         *MAP_ARGUMENTS,

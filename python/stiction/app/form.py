@@ -1,4 +1,4 @@
-"""HTML form fields, and the replacement of option names in messages by field labels."""
+"""HTML form fields of the app, and functions that replace option names in messages with field labels."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def page_facts() -> str:
-    """Return the data that the script of the page needs, as JSON for an HTML attribute.
+    """Return the data for the page's script as JSON that is escaped for use in an HTML attribute.
 
     The data are units of plain numbers, options with commas, and descriptions of the sliding rules.
     """
@@ -57,13 +57,13 @@ _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
 
 
 def find_first_option(message: str) -> str:
-    """Return the option name at the start of an error message, or an empty string if the form lacks this option."""
+    """Return the option name at the start of an error message, or an empty string if the form has no such field."""
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FIELDS else ""
 
 
 def replace_option_names(message: str) -> str:
-    """Replace option names in a command's message by the labels of the corresponding fields and choices."""
+    """Replace option names in a command's message with the labels of the corresponding fields and choices."""
 
     def field_label(match: re.Match[str]) -> str:
         field = FIELDS.get(match[1])
@@ -77,6 +77,6 @@ def replace_option_names(message: str) -> str:
 
 
 def label_caveats(record: dict[str, Any]) -> dict[str, Any]:
-    """Return the record of a point, with the option names in its caveats replaced by field labels."""
+    """Return the record of a point with field labels instead of option names in its caveats."""
     caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
     return record | {"caveats": caveats}

@@ -1,4 +1,4 @@
-"""Job queue of the server, which runs commands in separate processes, one at a time.
+"""Job queue of the server. It runs commands in separate processes, one at a time.
 
 A job is a command that a user could type: the command line gives the same numbers, and "stop" has the same effect as
 Ctrl-C. A scan or result that exceeds the memory limit ends the command, but not the server.
@@ -24,15 +24,15 @@ from typing import Any
 from stiction.app.form import find_first_option, replace_option_names
 from stiction.studies.store import open_stored
 
-POLL_INTERVAL = 0.4  # interval between checks of the progress of a command, seconds
-MAX_SHUTDOWN_TIME = 5.0  # time in which a stopped command can write its results before it is killed, seconds
-MAX_KILL_TIME = 1.0  # maximum time until a killed process has ended, seconds
+POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
+MAX_SHUTDOWN_TIME = 5.0  # time in seconds that a stopped command has to write its results before it is killed
+MAX_KILL_TIME = 1.0  # maximum time in seconds to wait until a killed process has ended
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
 MAX_OUTPUT = 2**25  # maximum number of bytes that a command may print
-JOB_MEMORY = 0.5  # maximum fraction of the machine's memory for the running job
-READER_MEMORY = 0.25  # maximum fraction of the machine's memory for each of two reader processes
+JOB_MEMORY = 0.5  # maximum fraction of the machine's memory that the running job may use
+READER_MEMORY = 0.25  # maximum fraction of the machine's memory that each of the two reader processes may use
 SCOPE_TEXT = ", here and in the pictures"
-END_OF_RECORD = b"\n}\n"  # end of the JSON record of a command; the command draws figures afterwards
+END_OF_RECORD = b"\n}\n"  # end of the JSON record that a command prints before it draws figures
 
 
 REPORTED_ERRORS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
@@ -40,7 +40,7 @@ REPORTED_ERRORS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
 
 
 class RejectedError(ValueError):
-    """Error for a rejected request, with a message for the page."""
+    """Error raised if a request is rejected, with a message to show on the page."""
 
 
 def remove_paths(text: str, root: Path | str) -> str:
@@ -54,23 +54,23 @@ class Job:
 
     number: int
     title: str
-    arguments: list[str]  # arguments of the command `stiction`
+    arguments: list[str]  # arguments of the `stiction` command
     folder: Path
-    preview: tuple[list[str], Any] | None = None  # scans and options of a preview with the asperity model
+    preview: tuple[list[str], Any] | None = None  # scans and options of a preview that uses the asperity model
     state: str = "waiting"  # waiting, running, done, stopped or failed
     activity: str = "waiting for the previous job"
     scope: str = ""  # description of the members of an intermediate result; empty for the final result
     finished: int = 0
     total: int = 0
     versions: int = 0
-    files: Path | None = None  # directory of the files that the user can save
+    files: Path | None = None  # directory that contains the files that the user can save
     record: Any = None
     error: str = ""
     is_ending: bool = False
     task: asyncio.Task[None] | None = None
 
     def public(self) -> dict[str, Any]:
-        """Return the fields of the job that are sent to the page."""
+        """Return a dict of the job data that the server sends to the page."""
         names = ("number", "title", "state", "finished", "total", "versions")
         return {name: getattr(self, name) for name in names} | {
             "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
@@ -78,7 +78,7 @@ class Job:
         }  # fmt: skip
 
     def stop(self) -> None:
-        """Stop the command. The results computed so far are read after its process has ended."""
+        """Stop the command. The results computed so far are read after the process has ended."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
@@ -96,7 +96,7 @@ class Jobs:
         self._reader_slots = asyncio.Semaphore(2)
 
     def add(self, title: str, arguments: list[str], *, folder: Path | None = None, preview: Any = None) -> Job:
-        """Add a command to the queue. If a result of the command is already stored, its computation is resumed."""
+        """Add a command to the queue. If a result of the same command is stored, its computation is resumed."""
         if sum(job.state == "waiting" for job in self.all.values()) >= MAX_WAITING_JOBS:
             raise RejectedError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
         stored_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]
@@ -107,16 +107,16 @@ class Jobs:
         return job
 
     async def end(self) -> None:
-        """Stop all jobs and wait for them; their results are no longer shown."""
+        """Stop all jobs and wait until they have ended. Their results are no longer shown."""
         self._is_ending = True
         for job in self.all.values():
             job.stop()
             if job.state == "stopped" and job.task is not None:
-                job.task.cancel()  # cancel the reading of a result, if it is in progress
+                job.task.cancel()  # the task of a stopped job may still be reading a result
         await asyncio.gather(*(job.task for job in self.all.values() if job.task), return_exceptions=True)
 
     async def _run_job(self, job: Job) -> None:
-        """Run a job to its end and read its last result."""
+        """Run a job until it ends, and read its final result."""
         try:
             async with self._job_lock:
                 job.state = "running"
@@ -125,7 +125,7 @@ class Jobs:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            with suppress(*REPORTED_ERRORS):  # there is no result, or the surfaces do not touch
+            with suppress(*REPORTED_ERRORS):  # raised if there is no result or the surfaces do not touch
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
         except REPORTED_ERRORS as error:
@@ -156,11 +156,11 @@ class Jobs:
         await self._read_result(job)
 
     async def _monitor(self, job: Job) -> None:
-        """Monitor the progress of a command, and read its result whenever the number of members has doubled."""
+        """Monitor the progress of a command. Whenever the number of members has doubled, read the result."""
         num_reported = 2  # an interval requires at least two members
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            with suppress(*REPORTED_ERRORS):  # there is no result yet, or the surfaces do not touch
+            with suppress(*REPORTED_ERRORS):  # raised if there is no result yet or the surfaces do not touch
                 stored = await asyncio.to_thread(open_stored, job.folder)
                 job.finished, job.total = stored.count, stored.study.ensemble.repetitions
                 if job.total > job.finished >= 2 * num_reported:
@@ -170,7 +170,7 @@ class Jobs:
                 job.activity = "computing the cutoff study and the onset of sliding"
 
     async def _read_result(self, job: Job, scope: str = "", **source: Any) -> None:
-        """Read the finished part of a job and write its report; the final result has an empty `scope`."""
+        """Read the finished part of a job and write a report on it. For the final result, `scope` is empty."""
         self._folders += 1
         files = self.root / "shared" / f"{self._folders}"
         request = {"folder": str(job.folder), "name": job.folder.name,
@@ -193,13 +193,13 @@ class Jobs:
         return await self.run_reader(["stiction", "at", str(job.folder), *options, "--json"])
 
     async def run_reader(self, arguments: list[str]) -> str:
-        """Run a module that finishes quickly and return its output; at most two such modules run at the same time."""
+        """Run a module that finishes quickly, and return its output. At most two such modules run at the same time."""
         async with self._reader_slots:
             return remove_paths(await run_module(arguments, memory=READER_MEMORY), self.root)
 
 
 def limit_prefix(memory: float) -> list[str]:
-    """Return a prefix that limits a command's memory, and kills the command when its parent process dies (Linux)."""
+    """Return a command prefix that limits memory and kills the process if its parent dies, or an empty list."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
     import resource
@@ -211,7 +211,7 @@ def limit_prefix(memory: float) -> list[str]:
 
 
 async def run_module(arguments: list[str], *, memory: float, grace_time: float = 0.0) -> str:
-    """Run a module in a process that ends with the server, and return its output up to the end of a record.
+    """Run a module in a process that ends with the server, and return the output up to the end of a record.
 
     The process may use a fraction `memory` of the machine's memory. After a cancellation it has `grace_time` seconds to
     write its results. Raises `RejectedError` with the message of the process.
@@ -243,6 +243,6 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # waiting ensures that the transport is closed before the event loop
+            with suppress(TimeoutError):  # wait, so that the transport closes before the event loop closes
                 await asyncio.wait_for(process.wait(), MAX_KILL_TIME)
         errors.cancel()

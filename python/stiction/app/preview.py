@@ -1,4 +1,4 @@
-"""Command `python -m stiction.app.preview FILE READING`, which prints a scan as JSON with a small image.
+"""Command `python -m stiction.app.preview FILE READING`. It prints the contents of a scan as JSON, with a small image.
 
 READING is JSON text with the options of `read_measurement` by name, whose values are texts.
 """
@@ -24,13 +24,14 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
 
-MAX_DRAWN_POINTS = 160  # maximum number of rows, columns or points of an image
-# Colours of the lower and the upper line, which are visible on light and dark backgrounds.
+# Maximum number of rows or columns of a map preview; a profile preview may have three times as many points.
+MAX_DRAWN_POINTS = 160
+# Colours of the lower and the upper line. Both colours are visible on light and dark backgrounds.
 LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 
 def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
-    """Return the contents of a scan with a small image, or the error that prevents reading the scan."""
+    """Return a summary of a scan with a small image, or the reason why the scan cannot be read."""
     texts = {name.replace("-", "_"): text for name, text in reading.items() if text}
     options: dict[str, Any] = {name: split_list(name, text) for name, text in texts.items()}
     with warnings.catch_warnings(record=True) as caught_warnings:
@@ -69,7 +70,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
 
 
 def draw_svg(*lines: Floats) -> str:
-    """Draw lines with a common vertical scale as an SVG image."""
+    """Draw several lines in one SVG image with a common vertical scale."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
     for line, colour in zip(lines, LINE_COLOURS, strict=False):

@@ -21,7 +21,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the asperity-model study that previews a `pair` command with the given files and options."""
+    """Return the study for the asperity-model preview of a `pair` command with the given files and options."""
     fields = {format_command_line_name(name): name for name in PAIR_OPTIONS}
     values: dict[str, list[str]] = {}
     for flag, text in options:
@@ -31,7 +31,7 @@ def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Stu
 
 
 def main() -> None:
-    """Print the values and the number of members of a result, and write its report and files.
+    """Print the values and the member count of a result, and write its report and other files.
 
     The argument is JSON: `folder` of the result, or `preview` with the scans and options of a `pair` command; `name`;
     the `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the

@@ -1,4 +1,4 @@
-"""Startup and shutdown of the app: run the server in a private directory, and open the page in a browser."""
+"""Start and stop the app: run the server in a private directory, and open the page in a browser."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ WORKING_DIRECTORY_PREFIX = "stiction-app-"
 MAX_WINDOW_ABSENCE = 90.0
 """Seconds without a request after which the server exits; browsers limit hidden windows to one request per minute."""
 
-MAX_WAIT_FIRST_WINDOW = 600.0  # time until the first window must be opened, seconds
+MAX_WAIT_FIRST_WINDOW = 600.0  # time in seconds within which the first window must be opened
 
-MAX_IDLE = 20.0  # time in which a connection must send the head of its request, seconds
+MAX_IDLE = 20.0  # time in seconds within which a connection must send its request headers
 MAX_IDLE_CONNECTIONS = 64
 """Maximum number of connections without a complete request head; if there are more, the oldest is closed."""
 
@@ -49,7 +49,7 @@ class Connection(H11Protocol):
             self._leave_idle()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Stop the timer when the client closes the connection."""
+        """Stop the timer after the client has closed the connection."""
         self._leave_idle()
         super().connection_lost(exc)
 
@@ -67,7 +67,7 @@ class Connection(H11Protocol):
 
 
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page until its last window has been closed for some time, or until the command is interrupted."""
+    """Serve the page until its last window has been closed for some time, or until the user interrupts the command."""
     with (
         tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as folder,
         socket.create_server(("127.0.0.1", 0)) as listener,
@@ -104,7 +104,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, end)
-    # The signal handlers of uvicorn would raise the signal again, and the directory would not be removed.
+    # The signal handlers of uvicorn would raise the signal again, which would prevent the removal of the directory.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))
@@ -116,5 +116,5 @@ async def _serve(
 
 
 def is_abandoned(server: Server, now: float) -> bool:
-    """Return whether all windows are closed, or no window was opened in time."""
+    """Return whether all windows have been closed for too long, or whether no window was opened in time."""
     return now - server.last_request_time > (MAX_WINDOW_ABSENCE if server.has_window else MAX_WAIT_FIRST_WINDOW)

@@ -1,4 +1,4 @@
-"""Generated surfaces: two sample surfaces, and the profiles that the sliders of the page define."""
+"""Generated surfaces for the app: two sample surfaces, and the profiles that the user shapes with sliders."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stiction.surfaces.self_affine import self_affine_surface
 
 
 def write_samples(folder: Path) -> list[Path]:
-    """Write CSV files with an upper and a lower sample surface (side 26 µm, rms height Sq 50 nm) unless they exist."""
+    """Write CSV files with two sample surfaces (side 26 µm, rms height Sq 50 nm), unless the files exist."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{side}.csv" for side in ("upper", "lower")]
     for path in paths:
@@ -29,7 +29,7 @@ def write_samples(folder: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw an SVG image of the profiles that `quick` generates with the given changes, near their first contact."""
+    """Draw an SVG image of two profiles near their first contact. They belong to the study `quick` with `changes`."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(iter(generate_pairs(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))

@@ -31,17 +31,17 @@ from stiction.app.jobs import Job, Jobs, RejectedError, remove_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
-MAX_SCAN_BYTES = 300_000_000  # maximum number of bytes of a scan: as much text as the readers accept
-MAX_TOTAL_BYTES = 2_000_000_000  # maximum number of bytes of all scans
-MAX_REQUEST_BYTES = 2**16  # maximum number of bytes of any other request
-MAX_REQUEST_TIME = 120.0  # maximum number of seconds for a request and its response
-MAX_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six
+MAX_SCAN_BYTES = 300_000_000  # maximum size of an uploaded scan in bytes, equal to the readers' limit for text files
+MAX_TOTAL_BYTES = 2_000_000_000  # maximum total size of all uploaded scans in bytes
+MAX_REQUEST_BYTES = 2**16  # maximum size in bytes of a request that does not upload a scan
+MAX_REQUEST_TIME = 120.0  # maximum time in seconds for a request and its response
+MAX_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six at a time
 MAX_NAME_LENGTH = 60  # maximum number of characters of a scan name
-MAX_LISTED_RESULTS = 100  # maximum number of listed results
-MAX_PREVIEW_POINTS = 2**21  # maximum number of points of a scan for which a preview is drawn
+MAX_LISTED_RESULTS = 100  # maximum number of results in the list of results
+MAX_PREVIEW_POINTS = 2**21  # no preview is drawn for scans with more points than this
 REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 KEY_HEADER = "x-stiction-key"
-PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content, for which no key is needed
+PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths that need no key, because they contain no private content
 
 ALLOWED_OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
 """Options of each command that the page may set."""
@@ -69,7 +69,9 @@ FOREIGN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.\n", 
 
 
 class Server:
-    """ASGI application of the app. Scans and new results are in `root`, existing results in `working_directory`.
+    """ASGI application that serves the app's page. It stores scans and new results in `root`.
+
+    Existing results are read from `working_directory`.
 
     The server accepts requests only from `origin`. The first request needs `token`; all other requests need two
     secrets: a cookie, which a browser also sends to other ports of this computer, and a key, which only the page has.
@@ -111,7 +113,7 @@ class Server:
         await self.jobs.end()
 
     def end(self) -> None:
-        """Answer all pending and later requests with a message that the server has ended."""
+        """Answer all pending and later requests with a message that the server has shut down."""
         self._has_ended = True
         for task in self._requests:
             task.cancel()
@@ -119,7 +121,7 @@ class Server:
     # ---- Access control ---------------------------------------------------------------------------------------------
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
-        """Respond to a request of the page, and reject all other requests."""
+        """Respond to requests from the app's page, and reject all other requests."""
 
         async def send_with_headers(message: Any) -> None:
             if message["type"] == "http.response.start":
@@ -177,7 +179,7 @@ class Server:
     # ---- Pages ------------------------------------------------------------------------------------------------------
 
     async def get_page(self, _: Request) -> Response:
-        """Return the page."""
+        """Return the page of the app."""
         entries = "".join(
             f'<option value="{material.name}" data-young="{float(material.young_modulus):.4g}" '
             f'data-poisson="{float(material.poisson_ratio):.3g}">{material.name}</option>'
@@ -243,7 +245,7 @@ class Server:
             self.scans[scan] = path
         except OSError as error:
             with suppress(RuntimeError):  # the request is complete
-                # The rest of the upload is read, because the browser would not receive the error otherwise.
+                # The rest of the upload is read, because otherwise the browser would not receive the error.
                 async for _ in request.stream():
                     pass
             raise RejectedError(f"the scan cannot be stored: {error.strerror}") from None
@@ -253,7 +255,7 @@ class Server:
         return JSONResponse({"scan": scan})
 
     async def add_samples(self, _: Request) -> Response:
-        """Store two sample surfaces like uploaded scans."""
+        """Store two sample surfaces in the same way as uploaded scans."""
         paths = await asyncio.to_thread(sample_surfaces.write_samples, self.root / "files" / "demo")
         self.scans |= {path.stem: path for path in paths}
         return JSONResponse([{"scan": path.stem, "name": path.name} for path in paths])
@@ -317,7 +319,7 @@ class Server:
         return self.jobs.all.get(request.path_params["job"]) or _raise_not_found()
 
     async def stop_job(self, request: Request) -> Response:
-        """Stop a job and keep its finished part."""
+        """Stop a job, and keep the part of the result that is finished."""
         self._find_job(request).stop()
         return JSONResponse({})
 
@@ -393,7 +395,7 @@ async def _error_response(_: Request, error: Exception) -> Response:
 
 
 def _body_length(request: Request, max_length: int) -> int:
-    """Return the length of a request body; raise HTTPException if it is too long or unknown."""
+    """Return the length of a request body. Raise HTTPException if the body is too long or its length is unknown."""
     length = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length.isdecimal():
         raise HTTPException(411)

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, as in shells
+EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, the same as in shells
 EXIT_BAD_INPUT = 2  # exit status after an error in the input
 
 MIN_ADDRESS_SPACE = 2**30
@@ -18,7 +18,7 @@ MIN_ADDRESS_SPACE = 2**30
 
 
 def main() -> None:
-    """Run the command and exit: status 0, status 2 with a message for bad input, or status 130 after Ctrl-C."""
+    """Run the command and exit with status 0, status 2 after a message for bad input, or status 130 after Ctrl-C."""
     _open_closed_streams()
     if (limit := _address_space_limit()) < MIN_ADDRESS_SPACE:
         minimum = MIN_ADDRESS_SPACE // 10**6
@@ -51,7 +51,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # keep another handler, or an ignored SIGINT as in a background job
+        yield  # keep a custom handler, and keep ignoring SIGINT in a background job
         return
     try:
         signal.signal(signal.SIGINT, exit_process)
@@ -66,12 +66,12 @@ def _open_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            null = os.open(os.devnull, os.O_RDWR)  # `open` uses the lowest free descriptor
+            null = os.open(os.devnull, os.O_RDWR)  # `open` returns the lowest free descriptor
             setattr(sys, name, os.fdopen(null, "w" if number else "r"))
 
 
 def _address_space_limit() -> float:
-    """Return the limit of the address space in bytes, or infinity if there is no limit."""
+    """Return the address-space limit of this process in bytes, or infinity if there is none."""
     try:
         import resource
     except ImportError:  # Windows

@@ -1,4 +1,4 @@
-"""Typer application of all commands: their help, messages, output and exit status."""
+"""Typer application with all commands, and functions for help texts, messages, output and exit statuses."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def print_message(text: str, kind: str = "") -> None:
-    """Print a message on standard error, with control characters escaped."""
+    """Print a message on standard error. Control characters in the message are escaped."""
     lines = [f"stiction: {kind}{printable(line, MAX_LINE_LENGTH)}" for line in text.split("\n") if line]
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
@@ -42,7 +42,7 @@ def print_message(text: str, kind: str = "") -> None:
 
 
 def report_interruption(detail: str = "") -> typer.Exit:
-    """Report on standard error that the command was interrupted, and return the exception for exit status 130."""
+    """Print on standard error that the command was interrupted, and return an exception with exit status 130."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would only print a traceback
     print_message(f"interrupted{detail}")
     return typer.Exit(EXIT_INTERRUPTED)
@@ -75,7 +75,7 @@ def print_output(text: str) -> None:
         _clear_line()
         typer.echo("\n".join(lines))
     except OSError as error:
-        # Redirect standard output to the null device, because Python flushes the rest at exit and would fail again.
+        # Redirect standard output to the null device, because Python flushes the rest at exit, which would fail again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             raise
@@ -86,7 +86,7 @@ _BOLD_TEXT = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do
 
 
 def print_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Print a warning on standard error. Each text is printed only once."""
+    """Print a warning on standard error. A repeated warning is printed only once."""
     if str(message) not in _PRINTED_WARNINGS:
         _PRINTED_WARNINGS.add(str(message))
         print_message(str(message), "warning: ")
@@ -125,14 +125,14 @@ EXIT_STATUS_HELP = (
 
 
 def format_epilog(*lines: str) -> str:
-    """Return the end of a help text: examples and the meaning of the exit statuses."""
+    """Return the end of a help text, which contains examples and explains the exit statuses."""
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# Default value given as text, which typer prints in parentheses.
+# Matches a default value that is specified as text, which typer prints in parentheses.
 _DEFAULT_VALUE = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-_OPTION_TYPE = re.compile(r" <[\w\[\] ]+>$")  # type that typer appends to an option
+_OPTION_TYPE = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to an option
 
 
 SHOW_ALL_KEY = "stiction.show_all"
@@ -140,15 +140,15 @@ SHOW_ALL_KEY = "stiction.show_all"
 
 
 def option_was_given(context: typer.Context, name: str) -> bool:
-    """Return whether an option or argument is given on the command line, even if its value is the default."""
+    """Return whether the command line contains an option or argument, even if the value equals the default."""
     source = context.get_parameter_source(name)
     return source is not None and source.name != "DEFAULT"
 
 
 class _Command(TyperCommand):
-    """Command whose help lists options in panels, without types and ranges."""
+    """Command whose help lists the options in panels. Value types and ranges are not shown."""
 
-    common: Collection[str] = ()  # parameters in the short help of a command with many parameters
+    common: Collection[str] = ()  # parameters listed in the short help of a command that has many parameters
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
@@ -226,11 +226,11 @@ app = typer.Typer(
 )
 
 _APPLICATIONS: dict[str, typer.Typer] = {}  # applications by command name
-_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # parameters in the short help, by command name
+_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # parameters listed in the short help, by command name
 
 
 def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[Function], Function]:
-    """Return a decorator that registers a command with its examples.
+    """Return a decorator that registers a function as a command and adds examples to the help text.
 
     If `common` is given, the short help lists only these parameters.
     """
@@ -244,7 +244,7 @@ _OPTION_NAMES = {"height_scale": "--scale-heights", "compute=True": "--compute"}
 
 
 def _option_name(argument: str) -> str:
-    """Return the command line option for an argument of the Python interface."""
+    """Return the command line option that corresponds to an argument in Python."""
     from stiction.studies.pair_options import format_command_line_name
 
     return _OPTION_NAMES.get(argument) or format_command_line_name(argument)
@@ -254,7 +254,7 @@ def run_command_line() -> int:
     """Run the command in `sys.argv` and return the exit status."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # print ? for characters that the encoding lacks
+            stream.reconfigure(errors="replace")  # print "?" for characters that the encoding does not contain
     warnings.showwarning = print_warning
     _PRINTED_WARNINGS.clear()
     # NumPy's warnings about NaN are suppressed, because the output explains missing values.
@@ -270,7 +270,7 @@ def run_command_line() -> int:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
             message = error.format_message()
-            # The wording of the validation library for a number out of range is replaced.
+            # Replace the validation library's wording for a number that is out of range.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
             message = _suggest_command(message)
             print_message(f"{message}\ntry {command} --help")
@@ -285,7 +285,7 @@ def run_command_line() -> int:
         print_message(error.with_names(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    except (RuntimeError, SystemError) as error:  # a thread cannot start, or a library is out of memory
+    except (RuntimeError, SystemError) as error:  # raised if a thread cannot start or a library is out of memory
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
         return report_interruption().exit_code
@@ -295,7 +295,7 @@ def run_command_line() -> int:
 
 
 def _suggest_command(message: str) -> str:
-    """Return the parser's error message or, for an unknown command, a message that suggests a similar command."""
+    """Return the parser's error message. For an unknown command, the message suggests a similar command."""
     unknown = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS.values() for name in group]
     suggestions = difflib.get_close_matches(unknown[1], names, n=1) if unknown else []
@@ -304,7 +304,7 @@ def _suggest_command(message: str) -> str:
 
 @contextmanager
 def _uncover_interrupts() -> Iterator[None]:
-    """Raise KeyboardInterrupt instead of an error that an interrupt caused, such as an ImportError."""
+    """Replace an exception that was caused by an interrupt, such as an ImportError, with KeyboardInterrupt."""
     try:
         yield
     except Exception as error:

@@ -146,7 +146,7 @@ def _print_scaled_heights(
     stored: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result for several height factors. On request, compute results for missing factors first."""
+    """Print a result for several height factors. If `compute` is True, first compute the missing results."""
     from stiction.studies.executors import thread_executor
     from stiction.studies.height_scale import compute_factors, evaluate_height_scale, parse_factors
     from stiction.views.height_scale import height_scale_record, height_scale_text
@@ -166,7 +166,7 @@ def _print_scaled_heights(
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Return the loads (mN) given as options, in ascending order, or the study's loads if no options are given."""
+    """Parse and sort the loads (mN) given on the command line. By default, return the loads of the study."""
     width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":
@@ -186,7 +186,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
             if "nominal_area" not in coordinates:
                 raise ValueError(f"--load must be a force if the result has no nominal area, got {value!r}")
             force *= float(coordinates["nominal_area"])
-        # Forces are rounded like the loads of `pair`, so that equal loads compare as equal.
+        # Forces are rounded in the same way as the loads of `pair`, so that equal loads compare as equal.
         loads.add(float(f"{force:.12g}"))
     return sorted(loads)
 
@@ -194,7 +194,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
 def _select_nearest(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
-    """Select the computed fractal dimensions and amplitudes (µm) that are nearest to the given values.
+    """Select the computed fractal dimensions and amplitudes (µm) nearest to the given values.
 
     The default is all dimensions and the first amplitude.
     """

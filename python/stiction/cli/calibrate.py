@@ -139,7 +139,7 @@ InterfacePath = Annotated[
 
 @command("interfaces", "stiction interfaces", "stiction interfaces .", "stiction interfaces --json")
 def interfaces(path: InterfacePath = None, as_json: Json = False) -> None:
-    """List interfaces for the option --interface of pair: published interfaces, or calibrated interfaces at PATH.
+    """List the interfaces that `pair --interface` accepts: the published ones, or the calibrated ones at PATH.
 
     "Measured" values come from contacts of known area. "Lumped" values come from friction at a nominal pressure and do
     not separate the effect of roughness. Each value is a range for the listed pressures and conditions.

@@ -165,7 +165,7 @@ def characterise(
             from stiction.views.report.surface import surface_page
 
             remark = ", without a figure" if len(outputs) == 1 else ""
-            # The report shows the command without directories and without --output.
+            # The command that the report shows omits directories and --output.
             arguments = ["stiction", "characterise", files[0].name]
             for parameter in context.command.params:
                 if parameter.name not in ("files", "output", "verbose", "as_json") and option_was_given(
@@ -235,7 +235,7 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
 
 
 def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
-    """Return the files to write. Raise an error if a file exists, unless it is a figure or a report."""
+    """Return the paths of the files to write. Existing files other than figures and reports are never replaced."""
     from stiction.views.report.page import REPORT_MARK
     from stiction.views.style import FIGURE_FILE_MARKS
 

@@ -1,4 +1,4 @@
-"""Computation of a study by a command: output directory, workers, and messages on the terminal."""
+"""Run a study from the command line: output directory, workers, and messages on the terminal."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _FILE_ENDINGS = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json"
 
 
 def open_executor(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
-    """Return an executor with the given number of threads, or with the workers of a Dask scheduler."""
+    """Return an executor with the given number of threads, or an executor that uses the workers of a Dask scheduler."""
     if scheduler is None:
         return thread_executor(workers)
     if workers is not None:
@@ -58,7 +58,7 @@ def parse_part(text: str | None) -> tuple[int, int] | None:
 
 
 def check_output_directory(directory: Path) -> None:
-    """Raise a `StudyError` if the output directory is an existing file, or if its name looks like a file name."""
+    """Raise a `StudyError` if the output directory exists as a file, or if its name looks like a file name."""
     if directory.is_file():
         raise StudyError(
             f"{printable_path(directory)} must be a directory, got a file; use --output DIR to choose a directory"
@@ -68,7 +68,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
-    """Return advice on how to continue if the output directory contains another study."""
+    """Return advice on what to do if the output directory contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if replaceable:
         remedies.append("overwrite the stored result with --replace")
@@ -86,7 +86,7 @@ def compute_in_folder(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     **options: Any,
 ) -> Result:  # fmt: skip
-    """Call `complete_result`, print messages on the terminal, and report after Ctrl-C how to resume the computation.
+    """Run `complete_result` and print its messages. After Ctrl-C, explain how to resume the computation.
 
     `print_written` is called with the names of written files.
     """

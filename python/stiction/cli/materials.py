@@ -1,4 +1,4 @@
-"""Command `stiction materials`: ranges of material properties with sources."""
+"""Command `stiction materials`: ranges of material properties, with their sources."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def materials(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """List the materials for --upper and --lower of pair: Young's modulus, Poisson's ratio and hardness.
+    """List the materials that --upper and --lower of `pair` accept, with Young's modulus, Poisson's ratio and hardness.
 
     Each value is a range with a source, because hardness depends on treatment and on indentation size. The central
     value is the geometric mean of both ends. Use --hardness of pair for a measured hardness.

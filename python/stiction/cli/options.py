@@ -1,4 +1,4 @@
-"""Options shared by several commands, and loading of files with reading options."""
+"""Options shared by several commands, and a function that loads a file with the given reading options."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[P
 
 
 def show_reader_import(file: Path) -> None:
-    """Print on a terminal that the reader of an instrument file is being imported, which takes some seconds."""
+    """If SurfaceTopography must be imported to read a file, show a message on a terminal."""
     from stiction.surfaces.measured.reading import READERS
 
     if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:
@@ -65,9 +65,9 @@ def show_reader_import(file: Path) -> None:
 
 
 def reject_options(context: typer.Context, reason: str, *names: str) -> None:
-    """Raise a `ValueError` with a reason if the command line contains one of the named options."""
+    """Raise a `ValueError` with the given reason if the command line contains one of the named options."""
     for name in names:
         if option_was_given(context, name):
             option = f"--{name.replace('_', '-')}"
             value = context.params[name]
-            raise ValueError(f"{option} {reason}, got {option}" + (f" {value}" if value is not True else ""))
+            raise ValueError(f"{option} {reason}; remove {option}" + (f" {value}" if value is not True else ""))

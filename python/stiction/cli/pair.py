@@ -131,7 +131,7 @@ def pair(
         show_reader_import(Path(file.file))
     studies = bodies.studies
     body_attributes(studies[0])  # check the surfaces before any file is written
-    # The first remark is omitted if it states the source of the elasticity, which the result shows too.
+    # Omit the first remark if it states the source of the elasticity, because the result also shows this source.
     first_remark = 0 if verbose else bool(bodies.elasticity.source)
     for remark in bodies.remarks[first_remark:]:
         print_message(remark)
@@ -180,7 +180,7 @@ def pair(
 
 
 def preview_line(study: Study) -> str:
-    """Return a line that previews the friction coefficient, computed from the first members of a study.
+    """Return a line of text with a preview of the friction coefficient. Only the first members are computed.
 
     Raises `ValueError` if the surfaces do not touch.
     """
@@ -191,10 +191,10 @@ def preview_line(study: Study) -> str:
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:
-    """If messages go to a terminal, compute a preview with the asperity model in one worker, and print it."""
+    """Compute and print a preview of a study in one worker. Without a study or a terminal, do nothing."""
 
     def print_preview(future: Future[str]) -> None:
-        if not future.cancelled() and future.exception() is None:  # an error means that the surfaces do not touch
+        if not future.cancelled() and future.exception() is None:  # the future fails if the surfaces do not touch
             print_message(future.result())
 
     if study is not None and has_terminal():

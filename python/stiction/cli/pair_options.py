@@ -18,19 +18,19 @@ COMMON_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.items() if
 
 
 class _OptionNames(dict[str, str]):
-    """Mapping from the placeholders in a help line to the command line names of options."""
+    """Mapping from placeholders in help texts to command line option names."""
 
     def __missing__(self, name: str) -> str:
         return format_command_line_name(name)
 
 
 def format_option_help(name: str) -> str:
-    """Return the help line of a `pair` option, in which placeholders are replaced by command line names."""
+    """Return the help text of a `pair` option. Placeholders are replaced by command line names."""
     return PAIR_OPTIONS[name].help.format_map(_OptionNames())
 
 
 def pair_option(name: str, *, repeatable: bool = True) -> Any:
-    """Return a `pair` option for use in a command, listed in the help panel of the option's group."""
+    """Declare a `pair` option for the command line. The help lists it in the panel of its option group."""
     declared = PAIR_OPTIONS[name]
     panel = next(group.title for group in OPTION_GROUPS if name in group.model_fields)
     suffix = " Repeatable." if declared.is_repeatable and repeatable else ""
@@ -39,7 +39,7 @@ def pair_option(name: str, *, repeatable: bool = True) -> Any:
 
 
 def pair_argument(name: str) -> Any:
-    """Return the command line argument for one of the two bodies of the `pair` command."""
+    """Declare the command line argument for one of the two bodies of the `pair` command."""
     return typer.Argument(metavar=PAIR_OPTIONS[name].value, help=format_option_help(name))
 
 

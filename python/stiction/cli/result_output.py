@@ -1,4 +1,4 @@
-"""Output of results, shared by all commands: printed values and assessment, tables, figures and reports."""
+"""Output of results for all commands: printed values and assessment, tables, figures and reports."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-# Maximum number of lines for caveats, with which the output of `pair` and `run` fits on 24 terminal lines.
+# Maximum number of lines for caveats. With this limit, the output of `pair` and `run` fits on 24 terminal lines.
 MAX_CAVEAT_LINES = 5
 
 VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
@@ -34,7 +34,7 @@ def open_with_warning(directory: Path) -> Result:
 
 
 def print_result(result: Result, **options: Any) -> None:
-    """Print a result at the loads of its study. The options are passed to `print_values`."""
+    """Print a result at the loads of its study. Keyword arguments are passed to `print_values`."""
     print_values(result, **options)()
 
 
@@ -42,7 +42,7 @@ def print_values(
     result: Result, *, command: str, as_json: bool = False, verbose: bool = False,
     fields: dict[str, Any] | None = None,
 ) -> Callable[[], None]:  # fmt: skip
-    """Print the values of a result, and return a function that prints the cutoff study and the onset of sliding.
+    """Print the values of a result. The returned function prints the cutoff study and the onset of sliding.
 
     With `as_json`, the returned function prints one JSON record with the additional `fields`.
     """
@@ -70,7 +70,7 @@ def print_values(
             print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE_OPTION))
 
     def print_remainder() -> None:
-        complete_summary = result.summary()  # also summarizes studies that were computed meanwhile
+        complete_summary = result.summary()  # this summary includes studies that were computed in the meantime
         if as_json:
             print_output(rows.summary_json(command, complete_summary, **(fields or {})))
         elif study.is_measured and (remainder := text.resolution_and_onset_text(complete_summary, verbose=verbose)):
@@ -101,7 +101,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {names[0]} (open it), {' and '.join(names[1:])}")
 
 
-MAX_REWRITES = 4  # maximum number of attempts to write files of a study that changes meanwhile
+MAX_REWRITES = 4  # maximum number of attempts to write files while the study keeps changing
 
 
 def _write_files(result: Result, folder: Path) -> list[str]:

@@ -18,7 +18,7 @@ Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a r
 
 @command("info", "stiction info figure6", "stiction info pair --verbose", "stiction info figure6 --json")
 def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) -> None:
-    """Show the inputs and the progress of a result, its friction at a few loads, and its reliability."""
+    """Show the inputs of a result, its progress, its friction at a few loads, and its reliability."""
     from stiction.studies.result import Result
     from stiction.studies.store import open_stored
     from stiction.studies.study import Study, find_differences
@@ -53,7 +53,7 @@ def plot(
     output: Annotated[Path | None, option("--output -o DIR", "Directory for the figures.", "DIR")] = None,
     formats: Annotated[str, option("--format FORMATS", 'Formats of the figures, from "png,pdf,svg".')] = "png",
 ) -> None:
-    """Draw the figures of a complete or unfinished result again."""
+    """Redraw the figures of a complete or unfinished result."""
     from stiction.views.style import parse_formats
 
     chosen_formats = parse_formats(split_values(formats))
@@ -86,7 +86,7 @@ def export(
     directory: Directory,
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .nc, .csv or .tex. It must not exist.")],
 ) -> None:
-    """Write the finished repetitions to a netCDF file, or a table of the values at the loads of `info`."""
+    """Write the finished repetitions to a netCDF file, or write a table of the values at the loads shown by `info`."""
     from stiction.views.files import write_result
 
     write_result(open_with_warning(directory), file)

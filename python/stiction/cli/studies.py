@@ -1,4 +1,4 @@
-"""Commands `stiction run` and `stiction studies`."""
+"""Commands `stiction run` and `stiction studies`, which compute a study and list the built-in studies."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def studies(
 
 
 def _load_study(text: str) -> tuple[Study, Path]:
-    """Return the study with a given name, file or directory, and the default directory for its results."""
+    """Load a study by name, file or directory. Also return the default directory for its results."""
     if text in study_names():
         return Study.named(text), Path(text)
     path = Path(text)
@@ -116,7 +116,7 @@ def parse_changes(assignments: list[str]) -> dict[str, Any]:
 
 
 def _parse_value(text: str) -> Any:
-    """Parse a TOML value; return other text as a string, so that quantities need no quotes."""
+    """Parse a TOML value. Other text is returned as a string, so that quantities need no quotes."""
     try:
         parsed = toml(f"value = {text}")
     except ValueError:
