@@ -37,7 +37,7 @@ from stiction import (
 )
 from stiction._core import patches_of
 from stiction.mechanics.friction import compute_load
-from stiction.mechanics.patches import patch_sums, slopes
+from stiction.mechanics.patches import grid_slopes, patch_sums
 
 DOCS = Path(__file__).parents[1]
 RESULTS_FILE = DOCS.parent / "build/collapse.jsonl"
@@ -163,7 +163,7 @@ class LoadSums:
 
 def gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
     steps = spacing if isinstance(spacing, tuple) else (spacing,)
-    return float(np.sqrt(sum(np.square(slope).mean() for slope in slopes(heights, steps, periodic=periodic))))
+    return float(np.sqrt(sum(np.square(slope).mean() for slope in grid_slopes(heights, steps, periodic=periodic))))
 
 
 def load_area_pairs(case: dict) -> list[Pair]:
@@ -199,14 +199,14 @@ def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
     periodic = boundary == "periodic"
     spacing = upper.spacing if isinstance(upper, Surface) else (upper.spacing,)
     heights = upper.heights - lower.heights
-    along = slopes(heights, spacing, periodic=periodic)
+    along = grid_slopes(heights, spacing, periodic=periodic)
     angle = np.radians(case.get("angle", 0.0))
     if len(along) == 2:
         forward = along[1] * np.cos(angle) + along[0] * np.sin(angle)
         sideways = along[0] * np.cos(angle) - along[1] * np.sin(angle)
     else:
         forward, sideways = along[0], np.zeros(1)
-    curved = [slopes(item, spacing, periodic=periodic)[axis] for axis, item in enumerate(along)]
+    curved = [grid_slopes(item, spacing, periodic=periodic)[axis] for axis, item in enumerate(along)]
     steep = float(np.sqrt(sum(np.square(item).mean() for item in along)))
     fourth = np.mean([np.square(item).mean() for item in curved])
     second = np.mean([np.square(item).mean() for item in along])
@@ -230,7 +230,7 @@ def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
     ]
     pressure = curves[0].contact(0).pressure
     touching = pressure > 0
-    interface = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
+    interface = grid_slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
     leaning = [item[touching] for item in interface]
     cell = float(np.prod(spacing))
     area = patches_of(pressure, periodic=periodic, hardness=np.inf)[2] * cell

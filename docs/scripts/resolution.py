@@ -112,7 +112,7 @@ def coarsen(body, shortest, step):
 
 def compute_extrapolations():
     """Extrapolate scans filtered at 32 points: the elastic result at 4 points, and the onset of plasticity."""
-    from stiction.mechanics.brackets import gap_exponent
+    from stiction.mechanics.brackets import estimate_gap_hurst_exponent
 
     load = HIGH_PRESSURE * (SMALL_MAP_POINTS * SPACING) ** 2
     results = []
@@ -137,7 +137,7 @@ def compute_extrapolations():
             plastic_wavelength = scale_dependent_roughness(gap, periodic=True).wavelength_of(kappa * hardness / MODULUS)
             extrapolated = coarse_result.sel(finer_wavelength=4 * SPACING, method="nearest")
             coarse_gap = Surface(coarse[0].heights - coarse[1].heights, spacing=4 * SPACING)
-            estimate = gap_exponent(coarse_gap, True)
+            estimate = estimate_gap_hurst_exponent(coarse_gap, True)
             row = {
                 "hurst": hurst, "index": index, "friction": friction, "wavelength": plastic_wavelength, "kappa": kappa,
                 "said_kappa": float(coarse_result.elastic_kappa[0]),

@@ -17,7 +17,7 @@ from stiction import (
     tabor_parameter,
 )
 from stiction.mechanics import adhesion
-from stiction.mechanics.adhesion import Attraction
+from stiction.mechanics.adhesion import AdhesionSolver
 from stiction.mechanics.half_space import resolved_range
 
 GAP_TOLERANCE = 1e-3
@@ -162,7 +162,7 @@ def test_contact_of_a_sphere_with_dugdale_attraction_agrees_with_maugis_solution
     def ends(self, gap):
         return self.max_attraction / (1 + np.exp(np.minimum((np.maximum(gap, 0) / self.range - 1) / edge, 500)))
 
-    monkeypatch.setattr(Attraction, "of", ends)
+    monkeypatch.setattr(AdhesionSolver, "attraction_at_gap", ends)
     bodies, adhesive = ball(tabor, points=128, length=length)
     curve = half_space(*bodies, [0.0], **adhesive)
     radius, pull_off = maugis_dugdale(0.0, radius=1.0, **adhesive)
@@ -246,14 +246,14 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
     adhesive = {"effective_modulus": 1.72, "work_of_adhesion": 5.85e-5, "boundary": "periodic"}
     adhesive["adhesion_range"] = 1.001 * resolved_range(5.85e-5, 0.01, 1.72)
     curve = half_space(*bodies, [0.0], **adhesive)
-    attraction = Attraction(curve._problem, tolerance=1e-6, report=None)
-    states = [attraction.relax(None, 0.0)[0]]
+    attraction = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
+    states = [attraction.iterate_at_load(None, 0.0)[0]]
     while states[-1].contact > 0.02 * states[0].contact:
-        states.append(attraction.settle(states[-1], 0.98 * states[-1].contact, before=states[0]))
+        states.append(attraction.solve_at_contact_load(states[-1], 0.98 * states[-1].contact, before=states[0]))
     loads = np.array([state.load for state in states])
     first = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
     assert first > 0.9 * loads.min()  # This state is a local minimum of the energy, but not the global minimum.
-    largest = attraction.force(-loads.min())
+    largest = attraction.mean_pressure_to_force(-loads.min())
     assert curve.pull_off == pytest.approx(largest, rel=PULL_OFF_TOLERANCE)
     borne = half_space(*bodies, [0.0, -0.95 * largest], **adhesive)
     assert borne.normal_elastic[1] == pytest.approx(-0.95 * largest, rel=1e-3)
@@ -268,27 +268,27 @@ def soft_in_complete_contact():
 def test_attraction_decreases_at_every_point_as_the_load_decreases_to_pull_off():
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
-    attraction = Attraction(curve._problem, tolerance=1e-6, report=None)
+    attraction = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
     force, is_bound = curve.pull_off_bound
     assert not is_bound
-    pull_off = force / attraction.force(1.0)
-    state = attraction.relax(None, 0.0)[0]
+    pull_off = force / attraction.mean_pressure_to_force(1.0)
+    state = attraction.iterate_at_load(None, 0.0)[0]
     assert state.pressure.all()
-    assert -attraction.opening(state).load < 0.95 * pull_off
+    assert -attraction.find_opening_state(state).load < 0.95 * pull_off
     for fraction in (0.3, 0.6, 0.9, 0.99):
-        following, holds = attraction.relax(state, -fraction * pull_off)
+        following, holds = attraction.iterate_at_load(state, -fraction * pull_off)
         assert holds
         assert following.load == pytest.approx(-fraction * pull_off, abs=1e-4 * following.mean_attraction)
         assert (following.attraction <= state.attraction + 1e-4 * attraction.max_attraction).all()
         state = following
-    assert not attraction.relax(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
+    assert not attraction.iterate_at_load(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
 
 
 def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_solved(monkeypatch):
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert not curve.pull_off_is_bound
-    monkeypatch.setattr(adhesion, "MAX_TRIALS", 0)
+    monkeypatch.setattr(adhesion, "MAX_TRIAL_LOADS", 0)
     short = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert short.pull_off_is_bound
     with pytest.warns(UserWarning, match="the pull-off force is at least"):
@@ -299,7 +299,7 @@ def test_pull_off_force_is_a_lower_bound_if_stability_is_undecided(monkeypatch):
     bodies, adhesive = soft_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert curve.contact(0).pressure.all()
-    monkeypatch.setattr(adhesion, "MAX_SOLUTIONS", 3)
+    monkeypatch.setattr(adhesion, "MAX_SOLUTIONS_PER_LOAD", 3)
     assert curve.pull_off_is_bound
 
 
@@ -318,7 +318,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
             net = contact.pressure - curve.at(place).attraction
             elastic = net * problem.grids.displacement(net) / 2
             stuck = adhesive["work_of_adhesion"] * np.exp(-np.maximum(contact.gap, 0) / curve.adhesion_range)
-            energies.append(problem.cell * float((elastic - stuck).sum()))
+            energies.append(problem.cell_area * float((elastic - stuck).sum()))
         works.append(float(trapezoid(curve.load, curve.approach)))
         assert works[-1] == pytest.approx(energies[1] - energies[0], rel=STEP_SUM_TOLERANCE)
     assert works[0] == pytest.approx(-works[1], rel=STEP_SUM_TOLERANCE)

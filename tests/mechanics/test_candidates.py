@@ -20,10 +20,10 @@ from stiction import (
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_surface,
 )
-from stiction.mechanics.friction import STATUS_DTYPE, Sums, combine_status
-from stiction.mechanics.law import LAWS, LAWS_BY_NAME, LawName
+from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, combine_statuses
+from stiction.mechanics.law import CONTACT_LAWS, CONTACT_LAWS_BY_NAME, LawName
 from stiction.mechanics.model import ContactKeywords
-from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
+from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES, VALIDITY_QUANTITIES
 
 # relative difference between the splines of two solvers
 SPLINE_TOLERANCE = 1e-9
@@ -47,7 +47,7 @@ class TestCandidates:
         steps = [0.0, 0.001, 0.02]
         ours = press(points, steps, shear="-x")
         theirs = press(*pair, steps, shear="-x", detection="gap-minimum", curvature=curvature)
-        for name in SUMS:
+        for name in SUM_QUANTITIES:
             assert np.array_equal(getattr(ours, name), getattr(theirs, name)), name
         table = contacts(points, 0.02)
         assert set(table.index) <= set(points.index)
@@ -123,11 +123,11 @@ class TestContactModel:
 
 
 def test_sum_names_match_those_of_the_core_and_contact_law_names_are_unique():
-    assert tuple(field.name for field in dataclasses.fields(Sums)) == SUMS
-    assert all(name in QUANTITIES for name in (*SUMS, *VALIDITY))
-    assert tuple(LAWS_BY_NAME) == LawName.__args__
-    assert len({law.name for law in LAWS}) == len(LAWS)
-    for law in LAWS:
+    assert tuple(field.name for field in dataclasses.fields(ContactSums)) == SUM_QUANTITIES
+    assert all(name in QUANTITIES for name in (*SUM_QUANTITIES, *VALIDITY_QUANTITIES))
+    assert tuple(CONTACT_LAWS_BY_NAME) == LawName.__args__
+    assert len({law.name for law in CONTACT_LAWS}) == len(CONTACT_LAWS)
+    for law in CONTACT_LAWS:
         with pytest.raises(ValueError, match=f"law {law.name} requires the parameter effective_modulus"):
             stiction._core.force_and_area(law.name, {}, overlap=0.1, radius=1.0)
 
@@ -138,7 +138,7 @@ def test_combined_status_names_the_first_failed_condition():
         (True, False, False, True), (True, False, False, False),
     ]  # fmt: skip
     touched, reached, below, locked = np.array(arguments).T
-    status = combine_status(touched=touched, reached=reached, below=below, locked=locked)
+    status = combine_statuses(touched=touched, reached=reached, below=below, locked=locked)
     assert status.tolist() == ["no-contact", "ok", "below-range", "self-locked", "not-reached"]
     assert status.dtype == STATUS_DTYPE
 

@@ -229,7 +229,7 @@ def test_sliding_load_equals_sum_of_friction_at_all_contacts(areas):
     all_rub = 0.3 * areas.normal_elastic[1] + 0.05 * areas.contact_area[1]
     assert onset.sliding_load == pytest.approx(all_rub, rel=1e-9)
     assert onset.tangential_load[-1] == onset.sliding_load
-    assert onset.traction(-1).sum() * areas._problem.cell == pytest.approx(all_rub, rel=1e-9)
+    assert onset.traction(-1).sum() * areas._problem.cell_area == pytest.approx(all_rub, rel=1e-9)
     # For small slopes, the sliding load equals that of the rule "all", except for terms of second order.
     all_rub = areas.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
     assert onset.sliding_load == pytest.approx(all_rub, rel=0.1**2)
@@ -246,7 +246,7 @@ def test_onset_quantities_increase_with_tangential_load(areas):
     bound = onset.traction(-1)
     for i in range(40):
         assert ((onset.traction(i) >= 0) & (onset.traction(i) <= bound)).all()
-        assert onset.traction(i).sum() * areas._problem.cell == pytest.approx(onset.tangential_load[i], rel=1e-6)
+        assert onset.traction(i).sum() * areas._problem.cell_area == pytest.approx(onset.tangential_load[i], rel=1e-6)
 
 
 def test_ratio_of_normal_to_initial_tangential_stiffness_equals_mindlin_ratio(areas):

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 import stiction
 from stiction import Profile, Study, Surface, pair, resolution, run
-from stiction.mechanics.friction import SIX_SUMS, VALIDITY_RATIOS, Sums, SurfaceValidity, Validity
+from stiction.mechanics.friction import LOAD_SUM_NAMES, VALIDITY_RATIOS, ContactSums, SurfaceValidity, Validity
 from stiction.mechanics.quantities import (
-    ADHESION,
-    AREAL_VALIDITY,
-    HALF_SPACE_SUMS,
+    ADHESION_QUANTITIES,
+    AREAL_VALIDITY_QUANTITIES,
+    HALF_SPACE_SUM_QUANTITIES,
     QUANTITIES,
-    SUMS,
-    UNLOADED,
-    VALIDITY,
-    shown_in,
+    SUM_QUANTITIES,
+    VALIDITY_QUANTITIES,
+    ZERO_LOAD_SUM_QUANTITIES,
+    quantities_shown_in,
 )
 from stiction.studies.contact_statistics import LOAD_FRACTION_FORMULAS
 from stiction.studies.evaluation import at_load
@@ -158,20 +158,24 @@ def test_variables_of_each_member_have_the_units_in_the_table_of_quantities():
 def test_resolution_dataset_variables_have_the_units_in_the_table_of_quantities():
     result = resolution(*maps(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
     shared = {*map(str, result.data_vars)} & {*QUANTITIES}
-    assert {"contact_area", "contact_count", "mean_pressure", "error", *SIX_SUMS} <= shared
+    assert {"contact_area", "contact_count", "mean_pressure", "error", *LOAD_SUM_NAMES} <= shared
     for name in shared:
         assert result[name].attrs["units"] == QUANTITIES[name].unit
 
 
 def test_table_of_quantities_has_the_names_of_core_sums_and_validity_fields():
-    assert set(SIX_SUMS) < set(SUMS)
-    assert {*SUMS} == {*Sums.__dataclass_fields__}
-    assert {*VALIDITY} == {*Validity.__dataclass_fields__}
-    assert {*VALIDITY, *AREAL_VALIDITY} == {*SurfaceValidity.__dataclass_fields__} == {*VALIDITY_RATIOS}
+    assert set(LOAD_SUM_NAMES) < set(SUM_QUANTITIES)
+    assert {*SUM_QUANTITIES} == {*ContactSums.__dataclass_fields__}
+    assert {*VALIDITY_QUANTITIES} == {*Validity.__dataclass_fields__}
+    assert (
+        {*VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES}
+        == {*SurfaceValidity.__dataclass_fields__}
+        == {*VALIDITY_RATIOS}
+    )
     assert {*LOAD_FRACTION_FORMULAS} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
-    assert ADHESION[0] == "contact_load"
-    assert not {*HALF_SPACE_SUMS} & {*ADHESION}
-    assert [QUANTITIES[name].numerator for name in UNLOADED] == list(SIX_SUMS[3:])
+    assert ADHESION_QUANTITIES[0] == "contact_load"
+    assert not {*HALF_SPACE_SUM_QUANTITIES} & {*ADHESION_QUANTITIES}
+    assert [QUANTITIES[name].numerator for name in ZERO_LOAD_SUM_QUANTITIES] == list(LOAD_SUM_NAMES[3:])
 
 
 @pytest.mark.parametrize("name", QUANTITIES)
@@ -193,7 +197,7 @@ def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
 def test_csv_columns_are_in_the_order_of_the_table_of_quantities(at_loads):
     at = at_loads["half-planes"]
     columns = list(summary_table(summarize(at, study_of(at))).columns)
-    shown = [name for name in shown_in("csv") if name in at and "direction" not in at[name].dims]
+    shown = [name for name in quantities_shown_in("csv") if name in at and "direction" not in at[name].dims]
     places = [
         next(i for i, column in enumerate(columns) if column.startswith(QUANTITIES[name].short)) for name in shown
     ]

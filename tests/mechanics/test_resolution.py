@@ -16,7 +16,7 @@ from stiction import (
     scale_dependent_roughness,
     self_affine,
 )
-from stiction.mechanics.brackets import friction_bracket, kappa_spread, max_area, max_friction
+from stiction.mechanics.brackets import friction_bracket, kappa_uncertainty_factor, max_area, max_friction
 from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
@@ -94,7 +94,9 @@ def test_bracket_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
     # The largest area fraction of an elastic scan is one.
     count, least = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
     above = result.contact_area_fraction[:, 0].values - least
-    assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
+    assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(
+        least + above * kappa_uncertainty_factor(count) ** 2
+    )
     assert float(max_area(100.0, 1000)) == pytest.approx(100 * math.exp(0.1))
     assert float(max_area(0.9, 1000)) == 1.0
 
@@ -108,7 +110,7 @@ def test_max_friction_of_a_sample_equals_the_upper_end_of_its_bracket():
     ends = [friction_bracket(*sample, contacts=38.0)[1] for sample in zip(value, mu0, adhesion, strict=True)]
     assert max_friction(value, mu0, adhesion, 38.0) == pytest.approx(ends)
     # The real area is far above F/H in the first two samples, so that their adhesive friction grows by `spread`.
-    spread = float(kappa_spread(np.array(38.0)))
+    spread = float(kappa_uncertainty_factor(np.array(38.0)))
     assert ends[:2] == pytest.approx((mu0 + spread * (value - mu0))[:2])
     assert ends[2] == value[2]
 
@@ -159,7 +161,7 @@ def test_rms_slope_at_the_plastic_wavelength_corresponds_to_the_hardness(resolve
     assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)
     # There are few contacts, so κ agrees only within a factor.
     curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")
-    within = float(kappa_spread(curve.contact_count)[0])
+    within = float(kappa_uncertainty_factor(curve.contact_count)[0])
     assert 1.1 <= within <= math.exp(1)
     assert float(roughness.gradient_at(high)) == pytest.approx(kappa * 4.0 / 115.0 / within, rel=1e-6)
 

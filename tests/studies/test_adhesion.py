@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from stiction import Study, half_space, pair, run, self_affine_surface
-from stiction.mechanics.quantities import LOAD_INDEPENDENT
+from stiction.mechanics.quantities import LOAD_INDEPENDENT_QUANTITIES
 from stiction.studies.assessment import MAX_NEGLECTED_ADHESION, TYPICAL_WORK_OF_ADHESION, estimate_adhesion_load
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.evaluation import at_load
@@ -88,7 +88,7 @@ def test_pull_off_force_is_shown_in_rows_text_report_and_figure(adhesive_result,
     for term in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
         assert term in frame_to_csv(summary_table(adhesive_result.summary())).splitlines()[0]
     values = json.loads(summary_json("pair", adhesive_result.summary()))["values"]
-    assert {value["unit"] for value in values if value["name"] in LOAD_INDEPENDENT} == {"mN", "GPa"}
+    assert {value["unit"] for value in values if value["name"] in LOAD_INDEPENDENT_QUANTITIES} == {"mN", "GPa"}
     assert "adhesion 50 mJ/m² over 0.5 nm" in adhesive_result.sentence
     (friction_at_no_load,) = {
         value["value"] for value in values

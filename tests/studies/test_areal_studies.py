@@ -19,7 +19,7 @@ from stiction import (
     weierstrass_mandelbrot_surface,
 )
 from stiction.mechanics.half_space import half_space
-from stiction.mechanics.quantities import DIRECTED
+from stiction.mechanics.quantities import DIRECTED_SUM_QUANTITIES
 from stiction.studies import store
 from stiction.views.figures.standard import select_figures
 
@@ -105,7 +105,7 @@ def test_load_sums_of_an_areal_study_equal_sums_of_single_pairs(name):
         member = dataset.isel(fractal_dimension=d, amplitude=a, repetition=r)
         for rule, curve in zip(study.contact.rules(), compute_curves(study, *pair), strict=True):
             for quantity in study.sums():
-                is_directed = quantity in DIRECTED
+                is_directed = quantity in DIRECTED_SUM_QUANTITIES
                 computed = member[quantity].sel(sliding=rule) if is_directed else member[quantity]
                 assert computed.dims == (
                     ("direction", step) if is_directed and "direction" in dataset.dims else (step,)

@@ -17,7 +17,7 @@ from stiction import (
     self_affine_surface,
     surrogate,
 )
-from stiction.mechanics.patches import slopes
+from stiction.mechanics.patches import grid_slopes
 from stiction.studies.contact_statistics import STORED_PROBABILITIES
 from stiction.studies.evaluation import at_load, member_values
 from stiction.surfaces.pairing import MIN_PIECE_POINTS, MapPairs
@@ -224,7 +224,7 @@ def test_load_fraction_on_steepest_slopes_equals_its_definition():
     result = read_members(run_pair(upper, lower, direction=[0], shifts=2))
     bodies = cut_pieces(upper, lower).pair(0)
     solution, body = half_space(*bodies, [0.1]).contact(0), bodies[0]
-    gradient = np.hypot(*slopes(body.heights, body.spacing, periodic=False))
+    gradient = np.hypot(*grid_slopes(body.heights, body.spacing, periodic=False))
     fraction = solution.pressure[gradient > np.quantile(gradient, 0.9)].sum() / solution.pressure.sum()
     assert float(result["share_on_steepest_upper"][0, 0]) == pytest.approx(fraction, abs=SOLUTION_TOLERANCE)
     assert 0 <= float(result["share_on_steepest_lower"][0, 0]) < 0.5

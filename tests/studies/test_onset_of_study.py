@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from stiction import Study, contacts, open_result, pair_of, press, run
-from stiction.mechanics.quantities import ONSET
+from stiction.mechanics.quantities import ONSET_QUANTITIES
 from stiction.studies.evaluation import at_load
 from stiction.studies.study import StudyError
 from stiction.views.report import report_page
@@ -49,13 +49,13 @@ def test_stored_onset_of_a_member_equals_onset_of_its_load_curve(study, result):
             assert float(member["fraction_slipped"][step]) == pytest.approx(onset.slipped_load[0], rel=1e-12)
     has_no_contact = result["contact_count"].values == 0
     assert has_no_contact.any()
-    assert not any(result[name].values[has_no_contact].any() for name in ONSET)
+    assert not any(result[name].values[has_no_contact].any() for name in ONSET_QUANTITIES)
 
 
 def test_load_sums_of_a_study_are_equal_with_and_without_onset(study, result):
     """With an onset, each pair is computed alone; without, pairs of several dimensions are computed together."""
     dataset_without_onset = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]})).dataset
-    assert not set(ONSET) & set(dataset_without_onset.data_vars)
+    assert not set(ONSET_QUANTITIES) & set(dataset_without_onset.data_vars)
     for name in dataset_without_onset.data_vars:
         np.testing.assert_allclose(result[name], dataset_without_onset[name], rtol=1e-11, err_msg=name)
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
-from stiction.mechanics.quantities import SUMS
+from stiction.mechanics.quantities import SUM_QUANTITIES
 from stiction.studies import executors, member_solution, members, runner
 from stiction.studies.layout import member_bytes
 from stiction.studies.member_solution import estimate_member_time
@@ -53,7 +53,7 @@ def test_load_sums_of_a_run_equal_sums_of_single_pairs(result):
             for side in ("upper", "lower")
         )  # fmt: skip
         curve = press(upper, lower, result["approach"].values)
-        for name in SUMS:
+        for name in SUM_QUANTITIES:
             assert np.array_equal(result[name].values[d, a, r], getattr(curve, name)), name
 
 
@@ -69,7 +69,9 @@ def test_result_of_a_run_depends_on_every_study_key(result):
     for key, value in changes.items():
         changed_dataset = run(RUNNER_STUDY.with_changes({key: value, "ensemble.repetitions": 1})).dataset
         changed_sums = [
-            name for name in SUMS if not np.array_equal(changed_dataset[name].values, result[name].values[:, :, :1])
+            name
+            for name in SUM_QUANTITIES
+            if not np.array_equal(changed_dataset[name].values, result[name].values[:, :, :1])
         ]
         assert changed_sums, key
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stiction import HertzCylinder, JacksonGreen, Study, friction_map, run, study_names
 from stiction._units import exact_text, quantity
-from stiction.mechanics.quantities import AREAL_SUMS, HALF_SPACE_SUMS, SUMS
+from stiction.mechanics.quantities import AREAL_SUM_QUANTITIES, HALF_SPACE_SUM_QUANTITIES, SUM_QUANTITIES
 from stiction.studies.study import find_differences, parse_study
 from stiction.studies.values import StudyError
 from stiction.views.study_keys import key_tables, study_keys_text
@@ -249,11 +249,11 @@ class TestStudyKinds:
     @pytest.mark.parametrize(
         ("study", "sums", "step", "cells"),
         [
-            (Study(), SUMS, "approach", ["fractal_dimension", "amplitude"]),
-            (SURFACE_STUDY, SUMS + AREAL_SUMS, "approach", ["fractal_dimension", "amplitude"]),
-            (HALF_SPACE_STUDY, HALF_SPACE_SUMS, "load", ["fractal_dimension", "amplitude"]),
-            (AREA_STUDY, HALF_SPACE_SUMS, "load", ["cut_off"]),
-            (LINE_STUDY, (*SUMS, "approach"), "load", ["cut_off"]),
+            (Study(), SUM_QUANTITIES, "approach", ["fractal_dimension", "amplitude"]),
+            (SURFACE_STUDY, SUM_QUANTITIES + AREAL_SUM_QUANTITIES, "approach", ["fractal_dimension", "amplitude"]),
+            (HALF_SPACE_STUDY, HALF_SPACE_SUM_QUANTITIES, "load", ["fractal_dimension", "amplitude"]),
+            (AREA_STUDY, HALF_SPACE_SUM_QUANTITIES, "load", ["cut_off"]),
+            (LINE_STUDY, (*SUM_QUANTITIES, "approach"), "load", ["cut_off"]),
         ],
     )
     def test_kind_of_study_determines_its_sums_step_variable_and_cell_dimensions(self, study, sums, step, cells):

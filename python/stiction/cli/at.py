@@ -24,8 +24,8 @@ from stiction.cli.application import command, print_output, report_interruption,
 from stiction.cli.execution import Workers
 from stiction.cli.options import Json, Verbose, option, reject_options
 from stiction.cli.result_output import VERBOSE_OPTION, open_with_warning
-from stiction.mechanics.model import THICKNESS
-from stiction.mechanics.quantities import UNCERTAINTY
+from stiction.mechanics.model import PROFILE_WIDTH
+from stiction.mechanics.quantities import UNCERTAINTY_QUANTITIES
 
 if TYPE_CHECKING:
     import xarray
@@ -171,7 +171,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
     if width is not None:
         if result.study.surfaces.press != "lines":
             raise ArgumentError("{width} applies only to a pair of profiles, got {width} {got}", got=repr(width))
-        width_factor = THICKNESS / float(parse_quantity("width", width, "length"))
+        width_factor = PROFILE_WIDTH / float(parse_quantity("width", width, "length"))
     if not texts:
         if not result.study.friction.load:
             raise ArgumentError("{load} must be given, because the study has no loads")
@@ -218,4 +218,6 @@ def _select_direction(dataset: xarray.Dataset, direction: float) -> xarray.Datas
     selected = dataset.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
     if "direction" not in selected.dims:
         return selected
-    return selected.drop_vars([name for name in UNCERTAINTY if name in selected]).sel(direction=direction % 360)
+    return selected.drop_vars([name for name in UNCERTAINTY_QUANTITIES if name in selected]).sel(
+        direction=direction % 360
+    )

@@ -20,40 +20,56 @@ import numpy as np
 
 import stiction._core as _core
 from stiction._checks import Floats
-from stiction.mechanics.half_space_problem import ContactSolution, Problem, State, threads, to_contact_solution
+from stiction.mechanics.half_space_problem import (
+    AdhesionState,
+    ContactSolution,
+    HalfSpaceProblem,
+    solver_thread_count,
+    to_contact_solution,
+)
 
 # Number of plain steps between two extrapolated steps. Plain steps damp the modes that extrapolated steps overshoot.
-PLAIN = 2
-MAX_STEP = 10.0  # maximum extrapolated step, as a multiple of the plain step
-MAX_SOLUTIONS = 2000  # maximum number of contact solutions for one external load, including solutions during jumps
-MAX_SETTLING = 60  # maximum number of contact solutions for one contact load
-PATIENCE = 20  # maximum number of successive solutions that do not reduce the residual
+NUM_PLAIN_STEPS = 2
+MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum extrapolated step, as a multiple of the plain step
+MAX_SOLUTIONS_PER_LOAD = (
+    2000  # maximum number of contact solutions for one external load, including solutions during jumps
+)
+MAX_SOLUTIONS_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
+MAX_STALLED_SOLUTIONS = 20  # maximum number of successive solutions that do not reduce the residual
 RESIDUAL_FACTOR = 10.0  # maximum accepted relative residual of the attraction, as a multiple of the tolerance
 MIN_TOLERANCE = 1e-8  # minimum tolerance of a contact solution; at smaller tolerances, round-off may stall the solver
-INEXACT = 0.05  # tolerance of a contact solution, as a fraction of the residual of the previous solution
+INEXACT_TOLERANCE_RATIO = (
+    0.05  # tolerance of a contact solution, as a fraction of the residual of the previous solution
+)
 MAX_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
 # During separation, an increase of the attraction below this fraction of its maximum counts as numerical error.
-MAX_INCREASE = 1e-3
+MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the attraction at first contact.
-MIN_CONTACT = 1e-3
-STRIDE = 0.6  # ratio of successive contact loads during separation
-NEGLECTED = 0.01  # accepted relative error of the minimum load
-FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower load that the search tries
+MIN_CONTACT_LOAD_RATIO = 1e-3
+CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads during separation
+MINIMUM_LOAD_TOLERANCE = 0.01  # accepted relative error of the minimum load
+FIRST_LOAD_DECREMENT = (
+    0.05  # relative difference between the minimum load and the first lower load that the search tries
+)
 # An additional solution is computed only if the interpolated load is below the minimum load by at least this fraction.
-MIN_GAIN = 0.003
-MIN_WIDTH = 0.01  # loads are interpolated only if the two contact loads differ by at least this fraction
-MAX_REFINED = 6  # maximum number of additional solutions at interpolated loads
-MAX_TRIALS = 24  # maximum number of external loads that are tried during separation
+MIN_LOAD_IMPROVEMENT = 0.003
+MIN_CONTACT_LOAD_DIFFERENCE = (
+    0.01  # loads are interpolated only if the two contact loads differ by at least this fraction
+)
+MAX_REFINED_STATES = 6  # maximum number of additional solutions at interpolated loads
+MAX_TRIAL_LOADS = 24  # maximum number of external loads that are tried during separation
 
 
-class UnsolvedError(RuntimeError):
+class EquilibriumNotFoundError(RuntimeError):
     """Error raised if the iteration finds no equilibrium with the adhesive attraction."""
 
 
-class Attraction:
+class AdhesionSolver:
     """Adhesive attraction in a contact problem, with methods that find the equilibrium states of the contact."""
 
-    def __init__(self, problem: Problem, *, tolerance: float, report: Callable[[int, float], object] | None) -> None:
+    def __init__(
+        self, problem: HalfSpaceProblem, *, tolerance: float, report: Callable[[int, float], object] | None
+    ) -> None:
         self.problem, self.report, self.solver_tolerance, self.max_residual = (
             problem,
             report,
@@ -67,41 +83,43 @@ class Attraction:
         # The relative error of the attraction equals the error of the gap divided by the range of the attraction.
         self.relative_range = self.range / float(problem.gap.std() or 1)
         self.tolerance = max(min(tolerance, RESIDUAL_FACTOR * tolerance * self.relative_range), MIN_TOLERANCE)
-        self.min_contact = MIN_CONTACT * float(self.of(problem.gap).mean())
+        self.min_contact = MIN_CONTACT_LOAD_RATIO * float(self.attraction_at_gap(problem.gap).mean())
 
-    def of(self, gap: Floats) -> Floats:
+    def attraction_at_gap(self, gap: Floats) -> Floats:
         """Return the attraction (GPa) at given gaps (µm). A negative gap counts as 0."""
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
-    def settle(self, near: State, contact: float, *, before: State) -> State:
+    def solve_at_contact_load(self, near: AdhesionState, contact: float, *, before: AdhesionState) -> AdhesionState:
         """Iterate from a nearby state to the equilibrium at a mean contact pressure (GPa). Return the final state.
 
         No point may be closer than in the state `before`; the bodies then support the load when they are pulled apart.
-        Otherwise, or if the iteration fails, `UnsolvedError` is raised.
+        Otherwise, or if the iteration fails, `EquilibriumNotFoundError` is raised.
         """
         least, best = math.inf, 0
-        for count, (state, residual) in enumerate(self._iterate(near, lambda _: contact, MAX_STEP)):
+        for count, (state, residual) in enumerate(self._iterate(near, lambda _: contact, MAX_EXTRAPOLATION_FACTOR)):
             if (
                 residual <= self.max_residual
-                and (state.attraction <= before.attraction + MAX_INCREASE * self.max_attraction).all()
+                and (state.attraction <= before.attraction + MAX_ATTRACTION_INCREASE * self.max_attraction).all()
             ):
                 return state
             if residual <= self.max_residual:
                 break
             if residual < least:
                 least, best = residual, count
-            if count - best > PATIENCE or count == MAX_SETTLING:
+            if count - best > MAX_STALLED_SOLUTIONS or count == MAX_SOLUTIONS_PER_CONTACT_LOAD:
                 break
-        raise UnsolvedError("the computation of the attraction did not converge")
+        raise EquilibriumNotFoundError("the computation of the attraction did not converge")
 
-    def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
+    def iterate_at_load(
+        self, near: AdhesionState | None, load: float, *, longest: float = MAX_EXTRAPOLATION_FACTOR
+    ) -> tuple[AdhesionState, bool]:
         """Find the equilibrium at an external pressure (GPa). Return a state, and True if this state is in equilibrium.
 
         The iteration starts from `near`, or without contact if `near` is None.
 
         If the bodies separate, the iterated state with the smallest change is returned with False. Separation is
         certain only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium.
-        `UnsolvedError` is raised if `MAX_SOLUTIONS` solutions do not decide.
+        `EquilibriumNotFoundError` is raised if `MAX_SOLUTIONS_PER_LOAD` solutions do not decide.
         """
         first = self.min_contact if near is None else -math.inf
         slowest, least, before = near, math.inf, math.inf
@@ -109,8 +127,8 @@ class Attraction:
         for count, (state, residual) in enumerate(iterations):
             if residual <= self.max_residual:
                 return state, True
-            if count == MAX_SOLUTIONS:
-                raise UnsolvedError("the computation of the attraction did not converge")
+            if count == MAX_SOLUTIONS_PER_LOAD:
+                raise EquilibriumNotFoundError("the computation of the attraction did not converge")
             # ignore the first states, which may lie near an equilibrium by chance
             if residual < min(before, least) and count > 1:
                 slowest, least = state, residual
@@ -119,12 +137,13 @@ class Attraction:
         return slowest, False
 
     def _iterate(
-        self, near: State | None, contact_load: Callable[[float], float], longest: float
-    ) -> Iterator[tuple[State, float]]:
+        self, near: AdhesionState | None, contact_load: Callable[[float], float], longest: float
+    ) -> Iterator[tuple[AdhesionState, float]]:
         """Yield the state and the relative change of the attraction after each iteration, until the bodies separate.
 
-        The contact load (GPa) is a function of the mean attraction. After `PLAIN` plain steps, a step is extrapolated
-        as a geometric series with the ratio of the last two changes, limited to `longest` times the last change.
+        The contact load (GPa) is a function of the mean attraction. After `NUM_PLAIN_STEPS` plain steps, a step is
+        extrapolated as a geometric series with the ratio of the last two changes, limited to `longest` times the last
+        change.
         """
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
@@ -132,7 +151,7 @@ class Attraction:
         # Attraction after the plain step, kept if the last step was extrapolated.
         plain_attraction: Floats | None = None
         residual = least = math.inf
-        inexact, slow = INEXACT, 0
+        inexact, slow = INEXACT_TOLERANCE_RATIO, 0
         for count in itertools.count():
             mean_attraction = float(attraction.mean())
             mean = contact_load(mean_attraction)
@@ -142,114 +161,121 @@ class Attraction:
             if mean < self.min_contact:
                 return
             if not mean < self.bound[0]:
-                raise UnsolvedError("the attraction raises the pressure to the hardness at all points")
+                raise EquilibriumNotFoundError("the attraction raises the pressure to the hardness at all points")
             tolerance = min(max(self.tolerance, inexact * self.relative_range * residual), MAX_TOLERANCE)
-            lowered = gap - grids.displacement(attraction, threads=threads())
-            solver = _core.HalfSpaceSolver(lowered, grids, bound=self.bound, tolerance=tolerance, threads=threads())
-            solution = solver.at(mean, near=pressure, threads=threads(), progress=self.report)
+            lowered = gap - grids.displacement(attraction, threads=solver_thread_count())
+            solver = _core.HalfSpaceSolver(
+                lowered, grids, bound=self.bound, tolerance=tolerance, threads=solver_thread_count()
+            )
+            solution = solver.at(mean, near=pressure, threads=solver_thread_count(), progress=self.report)
             if not solution.error <= max(tolerance, self.solver_tolerance):
-                raise UnsolvedError("the computation of the pressures did not converge")
+                raise EquilibriumNotFoundError("the computation of the pressures did not converge")
             pressure = solution.pressure
-            displacement = grids.displacement(pressure.reshape(gap.shape), threads=threads())
-            change = self.of(lowered + displacement - solution.approach) - attraction
+            displacement = grids.displacement(pressure.reshape(gap.shape), threads=solver_thread_count())
+            change = self.attraction_at_gap(lowered + displacement - solution.approach) - attraction
             before, residual = residual, float(np.abs(change).mean()) / (mean + mean_attraction)
             convergence = solution.approach, solution.error, solution.iterations
             if residual > self.max_residual or tolerance <= self.tolerance:
-                yield State(pressure, attraction, mean, mean - mean_attraction, *convergence), residual
+                yield AdhesionState(pressure, attraction, mean, mean - mean_attraction, *convergence), residual
             slow = 0 if residual < least else slow + 1
             least = min(least, residual)
-            if slow > PATIENCE:  # the remaining residual may be due to inexact contact solutions
+            if slow > MAX_STALLED_SOLUTIONS:  # the remaining residual may be due to inexact contact solutions
                 inexact, slow = inexact / 10, 0
             ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
             following, plain_attraction = np.clip(attraction + change, 0.0, self.max_attraction), None
-            if count % (PLAIN + 1) == PLAIN and longest > 1:
+            if count % (NUM_PLAIN_STEPS + 1) == NUM_PLAIN_STEPS and longest > 1:
                 plain_attraction, following = following, np.clip(attraction + length * change, 0.0, self.max_attraction)
             attraction = following
 
-    def at(self, load: float, near: State | None) -> State:
+    def at(self, load: float, near: AdhesionState | None) -> AdhesionState:
         """Find the equilibrium at an external pressure (GPa). The iteration starts from `near`, or without contact."""
         if near is None and load < 0:
-            near = self.relax(None, 0.0)[0]
-        state, is_balanced = self.relax(near, load)
+            near = self.iterate_at_load(None, 0.0)[0]
+        state, is_balanced = self.iterate_at_load(near, load)
         if not is_balanced:
-            state, is_balanced = self.relax(near, load, longest=1.0)
+            state, is_balanced = self.iterate_at_load(near, load, longest=1.0)
         if not is_balanced:
             assert near is not None
-            least = f"{self.force(lowest(self.separate(near)).load):.4g} mN"
-            raise UnsolvedError(
+            least = f"{self.mean_pressure_to_force(state_of_lowest_load(self.trace_separation(near)).load):.4g} mN"
+            raise EquilibriumNotFoundError(
                 f"the lowest load that the bodies support is {least} or lower; {self.uncertain}"
                 if self.uncertain
                 else f"the bodies separate at {least}"
             )
         return state
 
-    def separate(self, start: State) -> list[State]:
+    def trace_separation(self, start: AdhesionState) -> list[AdhesionState]:
         """Return states of decreasing contact load, at least down to the minimum of the external load.
 
         States of decreasing contact load lead close to the minimum. Lower loads are then tried, first with extrapolated
         steps and finally with plain steps from the start. The minimum is certain if the bodies separate under a load
-        that is lower by `NEGLECTED`. Otherwise `uncertain` contains the reason.
+        that is lower by `MINIMUM_LOAD_TOLERANCE`. Otherwise `uncertain` contains the reason.
         """
         self.uncertain = ""
-        opening = self.opening(start)
+        opening = self.find_opening_state(start)
         states = [start] if opening is None else [start, opening]
         extrapolated_start = plain_start = states[-1]
-        states = self.refine(self.unload(states))
-        step = FIRST_STEP if states[-1] is lowest(states) else NEGLECTED
+        states = self.refine_minimum_load(self.extend_unloading(states))
+        step = FIRST_LOAD_DECREMENT if states[-1] is state_of_lowest_load(states) else MINIMUM_LOAD_TOLERANCE
         unsupported_load = -math.inf
-        for _ in range(MAX_TRIALS):
-            least = lowest(states).load
+        for _ in range(MAX_TRIAL_LOADS):
+            least = state_of_lowest_load(states).load
             # Between two states, the contact load is at least the contact load of the later state.
             # Between two states, the attraction is at most the attraction of the earlier state.
             possible = min(
                 [b.contact - a.mean_attraction for a, b in itertools.pairwise(states)] + [-states[-1].mean_attraction]
             )
-            if possible >= (1 + NEGLECTED) * least:
+            if possible >= (1 + MINIMUM_LOAD_TOLERANCE) * least:
                 return states
             load = (least + max(possible, unsupported_load)) / 2
             if least < 0:
-                load = min(max(load, (1 + step) * least), (1 + NEGLECTED) * least)
+                load = min(max(load, (1 + step) * least), (1 + MINIMUM_LOAD_TOLERANCE) * least)
             try:
                 trial, is_balanced = (
-                    self.relax(extrapolated_start, load) if load > unsupported_load else (extrapolated_start, False)
+                    self.iterate_at_load(extrapolated_start, load)
+                    if load > unsupported_load
+                    else (extrapolated_start, False)
                 )
-                if not is_balanced and load >= (1 + NEGLECTED) * least:
-                    trial, is_balanced = self.relax(plain_start, load, longest=1.0)
+                if not is_balanced and load >= (1 + MINIMUM_LOAD_TOLERANCE) * least:
+                    trial, is_balanced = self.iterate_at_load(plain_start, load, longest=1.0)
                     if not is_balanced:
                         return states
                     plain_start, unsupported_load = trial, -math.inf
-            except UnsolvedError:
-                self.uncertain = (
-                    f"at a load of {self.force(load):.4g} mN, the computation of the attraction did not converge"
-                )
+            except EquilibriumNotFoundError:
+                force = self.mean_pressure_to_force(load)
+                self.uncertain = f"at a load of {force:.4g} mN, the computation of the attraction did not converge"
                 return states
             if is_balanced:
                 extrapolated_start, step = trial, 2 * step
             else:
                 unsupported_load = load
                 try:
-                    trial = self.settle(trial, trial.contact, before=start)
-                except UnsolvedError:
+                    trial = self.solve_at_contact_load(trial, trial.contact, before=start)
+                except EquilibriumNotFoundError:
                     continue
                 if trial.load >= least:
                     continue
-                step = NEGLECTED
+                step = MINIMUM_LOAD_TOLERANCE
             states = sorted([*states, trial], key=lambda state: -state.contact)
-        self.uncertain = f"{MAX_TRIALS} loads are too few"
+        self.uncertain = f"{MAX_TRIAL_LOADS} loads are too few"
         return states
 
-    def unload(self, states: list[State]) -> list[State]:
+    def extend_unloading(self, states: list[AdhesionState]) -> list[AdhesionState]:
         """Extend the states to smaller contact loads, until the external load rises or no equilibrium is found."""
         states = list(states)
-        while states[-1].contact > self.min_contact and states[-1] is lowest(states):
+        while states[-1].contact > self.min_contact and states[-1] is state_of_lowest_load(states):
             try:
-                states.append(self.settle(states[-1], STRIDE * states[-1].contact, before=states[0]))
-            except UnsolvedError:
+                states.append(
+                    self.solve_at_contact_load(
+                        states[-1], CONTACT_LOAD_REDUCTION_RATIO * states[-1].contact, before=states[0]
+                    )
+                )
+            except EquilibriumNotFoundError:
                 break
         return states
 
-    def opening(self, state: State) -> State | None:
+    def find_opening_state(self, state: AdhesionState) -> AdhesionState | None:
         """Return the state in which complete contact begins to open, or None if the contact is incomplete.
 
         Until then all points move together, and the attraction is that of contact everywhere.
@@ -257,11 +283,11 @@ class Attraction:
         if not (state.pressure.all() and (state.pressure < self.bound[0]).all()):
             return None
         grids, gap = self.problem.grids, self.problem.gap
-        unit, displacement = grids.linear_response(np.ones(gap.shape, bool), threads=threads())
+        unit, displacement = grids.linear_response(np.ones(gap.shape, bool), threads=solver_thread_count())
         pressure_scale = float((state.pressure / unit.ravel()).min())
         pressure = np.maximum(state.pressure - pressure_scale * unit.ravel(), 0)
         contact = float(pressure.mean())
-        return State(
+        return AdhesionState(
             pressure,
             state.attraction,
             contact,
@@ -269,36 +295,38 @@ class Attraction:
             state.approach - pressure_scale * displacement,
         )
 
-    def refine(self, states: list[State]) -> list[State]:
+    def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
         """Add states where interpolation predicts a lower external load than any state has. Return all states."""
         states = list(states)
-        for _ in range(MAX_REFINED):
+        for _ in range(MAX_REFINED_STATES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
             lower = []
             for first in (minimum_index - 1, minimum_index):
                 pair = states[max(first, 0) : first + 2]
-                if len(pair) == 2 and pair[1].contact < (1 - MIN_WIDTH) * pair[0].contact:
-                    lower.append((*_interpolated_minimum(states[max(first - 1, 0) : first + 3], *pair), first))
+                if len(pair) == 2 and pair[1].contact < (1 - MIN_CONTACT_LOAD_DIFFERENCE) * pair[0].contact:
+                    lower.append((*_interpolate_minimum_load(states[max(first - 1, 0) : first + 3], *pair), first))
             load, contact, first = min(lower, default=(0.0, 0.0, 0))
-            if load >= (1 + MIN_GAIN) * states[minimum_index].load:
+            if load >= (1 + MIN_LOAD_IMPROVEMENT) * states[minimum_index].load:
                 break
             try:
-                states.insert(first + 1, self.settle(states[first], contact, before=states[0]))
-            except UnsolvedError:
+                states.insert(first + 1, self.solve_at_contact_load(states[first], contact, before=states[0]))
+            except EquilibriumNotFoundError:
                 break
         return states
 
-    def force(self, mean: float) -> float:
+    def mean_pressure_to_force(self, mean: float) -> float:
         """Convert a mean pressure (GPa) to a force (mN)."""
-        return mean * self.problem.cell * self.problem.gap.size
+        return mean * self.problem.cell_area * self.problem.gap.size
 
 
-def lowest(states: list[State]) -> State:
+def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
     """Return the state with the smallest external load."""
     return min(states, key=lambda state: state.load)
 
 
-def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tuple[float, float]:
+def _interpolate_minimum_load(
+    states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
+) -> tuple[float, float]:
     """Interpolate the external pressure between contact states. Return its minimum and the contact pressure there.
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
@@ -314,13 +342,13 @@ def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tu
 
 
 def solve_with_adhesion(
-    problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
+    problem: HalfSpaceProblem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
     """Solve the contact at each external load (mN), starting from the contact at the previous load."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
-    attraction = Attraction(problem, tolerance=tolerance, report=report)
-    total_area = problem.cell * problem.gap.size
+    attraction = AdhesionSolver(problem, tolerance=tolerance, report=report)
+    total_area = problem.cell_area * problem.gap.size
     state = None
     for load in loads.tolist():
         try:
@@ -333,14 +361,14 @@ def solve_with_adhesion(
 
 def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
     """Return the contacts during separation, and the reason why the minimum load is uncertain ("" if it is certain)."""
-    problem, total_area = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
-    attraction = Attraction(problem, tolerance=tolerance, report=None)
+    problem, total_area = pressed.problem, pressed.problem.cell_area * pressed.problem.gap.size
+    attraction = AdhesionSolver(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
     start_values = float(pressure.mean()), pressed.load / total_area, pressed.approach
-    start = State(pressure.ravel(), np.asarray(pressed.attraction), *start_values)
+    start = AdhesionState(pressure.ravel(), np.asarray(pressed.attraction), *start_values)
     descending_states, least = [], start.load
     # When the load decreases, the bodies pass only through states that carry less load than all earlier states.
-    for state in attraction.separate(start)[1:]:
+    for state in attraction.trace_separation(start)[1:]:
         if state.load < least:
             descending_states.append(state)
             least = state.load

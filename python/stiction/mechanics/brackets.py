@@ -23,7 +23,7 @@ MIN_LOG_SPREAD = 0.1
 WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
-def kappa_spread(contact_count: Floats) -> Floats:
+def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
     """Return the factor by which the area coefficient κ may change when the scan becomes finer (95 % of cases).
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
@@ -36,13 +36,13 @@ def kappa_spread(contact_count: Floats) -> Floats:
 
 def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
     """Compute the rms gradient of a gap from the slopes that the half-space model uses."""
-    from stiction.mechanics.patches import slopes
+    from stiction.mechanics.patches import grid_slopes
 
-    gap_slopes = slopes(gap.heights, gap.spacings, periodic=periodic)
+    gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
 
-def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None:
+def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None:
     """Estimate the Hurst exponent of a gap, or return None if its spectrum has no self-affine band."""
     try:
         return estimate_hurst_exponent(gap, periodic=periodic)
@@ -84,7 +84,7 @@ def extrapolated_gradients(
     return gradients
 
 
-def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
+def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
     """Compute area fractions of elastic contacts for given gradients. `area_of_slope` applies to a gradient of 1.
 
     The arrays have the dimensions wavelength, load and statistic.
@@ -93,12 +93,12 @@ def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Fl
     return area_of_slope[:, np.newaxis] * within / gradients[:, np.newaxis, [0, 2, 1]]
 
 
-def interface_stretch(gradient: Floats) -> Floats:
+def interface_area_ratio(gradient: Floats) -> Floats:
     """Return the ratio of interface area to projected area, 1 + h'²/8, for two surfaces with equal rms slopes h'."""
     return np.asarray(1 + np.square(gradient) / 8)
 
 
-def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
+def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
     """Return the factor by which slopes perpendicular to the motion increase mu_s if friction acts at all contacts.
 
     The factor is 1 + h'²/16 on areas and 1 on lines.
@@ -114,7 +114,7 @@ def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
     to 40 contacts exceeded the limit.
     """
     area_ratio = np.maximum(np.asarray(area, dtype=np.float64), 1.0)
-    spread = kappa_spread(np.asarray(contact_count, dtype=np.float64))
+    spread = kappa_uncertainty_factor(np.asarray(contact_count, dtype=np.float64))
     return np.asarray(np.minimum(area_ratio * spread, 1 + (area_ratio - 1) * np.square(spread)))
 
 
@@ -138,7 +138,7 @@ def max_friction(value: Floats | float, mu0: Floats | float, adhesion: Floats | 
     return np.asarray(value + np.where(strength > 0, increase, 0.0))
 
 
-def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
+def add_finer_scan_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
     """Add the plastic limit and the bounds for finer scans to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal = result.attrs["nominal_area_um2"]
@@ -151,7 +151,7 @@ def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, 
             dimensions[1:2], plastic_area / nominal, "1", "smallest ratio of real to nominal area, F/(H A0)"
         ),
         "bracket_area_fraction": (
-            dimensions, _ends(plastic_area / nominal, largest_area / nominal), "1",
+            dimensions, _stack_bounds(plastic_area / nominal, largest_area / nominal), "1",
             "ratio of real to nominal area of every finer scan",
         ),
     }  # fmt: skip
@@ -159,7 +159,7 @@ def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, 
         mu0, tau0 = parameters
         limit = np.full(loads.size, mu0 + tau0 / hardness)
         friction = result.friction_coefficient.sel(sliding="all").transpose(*dimensions[:2]).values
-        ends = _ends(limit, friction + tau0 * (largest_area - area) / loads)
+        ends = _stack_bounds(limit, friction + tau0 * (largest_area - area) / loads)
         variables["plastic_friction_coefficient"] = (
             dimensions[1:2],
             limit,
@@ -179,5 +179,5 @@ def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, 
     return result.assign(labelled).assign_coords(end=("end", ["lower", "upper"]))
 
 
-def _ends(lower: Floats, upper: Floats) -> Floats:
+def _stack_bounds(lower: Floats, upper: Floats) -> Floats:
     return np.stack([np.broadcast_to(lower, upper.shape), upper], axis=-1)

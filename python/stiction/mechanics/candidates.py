@@ -20,9 +20,9 @@ from stiction.mechanics.model import (
     Curvature,
     check_pair,
     make_model,
-    measured_source,
-    model_for_pair,
+    make_pair_model,
     reject_missing_modulus,
+    source_history_entry,
 )
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -165,7 +165,7 @@ def candidates(
                     f"lines instead of points; extract {across} of both surfaces and press them as profiles, or use "
                     "half_space"
                 )
-    return Candidates(core, curvature, tuple(filter(None, map(measured_source, (upper, lower)))))
+    return Candidates(core, curvature, tuple(filter(None, map(source_history_entry, (upper, lower)))))
 
 
 def candidates_and_model(
@@ -173,7 +173,7 @@ def candidates_and_model(
 ) -> tuple[Candidates | None, ContactModel]:
     """Return the candidates, or None if two surfaces were given, and the contact model."""
     if not isinstance(upper, Candidates):
-        return None, model_for_pair(upper, lower, contact)
+        return None, make_pair_model(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:
         reject_missing_modulus(*upper.sources)
     model = make_model(contact)

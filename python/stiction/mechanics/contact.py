@@ -16,7 +16,7 @@ from stiction._checks import Floats, check_choice, number, read_only
 from stiction._repr import TextRepr
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
-from stiction.mechanics.model import ContactKeywords, show_model_keywords, warn_if_same_body
+from stiction.mechanics.model import ContactKeywords, add_model_keywords_to_signature, warn_if_same_body
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.surface import Surface, as_body
 
@@ -95,7 +95,7 @@ def contacts(
 def contacts(found: Candidates, approach: float | str, /, **contact: Unpack[ContactKeywords]) -> Contacts: ...
 
 
-@show_model_keywords
+@add_model_keywords_to_signature
 def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any) -> Contacts:
     """Compute all contacts of two surfaces at one approach.
 

@@ -17,7 +17,7 @@ from stiction._checks import Floats, float_array, number
 from stiction._drawing import draw_area, draw_friction
 from stiction._repr import PlotRepr, TextRepr, axes_for
 from stiction._units import short_repr
-from stiction.mechanics.quantities import QUANTITIES, SUMS
+from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,9 +35,9 @@ STATUS_BELOW_RANGE: Status = "below-range"
 STATUS_NOT_SOLVED: Status = "not-solved"
 STATUS_SEIZURE: Status = "seizure"
 STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # data type of arrays of statuses
-_CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
+_LOAD_CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 
-SIX_SUMS = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _CONTRIBUTIONS)
+LOAD_SUM_NAMES = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _LOAD_CONTRIBUTIONS)
 """Names of the contact sums that determine the normal and the tangential load for every mu0 and tau0."""
 
 # If the ratio tau0/E* is above this limit, tau0 was probably meant in MPa instead of GPa.
@@ -45,7 +45,7 @@ SHEAR_STRENGTH_LIMIT = 0.1
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Sums:
+class ContactSums:
     """Sums over contacts (arrays of equal shape) that determine normal and tangential loads for any mu0 and tau0."""
 
     contact_count: NDArray[Any]
@@ -62,13 +62,13 @@ class Sums:
     crossed_count: NDArray[Any]
 
     @classmethod
-    def from_columns(cls, columns: Mapping[str, Any]) -> Sums:
+    def from_columns(cls, columns: Mapping[str, Any]) -> ContactSums:
         """Create the sums from a mapping of names to arrays, such as the variables of a dataset."""
-        return Sums(**{name: columns[name] for name in SUMS})
+        return ContactSums(**{name: columns[name] for name in SUM_QUANTITIES})
 
-    def apply(self, function: Callable[[NDArray[Any]], Any]) -> Sums:
+    def apply(self, function: Callable[[NDArray[Any]], Any]) -> ContactSums:
         """Apply a function, such as an index or a mean, to every sum, and return the new sums."""
-        return Sums(**{name: function(getattr(self, name)) for name in SUMS})
+        return ContactSums(**{name: function(getattr(self, name)) for name in SUM_QUANTITIES})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -163,13 +163,13 @@ def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Float
 
     The sums are given as a mapping or as attributes.
     """
-    elastic, frictional, adhesive = (_column(sums, f"{load}_{part}") for part in _CONTRIBUTIONS)
+    elastic, frictional, adhesive = (_column(sums, f"{load}_{part}") for part in _LOAD_CONTRIBUTIONS)
     return np.asarray(elastic + mu0 * frictional + tau0 * adhesive)
 
 
 def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
     """Compute the normal and tangential loads (mN) from contact sums. The axes mu0 and tau0 are appended."""
-    columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in SIX_SUMS}
+    columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in LOAD_SUM_NAMES}
     mu0 = mu0[:, np.newaxis]
     return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)
 
@@ -198,14 +198,14 @@ class FrictionCurve(PlotRepr):
         """Return F_T / F_N, or NaN where the status is not "ok". Shape and arguments are as for `normal_load`."""
         parameters = self._parameters(mu0, tau0)
         normal, tangential = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
-        ok = status_at(self.contact_count, normal) == STATUS_OK
+        ok = statuses_of_approaches(self.contact_count, normal) == STATUS_OK
         coefficient: Floats = np.divide(tangential, normal, out=np.full(normal.shape, np.nan), where=ok)
         return coefficient
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
         """Return "ok", "self-locked" (F_N <= 0) or "no-contact". Shape and arguments are as for `normal_load`."""
         normal = compute_load("normal", self, *self._parameters(mu0, tau0))
-        return status_at(self.contact_count, normal)
+        return statuses_of_approaches(self.contact_count, normal)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
         """Draw the real contact area or, if mu0 is given, the friction coefficient as a function of the load.
@@ -227,7 +227,7 @@ class FrictionCurve(PlotRepr):
         return materials[0][axes], materials[1][axes]
 
 
-def combine_status(
+def combine_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
     """Return the status of each curve, ensemble or member. The boolean arguments are broadcast against each other.
@@ -246,9 +246,9 @@ def combine_status(
     )
 
 
-def status_at(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
+def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
     """Return "ok", "self-locked" or "no-contact" for each approach, given the contact count and the normal load."""
-    return combine_status(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
+    return combine_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
 def friction_parameter(name: str, values: ArrayLike) -> Floats:
@@ -270,7 +270,7 @@ def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
         )
 
 
-def check_strengths(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
+def check_friction_parameters(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
     """Check a single mu0 and a single tau0 (GPa), and return them."""
     values = [
         float(friction_parameter(name, number(name, value, unit=unit)))

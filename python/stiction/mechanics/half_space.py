@@ -20,7 +20,7 @@ from stiction._checks import Floats, check_choice, fraction, number, read_only
 from stiction._repr import PlotRepr, axes_for
 from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.friction import FrictionCurve
-from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for, warn_if_same_body
+from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_or_default, warn_if_same_body
 from stiction.mechanics.onset import Onset, check_nonzero_strengths, compute_onset, parse_direction, resolve_index
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import BodyLike, as_bodies
@@ -28,7 +28,7 @@ from stiction.surfaces.surface import BodyLike, as_bodies
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from stiction.mechanics.half_space_problem import ContactSolution, Problem, StepKind
+    from stiction.mechanics.half_space_problem import ContactSolution, HalfSpaceProblem, StepKind
     from stiction.mechanics.patches import PatchSums
 
 # The solver is imported only on demand, because it imports SciPy. This import takes longer than all others.
@@ -171,7 +171,7 @@ class HalfSpaceCurve(FrictionCurve):
     area_share_at_hardness: Floats
     contact_load: Floats = field(metadata={"unit": "mN"})
     effective_modulus: float = field(metadata={"unit": "GPa"})
-    _problem: Problem = field(repr=False)
+    _problem: HalfSpaceProblem = field(repr=False)
     _model: ContactModel = field(repr=False)
     _pressed: tuple[ContactSolution, ...] = field(repr=False)
     _sums: tuple[PatchSums, ...] = field(repr=False)
@@ -474,12 +474,12 @@ def half_space(
     >>> curve.contact_area.round(2)  # Westergaard: 2/π arcsin (p/p*)^(1/2) = 0.385
     array([0.38])
     """
-    from stiction.mechanics.half_space_problem import check_steps, make_problem
+    from stiction.mechanics.half_space_problem import make_problem, parse_loads_or_approaches
 
     upper, lower = as_bodies(upper, lower, spacing=spacing, unit=unit)
     check_pair(upper, lower, whole=False)
     model = ContactModel(
-        effective_modulus=modulus_for(effective_modulus, upper, lower), direction=direction, sliding=sliding
+        effective_modulus=modulus_or_default(effective_modulus, upper, lower), direction=direction, sliding=sliding
     )
     if isinstance(upper, Profile):
         model.for_profiles()
@@ -512,14 +512,14 @@ def half_space(
         problem = replace(problem, turns=True)
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
     loads = loads_to_core_units("loads", loads, problem.area)
-    name, steps = check_steps(problem, loads, to_core_units("approaches", approaches, "length"))
+    name, steps = parse_loads_or_approaches(problem, loads, to_core_units("approaches", approaches, "length"))
     warn_if_same_body(upper, lower)
     contacts = _solve(problem, name, steps, tolerance=tolerance, progress=progress)
     return _make_curve(problem, model, contacts, tolerance)
 
 
 def _solve(
-    problem: Problem, name: StepKind, steps: Floats, *, tolerance: float,
+    problem: HalfSpaceProblem, name: StepKind, steps: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None,
 ) -> list[ContactSolution]:  # fmt: skip
     """Solve the contact problem at each load (mN) or at each approach (µm)."""
@@ -530,9 +530,9 @@ def _solve(
 
         return solve_with_adhesion(problem, steps, tolerance=tolerance, progress=progress)
     if problem.turns:
-        from stiction.mechanics.tilt import solve_balanced
+        from stiction.mechanics.tilt import solve_with_balanced_tilt
 
-        return solve_balanced(problem, steps, tolerance=tolerance, progress=progress)
+        return solve_with_balanced_tilt(problem, steps, tolerance=tolerance, progress=progress)
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     solver = Solver(problem, name, steps[-1], tolerance=tolerance, report=report)
@@ -544,7 +544,7 @@ def _solve(
     return contacts
 
 
-def _with_adhesion(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
+def _with_adhesion(problem: HalfSpaceProblem, work: float, length: float, effective_modulus: float) -> HalfSpaceProblem:
     """Add a work of adhesion (mN/µm) and its range (µm) to a problem. A range too short for the grid is increased."""
     smallest = resolved_range(work, max(problem.spacing), effective_modulus)
     if smallest > length:
@@ -563,7 +563,7 @@ def _with_adhesion(problem: Problem, work: float, length: float, effective_modul
 
 
 def _make_curve(
-    problem: Problem, model: ContactModel, contacts: list[ContactSolution], tolerance: float
+    problem: HalfSpaceProblem, model: ContactModel, contacts: list[ContactSolution], tolerance: float
 ) -> HalfSpaceCurve:
     sums = tuple(solution.sums(model.directions()) for solution in contacts)
     rows = [
@@ -580,7 +580,7 @@ def _sum_patches(
 ) -> list[dict[str, Any]]:
     totals = [solution.total(model.sliding) for solution in sums]
     for solution, total in zip(contacts, totals, strict=True):
-        total["normal_elastic"] -= solution.adhering
+        total["normal_elastic"] -= solution.attraction_force
     return totals
 
 

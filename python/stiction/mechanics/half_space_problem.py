@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 import stiction._core as _core
 from stiction._caching import cached_property
 from stiction._checks import Floats, float_array, read_only
-from stiction.mechanics.model import THICKNESS
-from stiction.mechanics.patches import PatchSums, patch_sums, slopes
+from stiction.mechanics.model import PROFILE_WIDTH
+from stiction.mechanics.patches import PatchSums, grid_slopes, patch_sums
 from stiction.surfaces.profile import Profile, combine_missing
 from stiction.surfaces.surface import Surface
 
@@ -29,11 +29,13 @@ Computing the kernels takes a quarter of the time of a free solution.
 """
 
 # In a linear response to a tilt, the edge displacement is this fraction of the mean displacement under the load.
-TILT_FRACTION = 0.01
-RESPONSE_TOLERANCE = 1e-7  # relative tolerance of the solver for linear responses with a fixed set of contact points
+TILT_DISPLACEMENT_RATIO = 0.01
+LINEAR_RESPONSE_TOLERANCE = (
+    1e-7  # relative tolerance of the solver for linear responses with a fixed set of contact points
+)
 # Upper bound on the pressure in linear responses to a mean pressure of 1. It is high enough even for coarse grids.
-RESPONSE_BOUND = 1e9
-MAX_CELL_RATIO = 1e6  # maximum ratio of the longer to the shorter side of a grid cell
+MAX_LINEAR_RESPONSE_PRESSURE = 1e9
+MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer to the shorter side of a grid cell
 
 
 _grids_by_key: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
@@ -66,14 +68,14 @@ def _unpickle_grids(
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
 
 
-def threads() -> int:
+def solver_thread_count() -> int:
     """Return the number of threads that a solver uses, as configured by `scipy.fft.set_workers`."""
     fft = sys.modules.get("scipy.fft")
     return 1 if fft is None else int(fft.get_workers())
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class HalfSpaceProblem:
     """Contact problem of two surfaces: heights, gap (µm, with minimum 0) and contact conditions, in core units."""
 
     upper: Floats
@@ -97,14 +99,14 @@ class Problem:
         return self.grids.periodic
 
     @cached_property
-    def cell(self) -> float:
+    def cell_area(self) -> float:
         """Area of a grid cell, µm²."""
-        return float(np.prod(self.spacing)) * (THICKNESS if len(self.spacing) == 1 else 1.0)
+        return float(np.prod(self.spacing)) * (PROFILE_WIDTH if len(self.spacing) == 1 else 1.0)
 
     @cached_property
     def area(self) -> float:
         """Nominal area (µm²) of the points that were measured on both surfaces."""
-        return self.cell * (self.gap.size - (0 if self.missing is None else int(self.missing.sum())))
+        return self.cell_area * (self.gap.size - (0 if self.missing is None else int(self.missing.sum())))
 
     @property
     def has_approach(self) -> bool:
@@ -117,30 +119,32 @@ class Problem:
         return np.ones_like(self.gap) if self.missing is None else np.where(self.missing, 0.0, 1.0)
 
     @cached_property
-    def even(self) -> Floats:
+    def uniform_pressure_displacement(self) -> Floats:
         """Displacement (µm) of each point under a uniform pressure of 1 GPa on the measured points.
 
         It is 0 for complete periodic surfaces.
         """
         if self.missing is not None:
-            return np.asarray(self.grids.displacement(self.measured, threads=threads()))
+            return np.asarray(self.grids.displacement(self.measured, threads=solver_thread_count()))
         if (cached := _uniform.get(self.grids)) is None:
-            cached = _uniform[self.grids] = read_only(self.grids.displacement(self.measured, threads=threads()))
+            cached = _uniform[self.grids] = read_only(
+                self.grids.displacement(self.measured, threads=solver_thread_count())
+            )
         return cached
 
     @cached_property
-    def slope(self) -> list[Floats]:
+    def interface_slopes(self) -> list[Floats]:
         """Slopes of the deformed interface at every point. Maps have slopes along y and x, and profiles along x."""
         fraction = self.compliance_share
         interface = (1 - fraction) * self.lower + fraction * self.upper
-        return [along.ravel() for along in slopes(interface, self.spacing, periodic=self.periodic)]
+        return [along.ravel() for along in grid_slopes(interface, self.spacing, periodic=self.periodic)]
 
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
     """Contact at one load (mN), with the pressure (GPa), the contact fraction and the patch number of each point."""
 
-    problem: Problem
+    problem: HalfSpaceProblem
     load: float
     points: NDArray[np.int64]
     values: Floats
@@ -152,14 +156,14 @@ class ContactSolution:
     attraction: Floats | float = 0.0
 
     @property
-    def adhering(self) -> float:
+    def attraction_force(self) -> float:
         """Total force of the adhesive attraction, mN."""
-        return float(np.sum(self.attraction)) * self.problem.cell
+        return float(np.sum(self.attraction)) * self.problem.cell_area
 
     @property
     def closure(self) -> float:
         """Decrease of the mean gap since first contact, µm."""
-        uniform, cell = self.problem.even, self.problem.cell
+        uniform, cell = self.problem.uniform_pressure_displacement, self.problem.cell_area
         displacement = float(self.values @ uniform.ravel()[self.points]) - float(np.sum(self.attraction * uniform))
         return self.approach - displacement * cell / self.problem.area
 
@@ -172,15 +176,17 @@ class ContactSolution:
     def sums(self, directions: Floats) -> PatchSums:
         """Compute the friction sums of each patch for m directions of motion, given as unit vectors of shape (m, 2)."""
         problem = self.problem
-        slope = [along[self.points] for along in problem.slope]
-        return patch_sums(self.values * problem.cell, self.share * problem.cell, slope, self.patch, directions)
+        slope = [along[self.points] for along in problem.interface_slopes]
+        return patch_sums(
+            self.values * problem.cell_area, self.share * problem.cell_area, slope, self.patch, directions
+        )
 
     def row(self) -> dict[str, Any]:
         """Return the results that do not depend on friction, as one row of a curve."""
         capped = self.values == self.problem.hardness
         return {
             "load": self.load,
-            "contact_load": self.load + self.adhering,
+            "contact_load": self.load + self.attraction_force,
             "approach": self.approach if self.problem.has_approach else np.nan,
             "closure": self.closure,
             "error": self.error,
@@ -191,7 +197,7 @@ class ContactSolution:
         }
 
     @cached_property
-    def free(self) -> NDArray[np.bool_]:
+    def below_hardness(self) -> NDArray[np.bool_]:
         """Mask of the points whose pressure is below the hardness."""
         return self.values < (np.inf if self.problem.hardness is None else self.problem.hardness)
 
@@ -201,7 +207,7 @@ class ContactSolution:
 
         The stiffness is infinite at full periodic contact, and NaN without an approach.
         """
-        return self._compute_stiffness(self.free)
+        return self._compute_stiffness(self.below_hardness)
 
     @cached_property
     def unloading_stiffness(self) -> float:
@@ -209,7 +215,9 @@ class ContactSolution:
 
         In contrast to `stiffness`, yielded points respond too, because they unload elastically.
         """
-        return self.stiffness if self.free.all() else self._compute_stiffness(np.ones_like(self.free))
+        return (
+            self.stiffness if self.below_hardness.all() else self._compute_stiffness(np.ones_like(self.below_hardness))
+        )
 
     @cached_property
     def closure_stiffness(self) -> float:
@@ -218,30 +226,32 @@ class ContactSolution:
         The stiffness is infinite at full contact.
         """
         problem = self.problem
-        if not self.free.any():
+        if not self.below_hardness.any():
             return np.nan
         if problem.periodic and problem.missing is None:
             return self.stiffness / problem.area
         pressure, approach = self._linear_response
-        closure = approach * problem.area / problem.cell - float((pressure * problem.even).sum())
+        closure = approach * problem.area / problem.cell_area - float(
+            (pressure * problem.uniform_pressure_displacement).sum()
+        )
         return 1 / closure if closure > 0 else np.inf
 
     @cached_property
     def _linear_response(self) -> tuple[Floats, float]:
-        return self._compute_response(self.free)
+        return self._compute_response(self.below_hardness)
 
     def _compute_response(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Return the pressures (sum: 1 GPa) that displace all free points equally, and this displacement (µm)."""
         if not self.problem.turns:
-            return self.problem.grids.linear_response(self.on_grid(free), threads=threads())
+            return self.problem.grids.linear_response(self.on_grid(free), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free)).to_load()
 
     def _compute_stiffness(self, free: NDArray[np.bool_]) -> float:
         problem = self.problem
         if not (problem.has_approach and free.any()):
             return np.nan
-        compliance = (self._linear_response if free is self.free else self._compute_response(free))[1]
-        return problem.cell / compliance if compliance > 0 else np.inf
+        compliance = (self._linear_response if free is self.below_hardness else self._compute_response(free))[1]
+        return problem.cell_area / compliance if compliance > 0 else np.inf
 
 
 MAX_GAP_RATIO = 1e6  # maximum ratio of the gap to the length; the model assumes slopes far below 1
@@ -250,7 +260,7 @@ MAX_GAP_RATIO = 1e6  # maximum ratio of the gap to the length; the model assumes
 def make_problem(
     upper: Profile | Surface, lower: Profile | Surface, effective_modulus: float, *, periodic: bool,
     compliance_share: float, hardness: float | None,
-) -> Problem:  # fmt: skip
+) -> HalfSpaceProblem:  # fmt: skip
     """Create the contact problem of two surfaces on the same grid. The other arguments must have been checked."""
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(
@@ -258,10 +268,10 @@ def make_problem(
         )
     spacing = upper.spacings
     cell = float(np.prod(spacing))
-    if not (np.finfo(np.float64).tiny <= cell < np.inf and max(spacing) <= MAX_CELL_RATIO * min(spacing)):
+    if not (np.finfo(np.float64).tiny <= cell < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
         raise ValueError(
             f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
-            f"factor of at most {MAX_CELL_RATIO:g}, got {upper.spacing!r} µm"
+            f"factor of at most {MAX_CELL_ASPECT_RATIO:g}, got {upper.spacing!r} µm"
         )
     gap, missing = upper.heights - lower.heights, combine_missing(upper, lower)
     gap -= gap.min() if missing is None else gap[~missing].min()
@@ -270,13 +280,17 @@ def make_problem(
             f"upper and lower must have a gap of at most {MAX_GAP_RATIO:g} times their length, got {gap.max():.3g} µm"
         )
     grids = get_grids(gap.shape, spacing, effective_modulus, periodic=periodic)
-    return Problem(upper.heights, lower.heights, gap, spacing, compliance_share, grids, hardness, missing=missing)
+    return HalfSpaceProblem(
+        upper.heights, lower.heights, gap, spacing, compliance_share, grids, hardness, missing=missing
+    )
 
 
 StepKind = Literal["loads", "approaches"]
 
 
-def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | None) -> tuple[StepKind, Floats]:
+def parse_loads_or_approaches(
+    problem: HalfSpaceProblem, loads: ArrayLike | None, approaches: ArrayLike | None
+) -> tuple[StepKind, Floats]:
     """Check the given loads or approaches, and return their kind ("loads" or "approaches") and their values."""
     name: StepKind = "loads" if approaches is None else "approaches"
     given = loads if approaches is None else approaches
@@ -313,7 +327,7 @@ def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike
     return name, steps
 
 
-def lever_arms(problem: Problem) -> list[Floats]:
+def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
     """Return, for each axis, the distances (µm) of the grid points from the centre of the measured points.
 
     Each array has a shape for broadcasting over the grid.
@@ -338,24 +352,24 @@ class TiltResponse:
     turning: Floats  # (n, n) change of the moments per unit slope; negative definite unless only one point is free
 
     @classmethod
-    def solve(cls, problem: Problem, free: NDArray[np.bool_]) -> TiltResponse:
+    def solve(cls, problem: HalfSpaceProblem, free: NDArray[np.bool_]) -> TiltResponse:
         """Compute the response of the points that a mask marks as free."""
-        bound = np.where(free, RESPONSE_BOUND, 0.0)
+        bound = np.where(free, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
         def respond(gap: Floats) -> tuple[Floats, float]:
             solver = _core.HalfSpaceSolver(
-                gap, problem.grids, bound=bound, tolerance=RESPONSE_TOLERANCE, threads=threads()
+                gap, problem.grids, bound=bound, tolerance=LINEAR_RESPONSE_TOLERANCE, threads=solver_thread_count()
             )
-            result = solver.at(1.0, threads=threads())
+            result = solver.at(1.0, threads=solver_thread_count())
             return result.pressure.reshape(gap.shape), result.approach
 
         level, approach = respond(np.zeros_like(problem.gap))
         moments = mean_moments(level, arms)
-        mean_displacement = float(np.abs(problem.grids.displacement(level, threads=threads())[free]).mean())
+        mean_displacement = float(np.abs(problem.grids.displacement(level, threads=solver_thread_count())[free]).mean())
         slope_pressures = []
         for arm in arms:
-            small = TILT_FRACTION * mean_displacement / float(np.abs(arm).max())
+            small = TILT_DISPLACEMENT_RATIO * mean_displacement / float(np.abs(arm).max())
             slope_pressures.append((respond(small * np.broadcast_to(arm, problem.gap.shape).copy())[0] - level) / small)
         turning = np.array([mean_moments(field_, arms) for field_ in slope_pressures])
         return cls(level, approach, moments, slope_pressures, (turning + turning.T) / 2)
@@ -378,7 +392,7 @@ class Solver:
     """Solver for a contact problem at loads (mN) or approaches (µm) up to a limit. Missing points never touch."""
 
     def __init__(
-        self, problem: Problem, name: StepKind, limit: float, *, tolerance: float,
+        self, problem: HalfSpaceProblem, name: StepKind, limit: float, *, tolerance: float,
         report: Callable[[int, float], object] | None,
     ) -> None:  # fmt: skip
         self.problem, self.name, self.tolerance, self.report = problem, name, tolerance, report
@@ -392,15 +406,15 @@ class Solver:
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)
             self.scale = float(gap.std() / measured_gap.std()) if np.ptp(measured_gap) > 0 else 1.0
         self._core = _core.HalfSpaceSolver(
-            gap, problem.grids, bound=bound, tolerance=tolerance / self.scale, threads=threads()
+            gap, problem.grids, bound=bound, tolerance=tolerance / self.scale, threads=solver_thread_count()
         )
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
         """Solve the contact at a load or an approach. Raises a `RuntimeError` if the error exceeds the tolerance."""
         problem, loads = self.problem, self.name == "loads"
-        value = step / (problem.cell * problem.gap.size) if loads else step
+        value = step / (problem.cell_area * problem.gap.size) if loads else step
         solve = self._core.at if loads else self._core.at_approach
-        solution = solve(value, near=near, threads=threads(), progress=self.report)
+        solution = solve(value, near=near, threads=solver_thread_count(), progress=self.report)
         if problem.missing is not None and solution.pressure.reshape(problem.gap.shape)[problem.missing].any():
             raise RuntimeError(f"no solution at {step:g}: missing points would come into contact")
         if not solution.error * self.scale <= self.tolerance:
@@ -413,7 +427,7 @@ class Solver:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class AdhesionState:
     """Contact whose pressures are in equilibrium with the load and the adhesive attraction.
 
     Means over the grid are in GPa; the other fields have the meaning of `HalfSpaceSolution`.
@@ -434,7 +448,7 @@ class State:
 
 
 def to_contact_solution(
-    problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None,
+    problem: HalfSpaceProblem, solution: _core.HalfSpaceSolution | AdhesionState, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
     """Convert a solver solution to a `ContactSolution`. If the load (mN) is None, compute it from the pressures."""
@@ -442,6 +456,6 @@ def to_contact_solution(
     pressure = solution.pressure.reshape(problem.gap.shape)
     patches: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)
     points, values, fraction, patch = map(read_only, patches)
-    load = float(values.sum()) * problem.cell if load is None else load
+    load = float(values.sum()) * problem.cell_area if load is None else load
     remaining = solution.approach, solution.error * scale, solution.iterations
     return ContactSolution(problem, load, points, values, fraction, patch, *remaining, attraction)

@@ -25,8 +25,8 @@ def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, 
 
 
 @dataclass(frozen=True)
-class Law:
-    """Base class of the contact laws, which give the force and area of one contact. `LAWS` lists all laws."""
+class ContactLaw:
+    """Base class of the contact laws, which give the force and area of one contact. `CONTACT_LAWS` lists all laws."""
 
     name: ClassVar[str]
 
@@ -41,7 +41,7 @@ class Law:
 
 
 @dataclass(frozen=True)
-class HertzSphere(Law):
+class HertzSphere(ContactLaw):
     """Elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact if the contact radius is a << R.
 
     Notes
@@ -57,7 +57,7 @@ class HertzSphere(Law):
 
 
 @dataclass(frozen=True)
-class HertzCylinder(Law):
+class HertzCylinder(ContactLaw):
     """Elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). Exact if the half-width is a << R.
 
     Parameters
@@ -82,7 +82,7 @@ class HertzCylinder(Law):
 
 
 @dataclass(frozen=True)
-class JacksonGreen(Law):
+class JacksonGreen(ContactLaw):
     """Elastic, perfectly plastic spheres, described by a fit to finite element results.
 
     Hertz up to 1.9 critical overlaps, ω_c = (π C S_y / 2 E*)² R with C = 1.295 exp(0.736 ν). Above, the contact grows
@@ -112,26 +112,26 @@ class JacksonGreen(Law):
     poisson_ratio: float = parameter("", least=0.0, most=0.5)
 
 
-LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all contact laws
+CONTACT_LAWS: tuple[type[ContactLaw], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all contact laws
 # contact laws that have no required parameters and can therefore be specified by name
 LawName = Literal["hertz-sphere", "hertz-cylinder"]
-LAWS_BY_NAME: dict[str, Law] = {
-    law.name: law() for law in LAWS if all(item.default is not MISSING for item in fields(law))
+CONTACT_LAWS_BY_NAME: dict[str, ContactLaw] = {
+    law.name: law() for law in CONTACT_LAWS if all(item.default is not MISSING for item in fields(law))
 }
 
 
-def as_law(law: Law | LawName) -> Law:
+def parse_contact_law(law: ContactLaw | LawName) -> ContactLaw:
     """Return the contact law with a given name. A law is returned unchanged; other values raise a `ValueError`."""
     if isinstance(law, str):
         check_choice("law", law, LawName)
-        return LAWS_BY_NAME[law]
-    if not isinstance(law, Law):
+        return CONTACT_LAWS_BY_NAME[law]
+    if not isinstance(law, ContactLaw):
         raise ValueError(f"law must be a contact law or the name of a contact law, got {short_repr(law)}")
     return law
 
 
 def force_and_area(
-    law: Law | LawName, *, overlap: float, radius: float, effective_modulus: float = 10.0
+    law: ContactLaw | LawName, *, overlap: float, radius: float, effective_modulus: float = 10.0
 ) -> tuple[float, float]:
     """Compute the normal force and the area of one contact.
 
@@ -169,7 +169,7 @@ def force_and_area(
     >>> round(force, 6), round(area, 6)
     (0.013333, 0.031416)
     """
-    checked_law = as_law(law)
+    checked_law = parse_contact_law(law)
     return stiction._core.force_and_area(
         checked_law.name,
         checked_law.parameters(effective_modulus),

@@ -17,23 +17,23 @@ from stiction._checks import Floats, float_array, fraction, read_only
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.contact import Contacts, contacts
-from stiction.mechanics.friction import FrictionCurve, Sums, SurfaceValidity, Validity, compute_load
+from stiction.mechanics.friction import ContactSums, FrictionCurve, SurfaceValidity, Validity, compute_load
 from stiction.mechanics.model import (
     ContactKeywords,
     ContactModel,
     Direction,
     Sliding,
-    show_model_keywords,
+    add_model_keywords_to_signature,
     warn_if_same_body,
 )
 from stiction.mechanics.onset import Onset, check_nonzero_strengths, compute_onset, parse_direction, resolve_index
-from stiction.mechanics.quantities import DIRECTED
+from stiction.mechanics.quantities import DIRECTED_SUM_QUANTITIES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 
 @dataclass(frozen=True)
-class CurveInputs:
+class LoadCurveInputs:
     """Inputs of a load curve: the contact candidates or the two surfaces, and the contact model."""
 
     bodies: tuple[Any, ...]
@@ -55,7 +55,7 @@ class CurveInputs:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class LoadCurve(FrictionCurve, Sums):
+class LoadCurve(FrictionCurve, ContactSums):
     """Loads and contact area of a pair at each approach, for any mu0 and tau0. All arrays are read-only.
 
     Normal and tangential load are linear in the molecular friction coefficient mu0 and the adhesive shear strength
@@ -100,7 +100,7 @@ class LoadCurve(FrictionCurve, Sums):
     approach: Floats = field(metadata={"unit": "µm"})
     effective_modulus: float = field(metadata={"unit": "GPa"})
     sliding: Sliding = "opposing"
-    _pressed: CurveInputs = field(repr=False)
+    _pressed: LoadCurveInputs = field(repr=False)
 
     def onset(
         self, index: int, *, mu0: float, tau0: float = 0.0, direction: Direction = 0.0,
@@ -211,7 +211,7 @@ def press(
 def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
 
 
-@show_model_keywords
+@add_model_keywords_to_signature
 def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
     """Use the asperity model to compute the loads and the contact area of two surfaces at given approaches.
 
@@ -282,7 +282,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     if isinstance(upper, Surface):
         points = candidates(upper, lower, deepest=max(0.0, float(steps.max(initial=0.0))), curvature=model.curvature)
     core = None if points is None else points.core
-    pressed = CurveInputs((upper,) if isinstance(upper, Candidates) else (upper, lower), model)
+    pressed = LoadCurveInputs((upper,) if isinstance(upper, Candidates) else (upper, lower), model)
     if not isinstance(upper, Candidates):
         warn_if_same_body(upper, lower)
     common: dict[str, Any] = {
@@ -294,7 +294,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
         columns = stiction._core.press(core, approaches=steps, model=model.core(), directions=directions)
         for name, column in columns.items():
             table = column.reshape(len(directions), steps.size)
-            common[name] = read_only(table if name in DIRECTED and angles.ndim > 0 else table[0])
+            common[name] = read_only(table if name in DIRECTED_SUM_QUANTITIES and angles.ndim > 0 else table[0])
         return SurfaceLoadCurve(**common, direction=read_only(angles))
     if core is not None:
         columns = stiction._core.press(core, approaches=steps, model=model.core())

@@ -13,8 +13,14 @@ from stiction._checks import Floats, float_array
 from stiction._units import short_repr, to_core_units
 from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
-from stiction.mechanics.friction import Sums
-from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, model_for_pair, show_model_keywords
+from stiction.mechanics.friction import ContactSums
+from stiction.mechanics.model import (
+    ContactKeywords,
+    ContactModel,
+    add_model_keywords_to_signature,
+    check_pair,
+    make_pair_model,
+)
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -31,7 +37,7 @@ _CHUNK_STEPS = 16
 _DEPTH_MARGIN = 5.0
 
 
-@show_model_keywords
+@add_model_keywords_to_signature
 def approach_at_load(
     upper: Profile | Surface,
     lower: Profile | Surface,
@@ -92,13 +98,13 @@ def approach_at_load(
     targets = float_array("loads", to_core_units("loads", loads, "force"))
     if not (targets > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
-    model = model_for_pair(upper, lower, contact)
+    model = make_pair_model(upper, lower, contact)
     if model.angles().ndim > 0:
         raise ValueError(
             f"direction must be a single direction, got {model.direction!r}, because F_N depends on the direction"
         )
-    mu0, tau0 = friction.check_strengths(mu0, tau0, model.effective_modulus)
-    approach, _ = find_crossings(SurfacePair(upper, lower), targets.ravel(), mu0=mu0, tau0=tau0, model=model)
+    mu0, tau0 = friction.check_friction_parameters(mu0, tau0, model.effective_modulus)
+    approach, _ = find_approaches_at_loads(SurfacePair(upper, lower), targets.ravel(), mu0=mu0, tau0=tau0, model=model)
     return approach.reshape(targets.shape)
 
 
@@ -110,12 +116,12 @@ class SurfacePair:
         self.upper, self.lower = upper, lower
         self._found: Candidates | None = None
 
-    def press(self, approaches: Floats, model: ContactModel) -> Sums:
+    def press(self, approaches: Floats, model: ContactModel) -> ContactSums:
         """Return the same sums as the function `press`, reusing gap minima from earlier calls if possible."""
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()
-        return Sums.from_columns(self._call_core(stiction._core.press, float(approaches[-1]), model, arguments))
+        return ContactSums.from_columns(self._call_core(stiction._core.press, float(approaches[-1]), model, arguments))
 
     def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
@@ -128,7 +134,7 @@ class SurfacePair:
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
         """Call a core function with the gap minima up to an approach, or with both surfaces for "cell" detection."""
-        model = model_for_pair(self.upper, self.lower, {"model": model})
+        model = make_pair_model(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":
             return function(self.upper.heights, self.lower.heights, spacing=self.upper.spacing, **arguments)
@@ -140,12 +146,12 @@ class SurfacePair:
         return function(cached.core, **arguments)
 
 
-def find_crossings(
+def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
     """Return the smallest approach that supports each load, and "ok" or the reason why the approach is NaN."""
 
-    def normal_load(sums: Sums) -> Floats:
+    def normal_load(sums: ContactSums) -> Floats:
         return friction.compute_load("normal", sums, mu0, tau0)
 
     steps = np.zeros(1)
@@ -174,7 +180,7 @@ def find_crossings(
         todo &= ~newly_reached
     reached = ~(todo | exceeded)
     locked = bool(curve.contact_count[-1] > 0 and normal[-1] <= 0)
-    status = friction.combine_status(touched=touched, reached=reached, below=exceeded, locked=locked)
+    status = friction.combine_statuses(touched=touched, reached=reached, below=exceeded, locked=locked)
     approach = np.full(loads.size, np.nan)
     if reached.any():
         approach[reached] = bodies.approaches_between(loads[reached], left[reached], right[reached], mu0, tau0, model)

@@ -135,7 +135,9 @@ def material(name: str) -> Material:
     result = by_name.get(_normalise_name(name))
     if result is None:
         matches = difflib.get_close_matches(_normalise_name(name), by_name, n=3, cutoff=0.5)
-        names = [name for match in matches for name in _names(by_name[match]) if _normalise_name(name) == match]
+        names = [
+            name for match in matches for name in _material_names(by_name[match]) if _normalise_name(name) == match
+        ]
         names = names or [item.name for item in materials()]
         hint = "the nearest are" if matches else "there are"
         raise ValueError(f"name must be the name of a known material, got {name[:80]!r}; {hint} {', '.join(names)}")
@@ -258,7 +260,7 @@ def softer_material(*bodies: Material) -> Material | None:
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 
 
-def is_name_of(text: str, name: str) -> bool:
+def names_match(text: str, name: str) -> bool:
     """Return True if two names are equal apart from case, blanks and punctuation. Aliases are not considered."""
     return _normalise_name(text) == _normalise_name(name)
 
@@ -275,9 +277,9 @@ def _normalise_name(name: str) -> str:
 
 @cache
 def _materials_by_name() -> dict[str, Material]:
-    return {_normalise_name(name): item for item in materials() for name in _names(item)}
+    return {_normalise_name(name): item for item in materials() for name in _material_names(item)}
 
 
-def _names(solid: Material) -> tuple[str, ...]:
+def _material_names(solid: Material) -> tuple[str, ...]:
     """Return the name and the aliases of a material."""
     return solid.name, *solid.aliases

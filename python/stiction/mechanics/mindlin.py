@@ -18,16 +18,16 @@ from numpy.typing import NDArray
 
 import stiction._core as _core
 from stiction._checks import Floats, number
-from stiction.mechanics.half_space_problem import threads
-from stiction.mechanics.law import HertzCylinder, as_law
+from stiction.mechanics.half_space_problem import solver_thread_count
+from stiction.mechanics.law import HertzCylinder, parse_contact_law
 from stiction.mechanics.model import ContactModel
-from stiction.mechanics.onset import SlipState, poisson_ratios
+from stiction.mechanics.onset import SlipState, parse_poisson_ratios
 
 if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
-NUM_NODES = 24  # number of Gauss-Legendre nodes for integrating a smooth function of an angle
+NUM_QUADRATURE_NODES = 24  # number of Gauss-Legendre nodes for integrating a smooth function of an angle
 
 
 def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
@@ -37,7 +37,7 @@ def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, 
     Johnson, Contact Mechanics, 1985, eq. 3.75). `across` is the mean of sin²: 1/2 for circles (Mindlin), 1 for line
     loads across the motion.
     """
-    upper, lower = poisson_ratios(poisson)
+    upper, lower = parse_poisson_ratios(poisson)
     ratios = [(1 - value * np.asarray(across)) / (1 - value) for value in (upper, lower)]
     return np.asarray((1 - compliance_share) * ratios[0] + compliance_share * ratios[1])
 
@@ -52,7 +52,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
     return np.asarray(np.pi * effective_modulus * axes[:, 0] / ellipkm1((axes[:, 1] / axes[:, 0]) ** 2))
 
 
-def load_across(axes: Floats, angle: Floats) -> Floats:
+def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
     """Return, for each elliptic contact, the mean of sin² that `compliance_ratio` accepts as `across`.
 
     The angles (rad) are between the motion and the larger axis.
@@ -78,7 +78,7 @@ class SlidingAsperities:
         self, contacts: Contacts, model: ContactModel, *, mu0: float, tau0: float, angle: float,
         poisson: float | Sequence[float], compliance_share: float,
     ) -> None:  # fmt: skip
-        if isinstance(as_law(model.law), HertzCylinder):
+        if isinstance(parse_contact_law(model.law), HertzCylinder):
             raise ValueError(
                 "law must not be HertzCylinder for an onset, because line loads displace distant points without "
                 "limit; use HertzSphere, or half_space with boundary='periodic'"
@@ -87,7 +87,7 @@ class SlidingAsperities:
             raise ValueError("index must select an approach with contact, got an approach without contact")
         load, area = contacts.force * contacts.normal[:, 2], contacts.area
         relative_angle = np.radians(angle) - np.arctan2(contacts.along[:, 1], contacts.along[:, 0])
-        ratio = compliance_ratio(poisson, compliance_share, load_across(contacts.axes, relative_angle))
+        ratio = compliance_ratio(poisson, compliance_share, transverse_load_fraction(contacts.axes, relative_angle))
         self.spring = punch_stiffness(contacts.axes, float(model.effective_modulus)) / ratio
         self.load, self.area = load, area
         self.frictional, self.adhesive = mu0 * load, tau0 * area
@@ -98,7 +98,7 @@ class SlidingAsperities:
         self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
         self.stiffness = float(self.spring.sum())
         # displacement at which each contact slides completely
-        self.farthest = 2 * self._strength(np.ones((load.size, 1)))[:, 0] / self.spring
+        self.farthest = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the state in which all contacts together support a tangential load."""
@@ -126,18 +126,18 @@ class SlidingAsperities:
             traction=np.where(slides, self.bound, loads / self.area),
         )  # fmt: skip
 
-    def dissipated(self, slip: SlipState) -> float:
+    def dissipated_energy(self, slip: SlipState) -> float:
         """Return the energy (mN µm) dissipated by slip: Σ Q (δ - 2 Q/k) over springs of strength Q and stiffness k."""
         depth = self._slip_depth(slip.displacement)
-        nodes, weights = np.polynomial.legendre.leggauss(NUM_NODES)
+        nodes, weights = np.polynomial.legendre.leggauss(NUM_QUADRATURE_NODES)
         # Integrate over φ, where t = cos φ, from the edge (φ = 0) to the end of the slip zone.
         end = np.arcsin(depth)[:, np.newaxis]
         sine = np.sin(0.5 * end * (nodes + 1))
-        strength = self._strength(sine)
+        strength = self._spring_strengths(sine)
         slipped = slip.displacement - 2 * strength / self.spring[:, np.newaxis]
         return float(((strength * slipped * sine) @ weights * end[:, 0]).sum())
 
-    def _strength(self, sine: Floats) -> Floats:
+    def _spring_strengths(self, sine: Floats) -> Floats:
         """Return the spring strengths 3/4 mu0 F s² + 2/π tau0 A s. The array `sine` contains s = (1 - t²)^(1/2)."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
@@ -165,30 +165,34 @@ class SlidingHalfSpace:
         self, pressed: ContactSolution, *, mu0: float, tau0: float, poisson: float | Sequence[float], tolerance: float
     ) -> None:
         problem = pressed.problem
-        self.grids, self.cell, self.moves = problem.grids, problem.cell, problem.has_approach
+        self.grids, self.cell_area, self.moves = problem.grids, problem.cell_area, problem.has_approach
         self.shape, self.size = problem.gap.shape, problem.gap.size
         # on a profile, the tractions are line loads perpendicular to the motion
         across = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, across))
         self.points: NDArray[Any] = pressed.points
         self.pressure = pressed.values
-        stretch = np.sqrt(1 + sum(along[self.points] ** 2 for along in problem.slope))
-        self.area = pressed.share * self.cell * stretch
-        self.bound = mu0 * self.pressure + tau0 * self.area / self.cell
-        self.normal_load = float(self.pressure.sum() * self.cell)
+        stretch = np.sqrt(1 + sum(along[self.points] ** 2 for along in problem.interface_slopes))
+        self.area = pressed.share * self.cell_area * stretch
+        self.bound = mu0 * self.pressure + tau0 * self.area / self.cell_area
+        self.normal_load = float(self.pressure.sum() * self.cell_area)
         self.sliding_load = float(mu0 * self.normal_load + tau0 * self.area.sum())
-        everywhere = self._over_grid(self.bound)
+        everywhere = self._spread_over_grid(self.bound)
         self.mean_bound = float(everywhere.mean())
         self.tolerance = number("tolerance", tolerance, above=0, below=1)
         self.everywhere = everywhere
-        compliance = self.grids.linear_response(everywhere > 0, threads=threads())[1] * self.ratio
-        self.stiffness = (self.cell / compliance if compliance > 0 else np.inf) if self.moves else np.nan
+        compliance = self.grids.linear_response(everywhere > 0, threads=solver_thread_count())[1] * self.ratio
+        self.stiffness = (self.cell_area / compliance if compliance > 0 else np.inf) if self.moves else np.nan
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
         """Solver for the tractions. A copy of the problem creates a new solver instead of sharing this one."""
         return _core.HalfSpaceSolver(
-            np.zeros(self.shape), self.grids, bound=self.everywhere, tolerance=self.tolerance, threads=threads()
+            np.zeros(self.shape),
+            self.grids,
+            bound=self.everywhere,
+            tolerance=self.tolerance,
+            threads=solver_thread_count(),
         )
 
     def __getstate__(self) -> dict[str, Any]:
@@ -199,8 +203,8 @@ class SlidingHalfSpace:
         if load >= self.sliding_load:
             return self._slip(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
         load_fraction = load / self.sliding_load
-        start = None if near is None else self._over_grid(near.traction)
-        solution = self._solver.at(load_fraction * self.mean_bound, near=start, threads=threads())
+        start = None if near is None else self._spread_over_grid(near.traction)
+        solution = self._solver.at(load_fraction * self.mean_bound, near=start, threads=solver_thread_count())
         if not solution.error <= self.tolerance:
             raise RuntimeError(
                 f"no solution at {load:g} mN, {load_fraction:g} of the sliding load: error {solution.error:.2g} after "
@@ -208,7 +212,7 @@ class SlidingHalfSpace:
             )
         return self._slip(load, solution.pressure[self.points], solution.approach * self.ratio)
 
-    def dissipated(self, slip: SlipState) -> float:
+    def dissipated_energy(self, slip: SlipState) -> float:
         """Return the energy (mN µm) dissipated by slip: the sum of traction bound times slip over all points.
 
         The energy does not depend on the displacement of distant points.
@@ -217,7 +221,7 @@ class SlidingHalfSpace:
         slips = slip.traction >= self.bound
         sticks = (slip.traction > 0) & ~slips
         stuck_displacement = displacements[sticks].mean() if sticks.any() else displacements[slips].max()
-        return float((self.bound[slips] * (stuck_displacement - displacements[slips])).sum() * self.cell)
+        return float((self.bound[slips] * (stuck_displacement - displacements[slips])).sum() * self.cell_area)
 
     def _slip(self, load: float, traction: Floats, displacement: float) -> SlipState:
         slips = traction >= self.bound
@@ -229,10 +233,12 @@ class SlidingHalfSpace:
 
     def _displacements(self, traction: Floats) -> Floats:
         """Return the displacements (µm) of the points in contact under given tractions."""
-        displacements = self.grids.displacement(self._over_grid(traction), threads=threads()) * self.ratio
+        displacements = (
+            self.grids.displacement(self._spread_over_grid(traction), threads=solver_thread_count()) * self.ratio
+        )
         return np.asarray(displacements.ravel()[self.points])
 
-    def _over_grid(self, traction: Floats) -> Floats:
+    def _spread_over_grid(self, traction: Floats) -> Floats:
         grid = np.zeros(self.size)
         grid[self.points] = traction
         return grid.reshape(self.shape)

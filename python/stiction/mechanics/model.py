@@ -14,7 +14,7 @@ import numpy as np
 import stiction._core
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, check_instance, number
-from stiction.mechanics.law import HertzCylinder, Law, LawName, as_law
+from stiction.mechanics.law import ContactLaw, HertzCylinder, LawName, parse_contact_law
 from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
@@ -24,9 +24,9 @@ Shear = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 Sliding = Literal["opposing", "all"]
 DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus used in the paper, GPa
-THICKNESS = 1.0  # width of a profile, µm
+PROFILE_WIDTH = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-FLIPPED_STEP = "turned over"  # history entry that the function `flipped` adds
+FLIPPED_HISTORY_ENTRY = "turned over"  # history entry that the function `flipped` adds
 # Heights count as equal if they differ by at most this fraction of their range.
 _SAME_HEIGHT_TOLERANCE = 1e-9
 
@@ -69,7 +69,7 @@ class ContactModel:
     """
 
     effective_modulus: float = DEFAULT_EFFECTIVE_MODULUS
-    law: Law | LawName = "hertz-sphere"
+    law: ContactLaw | LawName = "hertz-sphere"
     detection: Detection | None = None
     curvature: Curvature | None = None
     shear: Shear = "+x"
@@ -125,7 +125,7 @@ class ContactModel:
             raise ValueError(
                 'detection must be "gap-minimum" on surfaces, got "cell", which the paper defines only along a line'
             )
-        if isinstance(as_law(self.law), HertzCylinder):
+        if isinstance(parse_contact_law(self.law), HertzCylinder):
             raise ValueError(
                 "law must not be HertzCylinder on surfaces, because their contacts are ellipses; use HertzSphere"
             )
@@ -142,7 +142,7 @@ class ContactModel:
 
     @cached_property
     def _core(self) -> stiction._core.ContactModel:
-        law = as_law(self.law)
+        law = parse_contact_law(self.law)
         return stiction._core.ContactModel(
             law=law.name, parameters=law.parameters(self.effective_modulus), detection=self.detection or "cell",
             curvature=self.curvature or "convex", direction=_unit_vector(self._angles[0]), sliding=self.sliding,
@@ -179,7 +179,7 @@ class ContactKeywords(TypedDict, total=False):
 
     model: ContactModel
     effective_modulus: float
-    law: Law | LawName
+    law: ContactLaw | LawName
     detection: Detection | None
     curvature: Curvature | None
     shear: Shear
@@ -204,7 +204,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
     return replace(model, **changes)
 
 
-def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
+def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
     """Check two surfaces and create their complete contact model from keyword arguments."""
     check_pair(upper, lower)
     check_modulus(keywords, upper, lower)
@@ -213,7 +213,7 @@ def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> Co
     return make_model(keywords, _PROFILE_DEFAULT).for_profiles()
 
 
-def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
+def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> float:
     """Return the given modulus (GPa), or the default modulus for generated surfaces.
 
     For generated surfaces, the default is the modulus of the paper. For measured surfaces, a modulus is required.
@@ -227,7 +227,7 @@ def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
 def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
     """Raise a `ValueError` if a surface was measured and neither a modulus nor a model is given."""
     if "effective_modulus" not in keywords and "model" not in keywords:
-        reject_missing_modulus(*map(measured_source, bodies))
+        reject_missing_modulus(*map(source_history_entry, bodies))
 
 
 def reject_missing_modulus(*sources: str) -> None:
@@ -239,12 +239,12 @@ def reject_missing_modulus(*sources: str) -> None:
         )
 
 
-def measured_source(body: Profile | Surface) -> str:
+def source_history_entry(body: Profile | Surface) -> str:
     """Return the history entry that names the file of a measured body, or "" if the body was generated."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
-def show_model_keywords(function: _Function) -> _Function:
+def add_model_keywords_to_signature(function: _Function) -> _Function:
     """Add the keyword arguments of the contact model to the signature of a function, for tooltips."""
     signature = inspect.signature(function)
     parameters = [
@@ -278,8 +278,8 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
 
 def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:
     """Warn if the two surfaces of a pair are the same surface, or mirror images of each other."""
-    source, is_same = _find_source(upper), _find_source(upper) == _find_source(lower)
-    flips = [body.history.count(FLIPPED_STEP) % 2 for body in (upper, lower)]
+    source, is_same = _history_without_flips(upper), _history_without_flips(upper) == _history_without_flips(lower)
+    flips = [body.history.count(FLIPPED_HISTORY_ENTRY) % 2 for body in (upper, lower)]
     message = ""
     if is_same and source[:1] and source[0].startswith("read from") and flips[0] == flips[1]:
         message = f"upper and lower were both {source[0]} and face the same way: press flipped(upper) on lower"
@@ -302,9 +302,9 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
         warnings.warn(message, stacklevel=3)
 
 
-def _find_source(body: Profile | Surface) -> tuple[str, ...]:
+def _history_without_flips(body: Profile | Surface) -> tuple[str, ...]:
     """Return the history of a surface without the entries for flips."""
-    return tuple(step for step in body.history if step != FLIPPED_STEP)
+    return tuple(step for step in body.history if step != FLIPPED_HISTORY_ENTRY)
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:

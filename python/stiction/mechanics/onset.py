@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, number, read_only, whole_number
 from stiction._repr import PlotRepr, axes_for
-from stiction.mechanics.friction import check_strengths
+from stiction.mechanics.friction import check_friction_parameters
 from stiction.mechanics.model import ContactModel, Direction
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class TangentialProblem(Protocol):
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the slip state at a tangential load between 0 and the sliding load. `near` is an initial guess."""
 
-    def dissipated(self, slip: SlipState) -> float:
+    def dissipated_energy(self, slip: SlipState) -> float:
         """Return the energy (mN µm) that friction dissipates in first loading up to a given slip state."""
 
 
@@ -159,7 +159,7 @@ class Onset(PlotRepr):
         ValueError
             If the index is invalid.
         """
-        return read_only(self._spread(self._slips[self._place(index)].traction, 0.0))
+        return read_only(self._values_at_all_points(self._slips[self._load_index(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
         """Return the smallest `tangential_load` (mN) at which each point slips. It is NaN for points that never slip.
@@ -169,7 +169,7 @@ class Onset(PlotRepr):
         first = np.full(self._held.bound.size, np.nan)
         for slip in reversed(self._slips):
             first[slip.traction >= self._held.bound] = slip.load
-        return read_only(self._spread(first, np.nan))
+        return read_only(self._values_at_all_points(first, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
         """Return the energy loss (mN µm) per load cycle for each tangential load amplitude in an array.
@@ -186,7 +186,8 @@ class Onset(PlotRepr):
         """
         loads = self._check_amplitudes(amplitude)
         losses = [
-            4 * self._held.dissipated(self._solve_at_load(load)) if load > 0 else 0.0 for load in loads.ravel().tolist()
+            4 * self._held.dissipated_energy(self._solve_at_load(load)) if load > 0 else 0.0
+            for load in loads.ravel().tolist()
         ]
         return np.array(losses).reshape(loads.shape)
 
@@ -257,10 +258,10 @@ class Onset(PlotRepr):
 
         return fit_lugre(self.displacement, self.tangential_load, sliding_load=self.sliding_load)
 
-    def _place(self, index: Any) -> int:
+    def _load_index(self, index: Any) -> int:
         return resolve_index(index, len(self._slips), "tangential loads")
 
-    def _spread(self, values: Floats, elsewhere: float) -> Floats:
+    def _values_at_all_points(self, values: Floats, elsewhere: float) -> Floats:
         everywhere = np.full(self._held.size, elsewhere)
         everywhere[self._held.points] = values
         return everywhere
@@ -287,7 +288,7 @@ def compute_onset(
     at_sliding = tangential_problem.at(tangential_problem.sliding_load)
     slips: list[SlipState] = []
     if displacements is None:
-        for load_fraction in load_fractions(steps).tolist():
+        for load_fraction in parse_load_fractions(steps).tolist():
             slips.append(
                 tangential_problem.at(load_fraction * tangential_problem.sliding_load, slips[-1] if slips else None)
                 if load_fraction < 1
@@ -310,7 +311,7 @@ def compute_onset(
     )  # fmt: skip
 
 
-MIN_STRENGTH = 1e-9
+MIN_RELATIVE_STRENGTH = 1e-9
 """Smallest mu0, or smallest ratio of tau0 to the modulus, for an onset. Smaller strengths are lost in round-off."""
 
 
@@ -327,11 +328,11 @@ def resolve_index(index: Any, count: int, items: str) -> int:
 
 def check_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
     """Check that mu0 and tau0 (GPa) are not both negligible, and return them."""
-    values = check_strengths(mu0, tau0, effective_modulus)
-    if max(values[0], values[1] / effective_modulus) < MIN_STRENGTH:
+    values = check_friction_parameters(mu0, tau0, effective_modulus)
+    if max(values[0], values[1] / effective_modulus) < MIN_RELATIVE_STRENGTH:
         raise ValueError(
             "mu0 and tau0 must not both be 0 or negligible, because nothing would resist sliding; "
-            f"mu0 or tau0/E* must be at least {MIN_STRENGTH:g}"
+            f"mu0 or tau0/E* must be at least {MIN_RELATIVE_STRENGTH:g}"
         )
     return values
 
@@ -346,7 +347,7 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
     return float(model.angles())
 
 
-def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
+def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
     """Return the Poisson's ratios of the upper and the lower body. A single ratio applies to both bodies."""
     values = float_array("poisson", poisson)
     if values.shape not in ((), (1,), (2,)) or not ((values > -1) & (values <= 0.5)).all():
@@ -358,7 +359,7 @@ def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
     return float(two_ratios[0]), float(two_ratios[1])
 
 
-def load_fractions(steps: int | Sequence[float]) -> Floats:
+def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
     """Return fractions of the sliding load. An integer n gives n equal steps up to 1; a sequence is used unchanged."""
     if np.ndim(steps) == 0:
         count = whole_number("steps", steps, minimum=1, maximum=100_000)

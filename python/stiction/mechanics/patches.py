@@ -13,7 +13,7 @@ import stiction._core as _core
 from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 
-MAX_LEVEL_SLOPE = 1e-6
+MAX_LEVEL_PATCH_SLOPE = 1e-6
 """A patch counts as level if the ratio of its mean slope to the rms slope in contact is below this limit.
 
 Level patches do not oppose the motion. For a sphere on a flat, solver errors give a ratio of 1e-9 at a tolerance of
@@ -21,7 +21,7 @@ Level patches do not oppose the motion. For a sphere on a flat, solver errors gi
 """
 
 
-def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
+def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
     """Compute the slopes along each axis, with a spectral method for periodic heights and natural splines otherwise."""
     if periodic:
         return [_spectral_slope(heights, axis, step) for axis, step in enumerate(spacing)]
@@ -60,7 +60,7 @@ class PatchSums:
     @property
     def opposing(self) -> NDArray[np.bool_]:
         """Mask of the patches whose force on the upper surface opposes the motion, with shape (directions, patches)."""
-        return np.asarray(self.leaning > MAX_LEVEL_SLOPE * self.steepness * self.force)
+        return np.asarray(self.leaning > MAX_LEVEL_PATCH_SLOPE * self.steepness * self.force)
 
     def total(self, sliding: Sliding) -> dict[str, Any]:
         """Return the area and normal force of all patches, and the other sums over patches that contribute to friction.

@@ -61,12 +61,12 @@ class ResultQuantity:
     shown: frozenset[View] = frozenset()
 
     @property
-    def short(self) -> str:
+    def table_label(self) -> str:
         """Label in tables: `brief`, or `words` if `brief` is empty."""
         return self.brief or self.words
 
     @property
-    def directed(self) -> bool:
+    def is_directed(self) -> bool:
         """True if the quantity depends on the sliding rule and on the direction."""
         return "sliding" in self.along
 
@@ -75,28 +75,28 @@ CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.quantit
 AREAL_CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.areal_quantities()}
 """Units and descriptions of the additional sums on surfaces. The core declares them and determines their order."""
 
-_STEP: tuple[Axis, ...] = ("step",)
-_MOTION: tuple[Axis, ...] = ("sliding", "direction")
-_FRICTION: tuple[Axis, ...] = (*_MOTION, "step", "mu0", "tau0")
-_MEAN_FRICTION: tuple[Axis, ...] = ("sliding", "step", "mu0", "tau0")
-_FRACTION: dict[str, Any] = {"unit": "1", "percent": True, "bounds": (-math.inf, 1.0)}
-_EVERYWHERE: frozenset[View] = frozenset({"table", "report", "csv"})
+_STEP_AXIS: tuple[Axis, ...] = ("step",)
+_MOTION_AXES: tuple[Axis, ...] = ("sliding", "direction")
+_FRICTION_AXES: tuple[Axis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
+_MEAN_FRICTION_AXES: tuple[Axis, ...] = ("sliding", "step", "mu0", "tau0")
+_FRACTION_FIELDS: dict[str, Any] = {"unit": "1", "percent": True, "bounds": (-math.inf, 1.0)}
+_ALL_VIEWS: frozenset[View] = frozenset({"table", "report", "csv"})
 _VERBOSE_VIEWS: frozenset[View] = frozenset({"verbose", "report", "csv"})
 _VERBOSE_TABLE: frozenset[View] = frozenset({"verbose", "csv"})
-_CSV: frozenset[View] = frozenset({"csv"})
-_MEASURED: frozenset[Source] = frozenset({"measured"})
+_CSV_VIEW: frozenset[View] = frozenset({"csv"})
+_MEASURED_SOURCE: frozenset[Source] = frozenset({"measured"})
 
 
 def _sum(name: str, *more: Source, **properties: Any) -> ResultQuantity:
     """Return the table entry of a contact sum, using the unit and the description declared by the core."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: Source = "asperities" if name in CORE_SUMS else "areal"
-    of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP, "stored": frozenset({source, *more})}
+    of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP_AXIS, "stored": frozenset({source, *more})}
     return ResultQuantity(unit=unit, words=words, **of_sum | properties)
 
 
 def _directed_sums() -> dict[str, ResultQuantity]:
-    along = (*_MOTION, "step")
+    along = (*_MOTION_AXES, "step")
     normal: dict[str, ResultQuantity] = {
         f"normal_{part}": _sum(f"normal_{part}", "half-space", along=along) for part in ("frictional", "adhesive")
     }
@@ -107,24 +107,24 @@ def _directed_sums() -> dict[str, ResultQuantity]:
 
 def _unloaded(part: str, unit: str) -> ResultQuantity:
     return ResultQuantity(
-        unit=unit, words=f"{part} part of the tangential load without a normal load", kind="sum", along=_MOTION,
+        unit=unit, words=f"{part} part of the tangential load without a normal load", kind="sum", along=_MOTION_AXES,
         numerator=f"tangential_{part}", stored=frozenset({"adhesion"}),
     )  # fmt: skip
 
 
 def _validity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> ResultQuantity:
-    own: dict[str, Any] = {"kind": "validity", "along": _STEP, "shown": _VERBOSE_TABLE} | properties
-    kind = _FRACTION if percent else {"unit": "1"}
+    own: dict[str, Any] = {"kind": "validity", "along": _STEP_AXIS, "shown": _VERBOSE_TABLE} | properties
+    kind = _FRACTION_FIELDS if percent else {"unit": "1"}
     return ResultQuantity(numerator=numerator, denominator=denominator, **kind | own)
 
 
 def _statistic(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
-    own: dict[str, Any] = {"kind": "statistic", "along": _STEP} | properties
+    own: dict[str, Any] = {"kind": "statistic", "along": _STEP_AXIS} | properties
     return ResultQuantity(unit=unit, words=words, brief=brief, **own)
 
 
 def _uncertainty(words: str, interval: Interval, *along: Axis) -> ResultQuantity:
-    along = (*_MEAN_FRICTION, *along)
+    along = (*_MEAN_FRICTION_AXES, *along)
     return ResultQuantity(unit="1", words=words, kind="uncertainty", along=along, interval=interval)
 
 
@@ -136,33 +136,33 @@ QUANTITIES: dict[str, ResultQuantity] = {
     # ---- Friction --------------------------------------------------------------------------------------------------
     "friction_combined": _uncertainty("coefficient of static friction, 95 % combined uncertainty", "combined"),
     "friction_coefficient": ResultQuantity(
-        unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION,
+        unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION_AXES,
         numerator="tangential_load", denominator=("normal_load",),
     ),
     "friction_all_round": ResultQuantity(
-        unit="1", words="friction coefficient, mean over the directions", kind="ratio", along=_MEAN_FRICTION,
+        unit="1", words="friction coefficient, mean over the directions", kind="ratio", along=_MEAN_FRICTION_AXES,
     ),
     "friction_by_axis": ResultQuantity(
         unit="1", words="friction coefficient, mean over both directions of an axis", kind="ratio",
-        along=(*_MEAN_FRICTION, "axis"),
+        along=(*_MEAN_FRICTION_AXES, "axis"),
     ),
     "gentle_friction": ResultQuantity(
         unit="1", words="friction coefficient, small-slope estimate", brief="small-slope estimate",
-        kind="statistic", along=(*_MOTION, "mu0", "tau0"),
+        kind="statistic", along=(*_MOTION_AXES, "mu0", "tau0"),
     ),
     "normal_load": ResultQuantity(
         unit="mN", words="normal load at the onset of sliding, including friction on slopes", kind="sum",
-        along=_FRICTION, shown=_CSV,
+        along=_FRICTION_AXES, shown=_CSV_VIEW,
     ),
     "tangential_load": ResultQuantity(
-        unit="mN", words="tangential load at the onset of sliding", kind="sum", along=_FRICTION, shown=_CSV,
+        unit="mN", words="tangential load at the onset of sliding", kind="sum", along=_FRICTION_AXES, shown=_CSV_VIEW,
     ),
     "lateral_load": ResultQuantity(
-        unit="mN", words="lateral load that keeps the upper body on its path", kind="sum", along=_FRICTION,
+        unit="mN", words="lateral load that keeps the upper body on its path", kind="sum", along=_FRICTION_AXES,
     ),
     "status": ResultQuantity(
-        unit="", words="ok, or the reason why there is no value", kind="statistic", along=_STEP, dtype=int,
-        stored=_MEASURED,
+        unit="", words="ok, or the reason why there is no value", kind="statistic", along=_STEP_AXIS, dtype=int,
+        stored=_MEASURED_SOURCE,
     ),
     "friction_known": _uncertainty("coefficient of static friction, combined 95 % interval", "combined"),
     "friction_next_test": _uncertainty(
@@ -173,46 +173,48 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "friction_waited": _uncertainty("coefficient of static friction after a dwell time under load", "combined", "wait"),
     "fraction_seizing": ResultQuantity(
         unit="1", words="fraction of the samples of the inputs whose interfaces seize", kind="statistic",
-        along=_MEAN_FRICTION,
+        along=_MEAN_FRICTION_AXES,
     ),
     "spread_low": ResultQuantity(
-        unit="1", words="10 % quantile of the members", kind="statistic", along=_MEAN_FRICTION,
+        unit="1", words="10 % quantile of the members", kind="statistic", along=_MEAN_FRICTION_AXES,
     ),
     "spread_high": ResultQuantity(
-        unit="1", words="90 % quantile of the members", kind="statistic", along=_MEAN_FRICTION,
+        unit="1", words="90 % quantile of the members", kind="statistic", along=_MEAN_FRICTION_AXES,
     ),
-    "ok": ResultQuantity(unit="1", words="members with a coefficient", kind="statistic", along=_FRICTION, dtype=int),
+    "ok": ResultQuantity(
+        unit="1", words="members with a coefficient", kind="statistic", along=_FRICTION_AXES, dtype=int
+    ),
     "members": ResultQuantity(unit="1", words="members", kind="statistic", dtype=int),
     # ---- Contact at a load -----------------------------------------------------------------------------------------
     "contact_area_fraction": ResultQuantity(
-        unit="1", words="ratio of true to nominal contact area", brief="true area A/A0", kind="ratio", along=_STEP,
-        numerator="contact_area", denominator=("nominal_area",), percent=True, shown=_EVERYWHERE,
+        unit="1", words="ratio of true to nominal contact area", brief="true area A/A0", kind="ratio", along=_STEP_AXIS,
+        numerator="contact_area", denominator=("nominal_area",), percent=True, shown=_ALL_VIEWS,
     ),
     "contact_status": ResultQuantity(
-        unit="", words="status of the true contact area", kind="statistic", along=_STEP, dtype=str,
+        unit="", words="status of the true contact area", kind="statistic", along=_STEP_AXIS, dtype=str,
     ),
-    "contact_area": _sum("contact_area", "half-space", symbol="A", proportional=True, shown=_EVERYWHERE),
+    "contact_area": _sum("contact_area", "half-space", symbol="A", proportional=True, shown=_ALL_VIEWS),
     "contact_area_at_onset": ResultQuantity(
         unit="um^2", words="true contact area at the onset of sliding, with junction growth",
         brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_VERBOSE_TABLE,
     ),
-    "contact_count": _sum("contact_count", "half-space", dtype=int, proportional=True, shown=_EVERYWHERE),
+    "contact_count": _sum("contact_count", "half-space", dtype=int, proportional=True, shown=_ALL_VIEWS),
     "mean_pressure": ResultQuantity(
-        unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP, numerator="contact_load",
-        denominator=("contact_area",), shown=_EVERYWHERE,
+        unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP_AXIS, numerator="contact_load",
+        denominator=("contact_area",), shown=_ALL_VIEWS,
     ),
-    "normal_stiffness": _statistic("mN/um", "normal stiffness", stored=_MEASURED, shown=_EVERYWHERE),
+    "normal_stiffness": _statistic("mN/um", "normal stiffness", stored=_MEASURED_SOURCE, shown=_ALL_VIEWS),
     "closure": _statistic(
-        "um", "closure, the decrease of the mean gap since first contact", "closure", stored=_MEASURED,
-        shown=_EVERYWHERE,
+        "um", "closure, the decrease of the mean gap since first contact", "closure", stored=_MEASURED_SOURCE,
+        shown=_ALL_VIEWS,
     ),
     "closure_stiffness": _statistic(
         "MPa/mm", "derivative of the nominal pressure with respect to the closure", "stiffness of closure",
-        stored=_MEASURED, shown=_EVERYWHERE,
+        stored=_MEASURED_SOURCE, shown=_ALL_VIEWS,
     ),
     "contact_load": ResultQuantity(
         unit="mN", words="load on the contacts: normal load plus attraction", brief="contact load",
-        kind="sum", along=_STEP, proportional=True, stored=frozenset({"adhesion"}), shown=_EVERYWHERE,
+        kind="sum", along=_STEP_AXIS, proportional=True, stored=frozenset({"adhesion"}), shown=_ALL_VIEWS,
     ),
     "pull_off": ResultQuantity(
         unit="mN", words="pull-off force", kind="statistic", bound_fraction="share_of_pull_off_bounds",
@@ -236,50 +238,50 @@ QUANTITIES: dict[str, ResultQuantity] = {
         stored=frozenset({"onset"}), shown=frozenset({"table", "csv"}),
     ),
     "fraction_slipped": _statistic(
-        **_FRACTION, words="fraction of the normal load that slips at half of the sliding load",
+        **_FRACTION_FIELDS, words="fraction of the normal load that slips at half of the sliding load",
         brief="load that slips at half of sliding", weighted=True, stored=frozenset({"onset"}),
         shown=frozenset({"table", "csv"}),
     ),
     "approach": _coordinate(
-        "um", "approach since first contact", along=_STEP, stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
+        "um", "approach since first contact", along=_STEP_AXIS, stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
     ),
     "stiffness_per_area": ResultQuantity(
-        unit="GPa/mm", words="normal stiffness per area while loading", kind="ratio", along=_STEP,
+        unit="GPa/mm", words="normal stiffness per area while loading", kind="ratio", along=_STEP_AXIS,
         numerator="normal_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
     ),
     "unloading_stiffness_per_area": ResultQuantity(
-        unit="GPa/mm", words="normal stiffness per area while unloading (ultrasonic)", kind="ratio", along=_STEP,
+        unit="GPa/mm", words="normal stiffness per area while unloading (ultrasonic)", kind="ratio", along=_STEP_AXIS,
         numerator="unloading_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
     ),
     "share_opposing": ResultQuantity(
-        **_FRACTION, words="fraction of the load on contacts that oppose the motion", brief="load that opposes",
+        **_FRACTION_FIELDS, words="fraction of the load on contacts that oppose the motion", brief="load that opposes",
         kind="ratio", along=("direction", "step"), shown=_VERBOSE_TABLE,
     ),
     "share_on_largest": _statistic(
-        **_FRACTION, words="fraction of the load on the contact with the largest load",
-        brief="load on the largest contact", stored=_MEASURED, shown=_VERBOSE_VIEWS,
+        **_FRACTION_FIELDS, words="fraction of the load on the contact with the largest load",
+        brief="load on the largest contact", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
     ),
     "share_at_edge": _validity(
         "load_at_edge", "normal_elastic", words="fraction of the load on contacts that reach the edge of the overlap",
-        brief="load on contacts at the edge", stored=_MEASURED, shown=_VERBOSE_VIEWS,
+        brief="load on contacts at the edge", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
     ),
     "fraction_on_small": _statistic(
-        **_FRACTION, words="fraction of the load on contacts of at most four grid cells",
-        brief="load on contacts of 4 points or fewer", stored=_MEASURED, shown=_VERBOSE_VIEWS,
+        **_FRACTION_FIELDS, words="fraction of the load on contacts of at most four grid cells",
+        brief="load on contacts of 4 points or fewer", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
     ),
     **{
         f"share_on_steepest_{side}": _statistic(
-            **_FRACTION, words=f"fraction of the load on the steepest tenth of the {side} body",
-            brief=f"load on the {side}'s steepest tenth", stored=_MEASURED, shown=_VERBOSE_TABLE,
+            **_FRACTION_FIELDS, words=f"fraction of the load on the steepest tenth of the {side} body",
+            brief=f"load on the {side}'s steepest tenth", stored=_MEASURED_SOURCE, shown=_VERBOSE_TABLE,
         )
         for side in ("upper", "lower")
     },
     "load_share_at_hardness": _statistic(
-        **_FRACTION, words="fraction of the load at points at the hardness", stored=frozenset({"half-space"}),
+        **_FRACTION_FIELDS, words="fraction of the load at points at the hardness", stored=frozenset({"half-space"}),
         shown=_VERBOSE_VIEWS,
     ),
     "area_share_at_hardness": _statistic(
-        **_FRACTION, words="fraction of the points under pressure that are at the hardness",
+        **_FRACTION_FIELDS, words="fraction of the points under pressure that are at the hardness",
         stored=frozenset({"half-space"}), shown=_VERBOSE_TABLE,
     ),
     "relative_overlap": _validity(
@@ -308,18 +310,19 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "error": _statistic(
         "1", "error of the half-space solution, in standard deviations of the gap", "error of the solution",
-        stored=_MEASURED, shown=_VERBOSE_TABLE,
+        stored=_MEASURED_SOURCE, shown=_VERBOSE_TABLE,
     ),
     "unloading_stiffness": _statistic(
-        "mN/um", "normal stiffness during unloading, as measured by ultrasound", stored=_MEASURED, shown=_CSV,
+        "mN/um", "normal stiffness during unloading, as measured by ultrasound", stored=_MEASURED_SOURCE,
+        shown=_CSV_VIEW,
     ),
     "nominal_pressure": ResultQuantity(
         unit="GPa", words="normal load divided by the nominal area", brief="pressure on the nominal area", kind="ratio",
-        along=_STEP, numerator="normal_elastic", denominator=("nominal_area",), shown=_CSV,
+        along=_STEP_AXIS, numerator="normal_elastic", denominator=("nominal_area",), shown=_CSV_VIEW,
     ),
     "share_of_pull_off_bounds": ResultQuantity(
-        **_FRACTION, words="fraction of the members whose pull-off force is a lower bound or missing", kind="statistic",
-        shown=_CSV,
+        **_FRACTION_FIELDS, words="fraction of the members whose pull-off force is a lower bound or missing",
+        kind="statistic", shown=_CSV_VIEW,
     ),
     "pull_off_is_bound": ResultQuantity(
         unit="1", words="1 if the pull-off force is only a lower bound, otherwise 0", kind="statistic",
@@ -327,11 +330,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "patch_area": ResultQuantity(
         unit="um^2", words="projected areas of contacts", brief="area of a contact", kind="statistic",
-        along=("step", "fraction_below"), stored=_MEASURED,
+        along=("step", "fraction_below"), stored=_MEASURED_SOURCE,
     ),
     "pressure": ResultQuantity(
         unit="GPa", words="pressures over the true area", brief="pressure", kind="statistic",
-        along=("step", "fraction_below"), column_unit="MPa", column_factor=1000.0, stored=_MEASURED,
+        along=("step", "fraction_below"), column_unit="MPa", column_factor=1000.0, stored=_MEASURED_SOURCE,
     ),
     **{
         f"{side}_rms": ResultQuantity(
@@ -342,15 +345,15 @@ QUANTITIES: dict[str, ResultQuantity] = {
     },
     "rms_gradient": ResultQuantity(
         unit="1", words="root-mean-square gradient of the gap", brief="rms gradient of the gap", kind="statistic",
-        stored=_MEASURED,
+        stored=_MEASURED_SOURCE,
     ),
     "rms_slope": ResultQuantity(
         unit="1", words="root-mean-square slope of the gap along the motion", brief="rms slope of the gap",
-        kind="statistic", along=("direction",), stored=_MEASURED,
+        kind="statistic", along=("direction",), stored=_MEASURED_SOURCE,
     ),
     "reading_difference": ResultQuantity(
         unit="1", words="largest relative difference of friction between definitions of the load", kind="uncertainty",
-        along=_STEP,
+        along=_STEP_AXIS,
     ),
     # ---- Sums over contacts ----------------------------------------------------------------------------------------
     "normal_elastic": _sum("normal_elastic", "half-space", proportional=True),
@@ -419,70 +422,80 @@ QUANTITIES: dict[str, ResultQuantity] = {
 """Properties of all quantities and coordinates, in the order in which views show them."""
 
 
-def select(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
+def select_quantities(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
     """Return the names of the quantities that satisfy a condition, in table order."""
     return tuple(name for name, each in QUANTITIES.items() if condition(each))
 
 
-def shown_in(view: View) -> tuple[str, ...]:
+def quantities_shown_in(view: View) -> tuple[str, ...]:
     """Return the names of the quantities that a view, such as "csv" or "report", shows."""
-    return select(lambda each: view in each.shown)
+    return select_quantities(lambda each: view in each.shown)
 
 
 # ---- Selections ------------------------------------------------------------------------------------------------------
 
-SUMS = tuple(CORE_SUMS)
-"""Sums of a `LoadCurve` at each approach: the fields of `Sums`, in the order of the core."""
+SUM_QUANTITIES = tuple(CORE_SUMS)
+"""Sums of a `LoadCurve` at each approach: the fields of `ContactSums`, in the order of the core."""
 
-AREAL_SUMS = tuple(AREAL_CORE_SUMS)
+AREAL_SUM_QUANTITIES = tuple(AREAL_CORE_SUMS)
 """Additional sums of a `SurfaceLoadCurve`, in the order of the core."""
 
-DIRECTED = frozenset(select(lambda each: each.kind == "sum" and each.along == (*_MOTION, "step")))
+DIRECTED_SUM_QUANTITIES = frozenset(
+    select_quantities(lambda each: each.kind == "sum" and each.along == (*_MOTION_AXES, "step"))
+)
 """Sums that depend on the direction and on the sliding rule."""
 
-HALF_SPACE_SUMS = (
-    *(name for name in SUMS if "half-space" in QUANTITIES[name].stored),
-    *select(lambda each: "half-space" in each.stored and "asperities" not in each.stored),
+HALF_SPACE_SUM_QUANTITIES = (
+    *(name for name in SUM_QUANTITIES if "half-space" in QUANTITIES[name].stored),
+    *select_quantities(lambda each: "half-space" in each.stored and "asperities" not in each.stored),
 )
 """Numbers that a half-space result stores for each pair at each load."""
 
-UNLOADED = select(lambda each: "adhesion" in each.stored and each.along == _MOTION)
+ZERO_LOAD_SUM_QUANTITIES = select_quantities(lambda each: "adhesion" in each.stored and each.along == _MOTION_AXES)
 """Sums from which the tangential load that starts sliding at zero normal load is computed for any mu0 and tau0."""
 
-PULL_OFF = select(lambda each: "adhesion" in each.stored and not each.along)
+PULL_OFF_QUANTITIES = select_quantities(lambda each: "adhesion" in each.stored and not each.along)
 """Pull-off force of a member, and a number that is 1 if this force is only a lower bound and 0 otherwise."""
 
-ADHESION = (*select(lambda each: "adhesion" in each.stored and "step" in each.along), *PULL_OFF, *UNLOADED)
+ADHESION_QUANTITIES = (
+    *select_quantities(lambda each: "adhesion" in each.stored and "step" in each.along),
+    *PULL_OFF_QUANTITIES,
+    *ZERO_LOAD_SUM_QUANTITIES,
+)
 """Additional numbers in results of adhesive bodies. All of them except the first are independent of the load."""
 
-LOAD_INDEPENDENT = select(lambda each: "table" in each.shown and "step" not in each.along)
+LOAD_INDEPENDENT_QUANTITIES = select_quantities(lambda each: "table" in each.shown and "step" not in each.along)
 """Quantities of adhesive bodies that do not depend on the load."""
 
-ONSET = select(lambda each: "onset" in each.stored)
+ONSET_QUANTITIES = select_quantities(lambda each: "onset" in each.stored)
 """Quantities of the onset of sliding that a result of generated bodies stores, if its study requests them."""
 
-DISTRIBUTIONS = select(lambda each: "fraction_below" in each.along)
+DISTRIBUTION_QUANTITIES = select_quantities(lambda each: "fraction_below" in each.along)
 """Quantities whose quantiles a result of measured bodies stores for each member at each load."""
 
-GAP = select(lambda each: "measured" in each.stored and "step" not in each.along)
+GAP_QUANTITIES = select_quantities(lambda each: "measured" in each.stored and "step" not in each.along)
 """Quantities of the gap of each member, which do not depend on the load."""
 
-STATISTICS = select(lambda each: "measured" in each.stored and each.along == _STEP)
+STATISTIC_QUANTITIES = select_quantities(lambda each: "measured" in each.stored and each.along == _STEP_AXIS)
 """Statistics (including the status) that a result of measured bodies stores for each member at each load."""
 
-VALIDITY = select(lambda each: each.kind == "validity" and {each.numerator, *each.denominator} <= {*SUMS})
+VALIDITY_QUANTITIES = select_quantities(
+    lambda each: each.kind == "validity" and {each.numerator, *each.denominator} <= {*SUM_QUANTITIES}
+)
 """Fields of `Validity`."""
 
-AREAL_VALIDITY = select(lambda each: each.kind == "validity" and bool({each.numerator, *each.denominator} - {*SUMS}))
+AREAL_VALIDITY_QUANTITIES = select_quantities(
+    lambda each: each.kind == "validity" and bool({each.numerator, *each.denominator} - {*SUM_QUANTITIES})
+)
 """Fields of `SurfaceValidity` in addition to those of `Validity`."""
 
-AT_HARDNESS = select(lambda each: "half-space" in each.stored and each.kind == "statistic")
+AT_HARDNESS_QUANTITIES = select_quantities(lambda each: "half-space" in each.stored and each.kind == "statistic")
 """Fractions of the load and of the area that belong to points at which the pressure equals the hardness."""
 
-PER_AREA = select(lambda each: each.kind == "ratio" and each.unit == "GPa/mm")
+STIFFNESS_PER_AREA_QUANTITIES = select_quantities(lambda each: each.kind == "ratio" and each.unit == "GPa/mm")
 """Stiffnesses divided by the nominal area."""
 
-UNCERTAINTY = select(lambda each: each.kind == "uncertainty" and each.directed)
+UNCERTAINTY_QUANTITIES = select_quantities(lambda each: each.kind == "uncertainty" and each.is_directed)
 """Uncertainties of the mean over all directions."""
 
 RATIO_PARTS = frozenset(
@@ -496,19 +509,19 @@ RATIO_PARTS = frozenset(
 INTERPOLATED_QUANTITIES = tuple(
     name
     for name, each in QUANTITIES.items()
-    if each.stored and each.along == _STEP and (each.shown or name in RATIO_PARTS)
+    if each.stored and each.along == _STEP_AXIS and (each.shown or name in RATIO_PARTS)
 )
 """Stored quantities that `at_load` interpolates to a load. Friction and quantiles are not included."""
 
 
-def attributes_of(name: str) -> dict[str, str]:
+def quantity_attributes(name: str) -> dict[str, str]:
     """Return the attributes that describe a quantity as a variable of a dataset."""
     quantity = QUANTITIES[name]
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
 
 
-def column_of(name: str) -> tuple[str, float]:
+def spreadsheet_column(name: str) -> tuple[str, float]:
     """Return the spreadsheet column title of a quantity, and the factor that converts its values to the column unit."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit
-    return quantity.short + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor
+    return quantity.table_label + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor

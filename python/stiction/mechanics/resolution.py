@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats, check_instance, float_array, number
 from stiction.mechanics import brackets
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.friction import SIX_SUMS, compute_load, friction_parameter
+from stiction.mechanics.friction import LOAD_SUM_NAMES, compute_load, friction_parameter
 from stiction.mechanics.half_space import Boundary, half_space, solve_separately
-from stiction.mechanics.model import DEFAULT_EFFECTIVE_MODULUS, Direction, Sliding, check_pair, modulus_for
-from stiction.mechanics.quantities import attributes_of
+from stiction.mechanics.model import DEFAULT_EFFECTIVE_MODULUS, Direction, Sliding, check_pair, modulus_or_default
+from stiction.mechanics.quantities import quantity_attributes
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import ScaleDependentRoughness, instrument_limit, scale_dependent_roughness
@@ -33,8 +33,8 @@ _MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, as a fraction o
 # The first sliding rule is the rule to which most measured values of mu0 refer.
 _SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-_PLASTIC_WAVELENGTH_TEXT = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA = 2.2  # A E* h'/F at small loads; the value on Gaussian surfaces is 2.1 to 2.4
+_PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
+SMALL_LOAD_KAPPA = 2.2  # A E* h'/F at small loads; the value on Gaussian surfaces is 2.1 to 2.4
 # fields of a curve that have one value per load and do not depend on the direction
 _CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _RENAMED_VARIABLES = {
@@ -145,7 +145,7 @@ def resolution(
     0.225
     """
     check_pair(upper, lower)
-    effective_modulus = modulus_for(effective_modulus, upper, lower)
+    effective_modulus = modulus_or_default(effective_modulus, upper, lower)
     pair = _SolvedPair(upper, lower, boundary)
     lengths = pair.cut_offs(cut_offs)
     if hardness is not None:
@@ -178,7 +178,7 @@ def resolution(
     limits = [instrument_limit(body, tip_radius=tip_radius, periodic=pair.periodic) for body in rough_bodies]
     worst = max(limits, key=lambda limit: limit.wavelength)
     result.attrs |= {"instrument_limit_um": worst.wavelength, "instrument_limit_reason": worst.reason}
-    return _with_limits(result, pair, steps, elastic, effective_modulus, hardness, parameters)
+    return _add_plastic_limits(result, pair, steps, elastic, effective_modulus, hardness, parameters)
 
 
 def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) -> xr.DataArray:
@@ -289,7 +289,7 @@ def _solve(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], 
     Returns numbers (load,) and sums (rule, load), averaged over directions, which are NaN without a solution.
     """
     results = {name: np.full(loads.size, np.nan) for name in _CURVE_FIELDS}
-    results |= {name: np.full((len(_SLIDING_RULES), loads.size), np.nan) for name in SIX_SUMS}
+    results |= {name: np.full((len(_SLIDING_RULES), loads.size), np.nan) for name in LOAD_SUM_NAMES}
     for indices, curve in solve_separately(functools.partial(half_space, upper, lower, **options), loads):
         for name in _CURVE_FIELDS:
             results[name][indices] = getattr(curve, name)
@@ -298,7 +298,7 @@ def _solve(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], 
             curves = [with_rule]
             if curve.direction.ndim == 0:
                 curves = [with_rule.with_direction(direction) for direction in along]
-            for name in SIX_SUMS:
+            for name in LOAD_SUM_NAMES:
                 sums = [np.atleast_2d(getattr(directed, name)) for directed in curves]
                 results[name][rule, indices] = np.mean(sums, axis=(0, 1))
     return results
@@ -316,7 +316,7 @@ def _cutoff_dataset(
 
     gaps = [pair.gap(*pair.cut_off_at(length)) for length in lengths]
     gradient = np.array([brackets.rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
-    values = {name: np.array([answer[name] for answer in answers]) for name in (*_CURVE_FIELDS, *SIX_SUMS)}
+    values = {name: np.array([answer[name] for answer in answers]) for name in (*_CURVE_FIELDS, *LOAD_SUM_NAMES)}
     area = values["contact_area"]
     with np.errstate(divide="ignore", invalid="ignore"):
         values |= {"contact_area_fraction": area / pair.nominal_area, "mean_pressure": loads / area}
@@ -327,13 +327,16 @@ def _cutoff_dataset(
             "cut_off", [max(length, pair.shortest) for length in lengths],
             _attributes("µm", "shortest resolved wavelength"),
         ),
-        "rms_gradient": ("cut_off", gradient, attributes_of("rms_gradient")),
+        "rms_gradient": ("cut_off", gradient, quantity_attributes("rms_gradient")),
         "kappa": (grid, kappa, _attributes("1", "A E* h'/F")),
         **{
-            _RENAMED_VARIABLES.get(name, name): (grid, column, attributes_of(name))
-            for name, column in values.items() if name not in SIX_SUMS
+            _RENAMED_VARIABLES.get(name, name): (grid, column, quantity_attributes(name))
+            for name, column in values.items() if name not in LOAD_SUM_NAMES
         },
-        **{name: (("sliding", *grid), np.moveaxis(values[name], 1, 0), attributes_of(name)) for name in SIX_SUMS},
+        **{
+            name: (("sliding", *grid), np.moveaxis(values[name], 1, 0), quantity_attributes(name))
+            for name in LOAD_SUM_NAMES
+        },
     }  # fmt: skip
     return xr.Dataset(
         variables,
@@ -358,19 +361,19 @@ def _attributes(unit: str, text: str) -> dict[str, str]:
 # ---- Limits ---------------------------------------------------------------------------------------------------------
 
 
-def _with_limits(
+def _add_plastic_limits(
     result: xr.Dataset, pair: _SolvedPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
     """Extend a dataset by the plastic limit, the plastic wavelength and elastic values extrapolated to it."""
     gap = pair.gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
-    estimate = brackets.gap_exponent(gap, pair.periodic)
+    estimate = brackets.estimate_gap_hurst_exponent(gap, pair.periodic)
     area = elastic["contact_area"]
     kappa = area * modulus * float(result.rms_gradient[0]) / loads
-    spread = brackets.kappa_spread(elastic["contact_count"])
+    spread = brackets.kappa_uncertainty_factor(elastic["contact_count"])
     if hardness is not None:
-        result = brackets.with_brackets(result, hardness, parameters)
+        result = brackets.add_finer_scan_brackets(result, hardness, parameters)
     hardnesses = TYPICAL_HARDNESSES if hardness is None else (hardness,)
     gradients_at_hardness = [zip(kappa * item / modulus, spread, strict=True) for item in hardnesses]
     reached = np.array([
@@ -379,8 +382,8 @@ def _with_limits(
     ])  # fmt: skip
     gradient = float(result.rms_gradient[0])
     gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest, gradient)
-    area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_stretch(np.array(gradient)))
-    projected = brackets.elastic_area(gradients, area_of_slope, spread)
+    area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
+    projected = brackets.elastic_area_fraction(gradients, area_of_slope, spread)
     middle = gradients[:, :1, np.newaxis]  # the interval of the gradient barely affects the slope correction
     grid = ("finer_wavelength", "normal_load", "statistic")
     tables: dict[str, tuple[Any, Floats, str, str]] = {
@@ -388,16 +391,16 @@ def _with_limits(
         "elastic_area_fraction": (
             grid[1], area / pair.nominal_area, "1", "ratio of real to nominal area of the elastic solution"
         ),
-        "plastic_wavelength": (("hardness", *grid[1:]), reached, "µm", _PLASTIC_WAVELENGTH_TEXT),
+        "plastic_wavelength": (("hardness", *grid[1:]), reached, "µm", _PLASTIC_WAVELENGTH_DESCRIPTION),
         "continued_rms_gradient": (grid[::2], gradients, "1", "gradient of the gap, extrapolated"),
         "continued_elastic_area_fraction": (
-            grid, projected * brackets.interface_stretch(middle), "1", "elastic ratio of real to nominal area, "
+            grid, projected * brackets.interface_area_ratio(middle), "1", "elastic ratio of real to nominal area, "
             "extrapolated"
         ),
     }  # fmt: skip
     if parameters is not None:
         friction = parameters[0] + parameters[1] * projected * pair.nominal_area / loads[:, np.newaxis]
-        friction = friction * brackets.friction_stretch(middle, roughness.dimensions)
+        friction = friction * brackets.transverse_slope_factor(middle, roughness.dimensions)
         description = "elastic mu_s with friction at all contacts, extrapolated"
         tables["continued_elastic_friction_coefficient"] = grid, friction, "1", description
     finer = np.array(brackets.WAVELENGTH_RATIOS) * pair.shortest
@@ -431,7 +434,7 @@ def spectral_resolution(
     mu0: float,
     tau0: float = 0.0,
     effective_modulus: float = DEFAULT_EFFECTIVE_MODULUS,
-    kappa: float = KAPPA,
+    kappa: float = SMALL_LOAD_KAPPA,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
     r"""Compute area and friction of two surfaces as functions of the shortest wavelength, using closed-form solutions.
@@ -525,11 +528,11 @@ def spectral_resolution(
     values = {"rms_gradient": gradient, "contact_area_fraction": area, "mean_pressure": p / area}
     return xr.Dataset(
         {
-            **{name: ("wavelength", column, attributes_of(name)) for name, column in values.items()},
+            **{name: ("wavelength", column, quantity_attributes(name)) for name, column in values.items()},
             "friction_coefficient": (
-                ("sliding", "wavelength"), np.array(friction), attributes_of("friction_coefficient"),
+                ("sliding", "wavelength"), np.array(friction), quantity_attributes("friction_coefficient"),
             ),
-            "plastic_wavelength": ((), reached, _attributes("µm", _PLASTIC_WAVELENGTH_TEXT)),
+            "plastic_wavelength": ((), reached, _attributes("µm", _PLASTIC_WAVELENGTH_DESCRIPTION)),
         },
         coords={
             "wavelength": ("wavelength", lengths, _attributes("µm", "shortest included wavelength")),

@@ -15,7 +15,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.half_space_problem import (
     ContactSolution,
-    Problem,
+    HalfSpaceProblem,
     Solver,
     TiltResponse,
     lever_arms,
@@ -24,22 +24,22 @@ from stiction.mechanics.half_space_problem import (
 )
 
 # Maximum distance of the resultant force from the centre along an axis, as a fraction of the length of the axis.
-MAX_OFF_CENTRE = 1e-4
+MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLUTIONS = 60  # maximum number of solutions per load
-MAX_EDGE_STEP = 0.5  # maximum edge displacement in one step, in standard deviations of the gap
+MAX_EDGE_DISPLACEMENT_STEP = 0.5  # maximum edge displacement in one step, in standard deviations of the gap
 # Smallest change of the moment per unit slope for which the tilt is defined.
 # The change is relative to the load times the squared length, divided by the standard deviation of the gap.
-MIN_RESPONSE = 1e-6
+MIN_MOMENT_RESPONSE = 1e-6
 
 
-def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
+def apply_tilt(problem: HalfSpaceProblem, slopes: Floats) -> HalfSpaceProblem:
     """Tilt the upper surface of a problem about its centre. `slopes` are along y and x, or along x for profiles."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(problem, upper=problem.upper + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes)
 
 
-def solve_balanced(
-    problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
+def solve_with_balanced_tilt(
+    problem: HalfSpaceProblem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
     """Find the tilt at which the resultant force acts at the centre. Return the contact at each load (mN)."""
     contacts: list[ContactSolution] = []
@@ -48,7 +48,7 @@ def solve_balanced(
     lengths = np.array(shape) * np.array(problem.spacing)
     height = float(problem.gap[problem.measured > 0].std()) or 1.0
 
-    def solve_at(rotated_problem: Problem, load: float, near: Floats | None) -> tuple[ContactSolution, Floats]:
+    def solve_at(rotated_problem: HalfSpaceProblem, load: float, near: Floats | None) -> tuple[ContactSolution, Floats]:
         solver = Solver(rotated_problem, "loads", load, tolerance=tolerance, report=report)
         solution = solver.at(load, near)
         pressed = to_contact_solution(rotated_problem, solution, load, scale=solver.scale)
@@ -56,20 +56,20 @@ def solve_balanced(
 
     near = None
     for load in loads.tolist():
-        mean = load / (problem.cell * problem.gap.size)
+        mean = load / (problem.cell_area * problem.gap.size)
         pressed, moments = solve_at(problem, load, near)
         num_tried = 0
-        while float(np.abs(moments / (mean * lengths)).max()) > MAX_OFF_CENTRE:
+        while float(np.abs(moments / (mean * lengths)).max()) > MAX_RELATIVE_FORCE_OFFSET:
             near = pressed.on_grid(pressed.values).ravel()
-            turning = TiltResponse.solve(problem, pressed.on_grid(pressed.free)).turning
-            step = np.linalg.solve(np.diag(MIN_RESPONSE * mean * lengths**2 / height) - turning, moments)
-            step *= min(1.0, MAX_EDGE_STEP * height / float(np.abs(step * lengths / 2).max()))
+            turning = TiltResponse.solve(problem, pressed.on_grid(pressed.below_hardness)).turning
+            step = np.linalg.solve(np.diag(MIN_MOMENT_RESPONSE * mean * lengths**2 / height) - turning, moments)
+            step *= min(1.0, MAX_EDGE_DISPLACEMENT_STEP * height / float(np.abs(step * lengths / 2).max()))
             # The energy is a concave function of the slopes.
             # The moments change sign beyond the maximum of the energy along the step.
             while num_tried < MAX_TILT_SOLUTIONS:
                 num_tried += 1
-                candidate = solve_at(tilt_problem(pressed.problem, np.asarray(step, np.float64)), load, near)
-                if float(candidate[1] @ step) >= -MAX_EDGE_STEP * float(moments @ step):
+                candidate = solve_at(apply_tilt(pressed.problem, np.asarray(step, np.float64)), load, near)
+                if float(candidate[1] @ step) >= -MAX_EDGE_DISPLACEMENT_STEP * float(moments @ step):
                     break
                 step = step / 2
             else:

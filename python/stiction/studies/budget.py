@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket, max_friction
 from stiction.mechanics.closed_forms import hardness_under_shear, solve_yield_condition
-from stiction.mechanics.friction import SIX_SUMS
-from stiction.mechanics.quantities import attributes_of
+from stiction.mechanics.friction import LOAD_SUM_NAMES
+from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.evaluation import (
     NEGLIGIBLE_COEFFICIENT,
     PerLoad,
@@ -125,7 +125,7 @@ def add_uncertainty(
     needed = {name: at.variables[name] for name in _NEEDED_VARIABLES if name in at.variables}
     read = _values_over(needed | _sheared_contacts(at, study, areas), at, dims)
     six = member_sums(result, at["load"].values).mean(("repetition", "direction"))
-    sums = _values_over({name: six.variables[name] for name in SIX_SUMS}, at, dims)
+    sums = _values_over({name: six.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
     pressures = at["load"].values / float(at["nominal_area"])
     # Consecutive coefficients have the same mu0 and tau0 and therefore share samples.
     interface = [dims.index(name) for name in ("mu0", "tau0")]
@@ -156,7 +156,7 @@ def add_uncertainty(
     over = (*dims, "statistic")
     combined = _combined(at, study, dims, whole)
     if not tests:
-        return at.assign(friction_combined=(over, combined, attributes_of("friction_combined")))
+        return at.assign(friction_combined=(over, combined, quantity_attributes("friction_combined")))
     tables: dict[str, tuple[tuple[str, ...], Floats]] = {
         "friction_combined": (over, combined),
         "friction_known": (over, whole),
@@ -173,7 +173,7 @@ def add_uncertainty(
     if study.friction.wait:
         tables["friction_waited"] = (*dims, "wait", "statistic"), waited
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
-    variables = {name: (own, values, attributes_of(name)) for name, (own, values) in tables.items()}
+    variables = {name: (own, values, quantity_attributes(name)) for name, (own, values) in tables.items()}
     return at.assign(variables).assign_coords(coordinates)
 
 

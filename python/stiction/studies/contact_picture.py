@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, whole_number
 from stiction._units import short_repr
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
-from stiction.mechanics.model import THICKNESS
-from stiction.mechanics.quantities import attributes_of
+from stiction.mechanics.model import PROFILE_WIDTH
+from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.contact_statistics import ContactList
 from stiction.studies.contact_tables import HalfSpaceContactTable
 from stiction.studies.evaluation import member_values
@@ -135,7 +135,7 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
     names = ("load", "contact_load", "contact_area", "approach")
     table = {name: ("point", np.concatenate([getattr(curve, name) for curve in curves])) for name in names}
     table["going"] = ("point", np.repeat([False, True, True], [curve.load.size for curve in curves]))
-    nominal = pair[1].extent * THICKNESS if isinstance(pair[1], Profile) else math.prod(pair[1].extent)
+    nominal = pair[1].extent * PROFILE_WIDTH if isinstance(pair[1], Profile) else math.prod(pair[1].extent)
     return xarray.Dataset(table, attrs={"nominal_area": nominal, "member": index})
 
 
@@ -218,7 +218,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
         variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*slices], {"units": "GPa"})
         variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[*slices], length)
         for name, window, spacing in zip(("zoom_y", "zoom_x"), slices, (dy, dx), strict=True):
-            coordinates[name] = (name, np.arange(window.start, window.stop) * spacing, attributes_of(name[-1]))
+            coordinates[name] = (name, np.arange(window.start, window.stop) * spacing, quantity_attributes(name[-1]))
     return xarray.Dataset(variables, coordinates)
 
 

@@ -66,9 +66,9 @@ class PairSlopes:
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
     """Compute the slopes of a body at all grid points. Maps have slopes along x and y, and profiles along x only."""
-    from stiction.mechanics.patches import slopes
+    from stiction.mechanics.patches import grid_slopes
 
-    return slopes(body.heights, body.spacings, periodic=False)
+    return grid_slopes(body.heights, body.spacings, periodic=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,15 +116,15 @@ def list_contact_patches(solution: ContactSolution) -> ContactList:
 
     indices = np.unravel_index(solution.points, problem.gap.shape)
     positions = [(index * step).astype(np.float64) for index, step in zip(indices, problem.spacing, strict=True)]
-    slope_components = [slope[solution.points] for slope in problem.slope]
+    slope_components = [slope[solution.points] for slope in problem.interface_slopes]
     zeros = np.zeros(pressure.size)
     is_at_edge = np.zeros(pressure.size, dtype=bool)
     for index, size in zip(indices, problem.gap.shape, strict=True):
         is_at_edge |= (index == 0) | (index == size - 1)
     return ContactList(
         x=mean(positions[-1]), y=mean(positions[0] if len(positions) == 2 else zeros),
-        force=np.asarray(problem.cell * total, np.float64),
-        area=np.asarray(problem.cell * np.bincount(patch, weights=solution.share), np.float64),
+        force=np.asarray(problem.cell_area * total, np.float64),
+        area=np.asarray(problem.cell_area * np.bincount(patch, weights=solution.share), np.float64),
         slope_x=mean(slope_components[-1]), slope_y=mean(slope_components[0] if len(slope_components) == 2 else zeros),
         cells=np.bincount(patch).astype(np.float64),
         at_edge=np.bincount(patch, weights=is_at_edge) > 0, pressure=pressure, weight=np.ones(pressure.size),

@@ -13,8 +13,8 @@ from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 from stiction._checks import Floats, float_array
 from stiction._units import VALID_RANGES, quantity, short_repr
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
-from stiction.mechanics.law import LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, as_law
-from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
+from stiction.mechanics.law import CONTACT_LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, parse_contact_law
+from stiction.mechanics.model import PROFILE_WIDTH, ContactModel, Curvature, Detection, Direction, Shear, Sliding
 from stiction.studies.generated_surfaces import GeneratedProfiles, GeneratedSurfaces
 from stiction.studies.input_uncertainty import MAX_JUNCTION_GROWTH
 from stiction.studies.measured_surfaces import MeasuredSurfaces
@@ -85,14 +85,14 @@ LAW_TABLES: dict[str, type[LawTable]] = {"hertz-cylinder": HertzCylinderTable, "
 
 def _read_law(value: object) -> LawName | LawTable:
     """Parse a contact law, given as a name or as a table of parameters."""
-    for name in LAWS_BY_NAME:
+    for name in CONTACT_LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
     if isinstance(value, LawTable):
         return value
     table = LAW_TABLES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
     if table is None:
-        names = " or ".join(f'"{name}"' for name in LAWS_BY_NAME)
+        names = " or ".join(f'"{name}"' for name in CONTACT_LAWS_BY_NAME)
         tables = " or ".join(
             f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_TABLES.items()
         )
@@ -414,7 +414,7 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
 
     @model_validator(mode="after")
     def _has_valid_onset(self) -> Self:
-        if self.onset is not None and isinstance(as_law(self.model().law), HertzCylinder):
+        if self.onset is not None and isinstance(parse_contact_law(self.model().law), HertzCylinder):
             raise fault_at(
                 "onset", "must not be given with cylinders, because the displacement under a line load is unbounded"
             )
@@ -550,7 +550,7 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
         and not isinstance(surfaces, MeasuredSurfaces)
     ):
         area = (
-            float(surfaces.extent) * THICKNESS
+            float(surfaces.extent) * PROFILE_WIDTH
             if isinstance(surfaces, GeneratedProfiles)
             else math.prod(surfaces.extents())
         )

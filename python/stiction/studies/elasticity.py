@@ -11,7 +11,7 @@ from stiction._arguments import parse_numbers, parse_quantities, parse_quantity
 from stiction._errors import ArgumentError
 from stiction._units import short_repr
 from stiction.mechanics.closed_forms import effective_modulus
-from stiction.mechanics.materials import compliance_fraction, is_name_of, material, softer_material
+from stiction.mechanics.materials import compliance_fraction, material, names_match, softer_material
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
 
 def _format_alias_note(names: Iterable[tuple[str, str]]) -> str:
     """Return a note that lists the standard names of materials that were entered under alternative names."""
-    aliases = [f'"{alternative}"{{}} as {name}' for alternative, name in names if not is_name_of(alternative, name)]
+    aliases = [f'"{alternative}"{{}} as {name}' for alternative, name in names if not names_match(alternative, name)]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
     return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text
 

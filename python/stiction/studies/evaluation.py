@@ -21,7 +21,7 @@ from stiction._units import short_repr
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import gentle_friction, hardness_under_shear
 from stiction.mechanics.friction import (
-    SIX_SUMS,
+    LOAD_SUM_NAMES,
     STATUS_DTYPE,
     STATUSES,
     VALIDITY_RATIOS,
@@ -30,16 +30,16 @@ from stiction.mechanics.friction import (
     validity_ratio,
 )
 from stiction.mechanics.quantities import (
-    DISTRIBUTIONS,
-    GAP,
+    DISTRIBUTION_QUANTITIES,
+    GAP_QUANTITIES,
     INTERPOLATED_QUANTITIES,
-    ONSET,
-    PER_AREA,
+    ONSET_QUANTITIES,
     QUANTITIES,
     RATIO_PARTS,
-    UNLOADED,
-    VALIDITY,
-    attributes_of,
+    STIFFNESS_PER_AREA_QUANTITIES,
+    VALIDITY_QUANTITIES,
+    ZERO_LOAD_SUM_QUANTITIES,
+    quantity_attributes,
 )
 from stiction.studies import intervals
 from stiction.studies.hardness import AreaInterpolator
@@ -229,8 +229,8 @@ def _evaluate_ensemble(
             along = _with_statistic(read("friction_coefficient", places), "friction_coefficient")
             dims = ["axis" if each == "direction" else each for each in along.dims]
             variables["friction_by_axis"] = xarray.Variable(dims, along.values, along.attrs)
-            first = first.assign_coords(axis=("axis", axes, attributes_of("axis")))
-    others = [name for name in (*ONSET, "contact_load") if name in head]
+            first = first.assign_coords(axis=("axis", axes, quantity_attributes("axis")))
+    others = [name for name in (*ONSET_QUANTITIES, "contact_load") if name in head]
     quantities = ("contact_area", "contact_count", "normal_stiffness", *others)
     for quantity in [name for name in quantities if _is_requested(name, names)]:
         if quantity == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
@@ -253,7 +253,7 @@ def _evaluate_ensemble(
             variables[name] = xarray.Variable(
                 (*unloaded_values.dims[1:], "statistic"), mean, unloaded_values.attrs
             ).isel(first_rule)
-    variables |= {name: round_means[name].variable for name in VALIDITY}
+    variables |= {name: round_means[name].variable for name in VALIDITY_QUANTITIES}
     variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
     dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=INTERVAL_STATISTICS)
     return dataset.transpose(*cells_of(dataset), ...)
@@ -334,7 +334,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         own_dims, fraction, attributes = variables["contact_area_fraction"]
         status, fraction = _contact_status(fraction, uses_half_space=study.uses_half_space)
         variables["contact_area_fraction"] = (own_dims, fraction, attributes)
-        variables["contact_status"] = (own_dims[:-1], status, attributes_of("contact_status"))
+        variables["contact_status"] = (own_dims[:-1], status, quantity_attributes("contact_status"))
     coefficient = tables["friction_coefficient"].transpose("repetition", *dims).values
     direction_axis = dims.index("direction") + 1
     status = tables["status"].transpose("repetition", *dims).values
@@ -350,7 +350,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     round_mean = coefficient.mean(axis=direction_axis)
     variables["friction_all_round"] = (
         (*other_dims, "statistic"), _without_round_off(order.mean(round_mean), other_dims, members),
-        attributes_of("friction_all_round"),
+        quantity_attributes("friction_all_round"),
     )  # fmt: skip
     axes, places = axes_of(members["direction"].values)
     if several and axes.size and _is_requested("friction_by_axis", names):
@@ -361,18 +361,18 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         named = ["axis" if dim == "direction" else dim for dim in dims]
         variables["friction_by_axis"] = (
             (*named, "statistic"), _without_round_off(order.mean(by_axis), named, members),
-            attributes_of("friction_by_axis"),
+            quantity_attributes("friction_by_axis"),
         )  # fmt: skip
-        coordinates["axis"] = ("axis", axes, attributes_of("axis"))
+        coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
     single_members = np.moveaxis(coefficient, direction_axis, 1)
     low, high = intervals.sample_quantiles(
         single_members.reshape(-1, *single_members.shape[2:]), SPREAD_QUANTILES
     )  # NaN if no member has a coefficient
     variables |= {
-        "spread_low": (other_dims, low, attributes_of("spread_low")),
-        "spread_high": (other_dims, high, attributes_of("spread_high")),
-        "status": (dims, common, attributes_of("status")),
-        "ok": (dims, ok.sum(axis=0), attributes_of("ok")),
+        "spread_low": (other_dims, low, quantity_attributes("spread_low")),
+        "spread_high": (other_dims, high, quantity_attributes("spread_high")),
+        "status": (dims, common, quantity_attributes("status")),
+        "ok": (dims, ok.sum(axis=0), quantity_attributes("ok")),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }  # fmt: skip
     return xarray.Dataset(variables, coordinates | {"statistic": INTERVAL_STATISTICS}, members.attrs)
@@ -481,7 +481,7 @@ def member_values(
         parts = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
         lateral = compute_load("lateral", parts, material[0][:, np.newaxis], material[1])
         dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
-        members = members.assign(lateral_load=(dims, lateral, attributes_of("lateral_load")))
+        members = members.assign(lateral_load=(dims, lateral, quantity_attributes("lateral_load")))
     return members
 
 
@@ -586,12 +586,12 @@ def _with_growth(
         onset = np.where(np.isfinite(grown["all"]), grown["all"], np.nan)
         area_dims = tuple(dim for dim in dims if dim not in MOTIONS)
         area = members["contact_area"].transpose(*area_dims[:-2]).values[..., np.newaxis, np.newaxis] * onset
-        changed["contact_area_at_onset"] = (area_dims, area, attributes_of("contact_area_at_onset"))
+        changed["contact_area_at_onset"] = (area_dims, area, quantity_attributes("contact_area_at_onset"))
     return members.drop_vars(ADHESIVE_SUMS).assign(changed)
 
 
 def member_sums(
-    result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, of: Kind | None = None
+    result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES, *, of: Kind | None = None
 ) -> xarray.Dataset:
     """Return contact sums of all members at elastic loads (mN). The default is the six sums that determine friction.
 
@@ -625,8 +625,8 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
     import xarray
 
     six = member_sums(result, loads).mean("direction")
-    dims = [str(dim) for dim in six[SIX_SUMS[0]].dims if dim != "repetition"]
-    sums = {name: six[name].transpose("repetition", *dims).values for name in SIX_SUMS}
+    dims = [str(dim) for dim in six[LOAD_SUM_NAMES[0]].dims if dim != "repetition"]
+    sums = {name: six[name].transpose("repetition", *dims).values for name in LOAD_SUM_NAMES}
     members = np.stack(compute_loads(sums, mu0, tau0))  # shape (2, members, ..., mu0, tau0)
     total = members.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -637,7 +637,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
     left_out.add(np.moveaxis(moved, 0, -1))
     half = left_out.half_width() if six.sizes["repetition"] >= intervals.MIN_SAMPLE_SIZE else np.nan
     values = np.stack([mean, np.maximum(mean - half, 0.0), mean + half], axis=-1)
-    attributes = attributes_of("friction_coefficient")
+    attributes = quantity_attributes("friction_coefficient")
     return xarray.DataArray(values, dims=(*dims, "mu0", "tau0", "statistic"), attrs=attributes)
 
 
@@ -654,7 +654,7 @@ class PerLoad:
     @classmethod
     def of(cls, six: Mapping[str, Any], **more: Any) -> Self:
         """Create the linear functions from the six mean contact sums, which are divided by the elastic load."""
-        per = {name: float(six[name] / six["normal_elastic"]) for name in SIX_SUMS}
+        per = {name: float(six[name] / six["normal_elastic"]) for name in LOAD_SUM_NAMES}
         return cls(
             elastic=per["tangential_elastic"], rub=per["tangential_frictional"], stick=per["tangential_adhesive"],
             rub_normal=per["normal_frictional"], stick_normal=per["normal_adhesive"], **more,
@@ -685,7 +685,7 @@ def _evaluate_pieces(
     return whole.isel(repetition=np.flatnonzero(is_surrogate == is_wanted))
 
 
-_FRICTION = ("friction_coefficient", "normal_load", "tangential_load", "status", "contact_area", *GAP)
+_FRICTION = ("friction_coefficient", "normal_load", "tangential_load", "status", "contact_area", *GAP_QUANTITIES)
 """Quantities that are always evaluated, because intervals of friction need the true area and the slopes of the gap."""
 
 
@@ -726,10 +726,10 @@ def _evaluate_piece(
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
     dims = (*lead, "sliding", "direction", "load", "mu0", "tau0")
     variables: dict[str, Any] = {
-        "friction_coefficient": (dims, coefficient, attributes_of("friction_coefficient")),
-        "normal_load": (dims, normal, attributes_of("normal_load")),
-        "tangential_load": (dims, tangential, attributes_of("tangential_load")),
-        "status": (dims, status, attributes_of("status")),
+        "friction_coefficient": (dims, coefficient, quantity_attributes("friction_coefficient")),
+        "normal_load": (dims, normal, quantity_attributes("normal_load")),
+        "tangential_load": (dims, tangential, quantity_attributes("tangential_load")),
+        "status": (dims, status, quantity_attributes("status")),
     }
     rules = [str(each) for each in piece["sliding"].values] if "sliding" in motions else []
     if six and {"opposing", "all"} <= set(rules):
@@ -738,7 +738,7 @@ def _evaluate_piece(
         with np.errstate(divide="ignore", invalid="ignore"):
             # The denominator is the sum of F |t·s|, which equals the load to first order in the slopes.
             opposing = rubbing_by_rule[0] / rubbing_by_rule[1]
-        variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
+        variables["share_opposing"] = ((*lead, "direction", "load"), opposing, quantity_attributes("share_opposing"))
     requested = None if names is None else {*_FRICTION, *names}
     for name in INTERPOLATED_QUANTITIES:
         if name != "normal_elastic" and not _is_requested(name, requested):
@@ -746,28 +746,31 @@ def _evaluate_piece(
         if name in tables and step in tables[name].dims:
             read = crossing.at(_over(tables[name], (*lead, step)), sums=QUANTITIES[name].proportional)
             variables[name] = ((*lead, "load"), read, tables[name].attrs)
-    for name in DISTRIBUTIONS:
+    for name in DISTRIBUTION_QUANTITIES:
         if name in tables and _is_requested(name, requested):
             read = crossing.at(_over(tables[name], (*lead, "fraction_below", step)), sums=False)
             variables[name] = ((*lead, "fraction_below", "load"), read, tables[name].attrs)
-    for name in (*GAP, "pull_off"):
+    for name in (*GAP_QUANTITIES, "pull_off"):
         if name in tables:
             variables[name] = tables[name]
     if "pull_off" in tables:
         # An element is 1 if the pull-off force of the member is only a lower bound, and 0 otherwise.
         bounds = (_over(tables["pull_off_is_bound"], lead) != 0).astype(np.float64)
-        variables["share_of_pull_off_bounds"] = (lead, bounds, attributes_of("share_of_pull_off_bounds"))
-        parts = {name: _over(tables[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
+        variables["share_of_pull_off_bounds"] = (lead, bounds, quantity_attributes("share_of_pull_off_bounds"))
+        parts = {
+            name: _over(tables[name], (*lead, *MOTIONS), missing=True)[..., None, None]
+            for name in ZERO_LOAD_SUM_QUANTITIES
+        }
         unloaded = compute_load("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
         variables["friction_at_no_load"] = (
-            (*lead, "sliding", "mu0", "tau0"), unloaded, attributes_of("friction_at_no_load"),
+            (*lead, "sliding", "mu0", "tau0"), unloaded, quantity_attributes("friction_at_no_load"),
         )  # fmt: skip
     coordinates: dict[str, Any] = {
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
     }
     parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
     coordinates |= _motions_of(piece, study) | {
-        name: (name, each, attributes_of(name)) for name, each in parameters.items()
+        name: (name, each, quantity_attributes(name)) for name, each in parameters.items()
     }
     variables = _add_ratios(variables, piece.coords.get("nominal_area"))
     variables = {name: each for name, each in variables.items() if _is_requested(name, requested)}
@@ -779,7 +782,7 @@ def _evaluate_piece(
 
 
 def _curves(
-    piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS
+    piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], Crossing]:
     """Return the members' contact sums, and the points at which the load curves reach the given loads."""
     step = find_step_dimension(piece)
@@ -795,7 +798,7 @@ def _curves(
 def _motions_of(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
     """Return coordinates for the sliding rule and the direction unless these are dimensions of the result."""
     values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.degrees())}
-    return {name: ((name,), values[name][:1], attributes_of(name)) for name in MOTIONS if name not in piece.dims}
+    return {name: ((name,), values[name][:1], quantity_attributes(name)) for name in MOTIONS if name not in piece.dims}
 
 
 def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
@@ -805,12 +808,12 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]
         pressure = pull_off.values / float(nominal_area)
-        variables["pull_off_pressure"] = (pull_off.dims, pressure, attributes_of("pull_off_pressure"))
+        variables["pull_off_pressure"] = (pull_off.dims, pressure, quantity_attributes("pull_off_pressure"))
     if nominal_area is not None:
         area = float(nominal_area)
         ratios["contact_area_fraction"] = variables["contact_area"][1] / area
         ratios["nominal_pressure"] = np.broadcast_to(elastic, elastic.shape) / area
-        for name in PER_AREA:
+        for name in STIFFNESS_PER_AREA_QUANTITIES:
             if (stiffness := QUANTITIES[name].numerator) in variables:
                 ratios[name] = 1e3 * variables[stiffness][1] / area  # converts mN/µm³ to GPa/mm
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -821,7 +824,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
         if numerator in sums and name not in sums:
             ratios[name] = validity_ratio(name, sums)
     shown = {name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_PARTS}
-    return shown | {name: (dims, values, attributes_of(name)) for name, values in ratios.items()}
+    return shown | {name: (dims, values, quantity_attributes(name)) for name, values in ratios.items()}
 
 
 def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
@@ -840,7 +843,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     """Return the status of each member as an array of shape (..., sliding, direction, load, mu0, tau0)."""
     is_known = np.isfinite(normal)
     locked = is_known & (normal <= 0)
-    status = friction.combine_status(touched=True, reached=is_known & reached & ~locked, locked=locked, below=below)
+    status = friction.combine_statuses(touched=True, reached=is_known & reached & ~locked, locked=locked, below=below)
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = find_step_dimension(piece)
     if "status" in piece:
@@ -873,6 +876,6 @@ def estimate_by_slopes(
     values = np.where(has_slopes[..., np.newaxis, :, np.newaxis, np.newaxis], np.stack(estimates, axis=-4), np.nan)
     return {
         "gentle_friction": (
-            [*dims, "sliding", "direction", "mu0", "tau0"], values, attributes_of("gentle_friction")
+            [*dims, "sliding", "direction", "mu0", "tau0"], values, quantity_attributes("gentle_friction")
         )
     }  # fmt: skip

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, number
 from stiction._units import exact_quantity, short_repr
 from stiction.mechanics.friction import friction_parameter
-from stiction.mechanics.quantities import attributes_of
+from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies import intervals
 from stiction.studies.evaluation import ensemble_friction
 from stiction.studies.maps import material_of
@@ -220,22 +220,25 @@ def friction_table(
     }
     places = ("hurst_exponent", "rms")
     variables: dict[str, Any] = {
-        **{name: ((*places, "pressure", "statistic"), values, attributes_of(name)) for name, values in means.items()},
+        **{
+            name: ((*places, "pressure", "statistic"), values, quantity_attributes(name))
+            for name, values in means.items()
+        },
         "friction_coefficient": (
             ("sliding", *places, "pressure", "mu0", "tau0", "statistic"),
             coefficient.transpose("sliding", *_DIMENSION_ORDER[1:], "mu0", "tau0", "statistic").values,
             coefficient.attrs,
         ),
-        **{name: ((*places, "statistic"), values, attributes_of(name)) for name, values in laws.items()},
+        **{name: ((*places, "statistic"), values, quantity_attributes(name)) for name, values in laws.items()},
     }  # fmt: skip
     for name, (law, variable) in fits.items():
         deviation = np.where(light, np.abs(means[variable][..., 0] / law - 1), 0.0).max(axis=-1)
-        variables[f"{name}_deviation"] = (places, deviation, attributes_of(f"{name}_deviation"))
+        variables[f"{name}_deviation"] = (places, deviation, quantity_attributes(f"{name}_deviation"))
     coordinate_values = {
         "sliding": list(study.contact.rules()), "hurst_exponent": 2 - dataset["fractal_dimension"].values,
         "rms": dataset["amplitude"].values, "pressure": pressure, "mu0": material[0], "tau0": material[1],
     }  # fmt: skip
-    coordinates = {name: (name, values, attributes_of(name)) for name, values in coordinate_values.items()}
+    coordinates = {name: (name, values, quantity_attributes(name)) for name, values in coordinate_values.items()}
     attributes = {"title": TABLE_TITLE, **{name: dataset.attrs[name] for name in ("study", "stiction_version")}}
     table = xarray.Dataset(variables, coordinates | {"statistic": ["mean", "lower", "upper"]}, attributes)
     table["pressure"].attrs["long_name"] = "normal load over nominal area"

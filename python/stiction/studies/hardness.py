@@ -21,7 +21,7 @@ from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_separately
 from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softer_material
-from stiction.mechanics.resolution import KAPPA
+from stiction.mechanics.resolution import SMALL_LOAD_KAPPA
 from stiction.studies.contact_tables import HalfSpaceContactTable
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, parse_study_input
 from stiction.studies.members import count_points, load_bodies
@@ -459,7 +459,7 @@ class AreaInterpolator:
             none = np.zeros((loads.size, 0))
             return cls(None, np.zeros(0), none[:, np.newaxis], column, np.ones(1), growth, none, pressures)
         # Without nodes, the model `area_per_load` is scaled to the area at the hardness of the study.
-        elastic_areas = np.full((loads.size, 1), KAPPA / (float(study.contact.effective_modulus) * gradient))
+        elastic_areas = np.full((loads.size, 1), SMALL_LOAD_KAPPA / (float(study.contact.effective_modulus) * gradient))
         none = np.zeros((loads.size, 1))
         return cls(
             own_hardness,

@@ -20,7 +20,7 @@ from stiction._errors import ArgumentError
 from stiction._text import format_duration
 from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.quantities import attributes_of
+from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, at_load, is_unloaded
 from stiction.studies.executors import enter_executor
@@ -332,12 +332,12 @@ def evaluate_height_scale(
         variables["contact_status"] = (("height_scale", *dims), interpolated, first["contact_status"].attrs)
     for side, rms in _compute_rms_heights(study).items():
         scaled_rms = rms * (factors if scaled in ("both", side) else np.ones(factors.size))
-        variables[f"{side}_rms"] = ("height_scale", scaled_rms, attributes_of(f"{side}_rms"))
+        variables[f"{side}_rms"] = ("height_scale", scaled_rms, quantity_attributes(f"{side}_rms"))
     used_dims = set(np.concatenate([np.ravel(dims) for dims, *_ in variables.values()]).tolist())
     coordinates: dict[str, Any] = {
         str(name): values for name, values in first.coords.items() if set(values.dims) <= used_dims
     }
-    coordinates["height_scale"] = ("height_scale", factors, attributes_of("height_scale"))
+    coordinates["height_scale"] = ("height_scale", factors, quantity_attributes("height_scale"))
     return xarray.Dataset(variables, coordinates, first.attrs | {"scaled": scaled, "solved": solved})
 
 

@@ -26,7 +26,7 @@ from stiction._files import NotReadableError, describe_os_error, read_content, r
 from stiction._text import printable_path
 from stiction._units import is_pressure, loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
-from stiction.mechanics.friction import SIX_SUMS, FrictionCurve
+from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve
 from stiction.mechanics.model import Sliding
 from stiction.studies.elasticity import Elasticity
 from stiction.studies.evaluation import PerLoad, areas_of, member_sums, member_values
@@ -651,7 +651,7 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
     return _TestFriction.of(
-        {name: at(name) for name in SIX_SUMS}, hardness=float(getattr(curve, "hardness", None) or math.nan)
+        {name: at(name) for name in LOAD_SUM_NAMES}, hardness=float(getattr(curve, "hardness", None) or math.nan)
     )
 
 

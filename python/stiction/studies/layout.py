@@ -18,7 +18,13 @@ from numpy.typing import NDArray
 from stiction._checks import check_instance, number
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
-from stiction.mechanics.quantities import DISTRIBUTIONS, GAP, QUANTITIES, STATISTICS, attributes_of
+from stiction.mechanics.quantities import (
+    DISTRIBUTION_QUANTITIES,
+    GAP_QUANTITIES,
+    QUANTITIES,
+    STATISTIC_QUANTITIES,
+    quantity_attributes,
+)
 from stiction.studies.contact_statistics import STORED_PROBABILITIES
 from stiction.studies.measured_surfaces import BodyAttributes
 from stiction.studies.study import Study
@@ -77,7 +83,7 @@ def list_coordinates(
         extra_attributes["amplitude"] = {"measure": surfaces.amplitude_measure}
     return {
         name: (
-            ArraySpec((name,), array.shape, array.dtype, attributes_of(name) | extra_attributes.get(name, {})),
+            ArraySpec((name,), array.shape, array.dtype, quantity_attributes(name) | extra_attributes.get(name, {})),
             array,
         )
         for name, array in values.items()
@@ -91,7 +97,7 @@ def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
     for name in variable_names(study):
         dims = _list_dims(study, name)
         dtype = np.dtype(QUANTITIES[name].dtype)
-        attributes: dict[str, Any] = dict(attributes_of(name))
+        attributes: dict[str, Any] = dict(quantity_attributes(name))
         if name == "status":
             attributes |= {"flag_values": np.arange(len(STATUSES)), "flag_meanings": " ".join(STATUSES)}
         variables[name] = ArraySpec(dims, tuple(sizes[dim] for dim in dims), dtype, attributes)
@@ -112,7 +118,7 @@ def variable_names(study: Study) -> tuple[str, ...]:
     """Return the variable names of a result. These are contact sums and, for measured bodies, contact statistics."""
     if not study.is_measured:
         return study.sums()
-    return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP)))
+    return tuple(dict.fromkeys((*study.sums(), *STATISTIC_QUANTITIES, *DISTRIBUTION_QUANTITIES, *GAP_QUANTITIES)))
 
 
 def _list_dims(study: Study, name: str) -> tuple[str, ...]:
@@ -151,12 +157,12 @@ def build_dataset(
     bodies = bodies or BodyAttributes()
     if study.is_measured:
         coordinates |= {
-            name: xarray.Variable(("repetition",), np.asarray(arrays[name], dtype), attributes_of(name))
+            name: xarray.Variable(("repetition",), np.asarray(arrays[name], dtype), quantity_attributes(name))
             for name, dtype in MEMBER_COORDINATES.items()
         }
         modulus = float(study.contact.effective_modulus)
         for name, value in (("nominal_area", bodies.nominal_area), ("effective_modulus", modulus)):
-            coordinates[name] = xarray.Variable((), value, attributes_of(name))
+            coordinates[name] = xarray.Variable((), value, quantity_attributes(name))
     return xarray.Dataset(
         {name: xarray.Variable(spec.dims, arrays[name], spec.attributes) for name, spec in variables.items()},
         coordinates,

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics import friction
-from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
-from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
+from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, Validity
+from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES, VALIDITY_QUANTITIES, quantity_attributes
 from stiction.studies import intervals
 from stiction.studies.executors import enter_executor
 from stiction.studies.result import Result
@@ -31,9 +31,9 @@ Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 NUM_VALUES_IN_MEMORY = 2**20
 CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that a result may have besides members and steps
 MOTIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
-_LOADS = ("contact_count", *friction.SIX_SUMS[:3])
+_LOADS = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 
-_NEEDED = {"friction_coefficient": ("contact_count", *friction.SIX_SUMS), "normal_stiffness": _LOADS}
+_NEEDED = {"friction_coefficient": ("contact_count", *friction.LOAD_SUM_NAMES), "normal_stiffness": _LOADS}
 """Contact sums that each derived quantity requires. All other quantities are stored directly."""
 
 
@@ -244,7 +244,7 @@ def ensemble_map(
         for piece in solved_pieces(result, quantity.names(), change):
             sums_by_cell = [_compute_sums(piece, what, quantity.step)] * len(means_by_cell)
 
-            def add(cell: tuple[int, ...], sums: tuple[Sums, Sums]) -> None:
+            def add(cell: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
                 for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
                     means_by_cell[cell].add(*quantity.curves(cell, *sums, slice(first, first + at_a_time)))
 
@@ -262,17 +262,17 @@ class _EnsembleQuantity:
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
         # The validity of the model is known only if the dataset contains all contact sums.
-        self.judged = all(name in head for name in SUMS)
+        self.judged = all(name in head for name in SUM_QUANTITIES)
 
     def names(self) -> tuple[str, ...]:
         """Return the names of the variables that must be read from the result."""
         variables = _list_needed_variables(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
             variables = (*variables, "approach")  # the stiffness is a derivative with respect to the approach
-        return (*variables, *(name for name in SUMS if self.judged and name not in variables))
+        return (*variables, *(name for name in SUM_QUANTITIES if self.judged and name not in variables))
 
     def curves(
-        self, cell: tuple[int, ...], sums: Sums, others: Sums, selected_members: slice = slice(None)
+        self, cell: tuple[int, ...], sums: ContactSums, others: ContactSums, selected_members: slice = slice(None)
     ) -> tuple[Floats, Floats]:
         """Return the normal loads and values of some members. The first axis runs over all pairs of mu0 and tau0."""
         pair, other_sums = (
@@ -284,13 +284,13 @@ class _EnsembleQuantity:
         return tuple(item.reshape(-1, *normal.shape[2:]) for item in (normal, values))  # type: ignore[return-value]
 
     def build_dataset(
-        self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
+        self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: ContactSums, others: ContactSums
     ) -> xarray.Dataset:
         """Build a dataset from the means and intervals computed for all cells."""
         import xarray
 
         mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
-        validity = {name: np.full(self.shape, np.nan) for name in VALIDITY}
+        validity = {name: np.full(self.shape, np.nan) for name in VALIDITY_QUANTITIES}
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
         for cell, means in means_by_cell.items():
             for array, curve_values in zip((mean, lower, upper), (means.mean, *means.interval()), strict=True):
@@ -299,23 +299,24 @@ class _EnsembleQuantity:
             normal = self.curves(cell, averages, others)[0][..., 0]
             # True if the pair is self-locked at the largest approach.
             locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
-            cell_status = friction.combine_status(
+            cell_status = friction.combine_statuses(
                 touched=bool(pair.contact_count.any()), reached=means.crossing.reached, below=means.crossing.below,
                 locked=locked,
             )  # fmt: skip
             status[cell] = _reshape_curves(cell_status, self.shape)
             if self.judged:
                 sums_at_loads = {
-                    name: means.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS
+                    name: means.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1)))
+                    for name in SUM_QUANTITIES
                 }
-                for name, figure in vars(Validity.from_sums(Sums(**sums_at_loads))).items():
+                for name, figure in vars(Validity.from_sums(ContactSums(**sums_at_loads))).items():
                     validity[name][cell] = _reshape_curves(np.where(means.crossing.reached, figure, np.nan), self.shape)
         if self.what == "friction_coefficient" or QUANTITIES[self.what].weighted:
             for array in (mean, lower, upper):
                 array /= self.loads[:, np.newaxis, np.newaxis]
         coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
         dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
-        coordinates |= {name: (name, axis, attributes_of(name)) for name, axis in dimensions}
+        coordinates |= {name: (name, axis, quantity_attributes(name)) for name, axis in dimensions}
         dims = tuple(coordinates)
         of_one = [motion for motion in MOTIONS if motion in self.head.coords]
         unit, title = QUANTITIES[self.what].unit, QUANTITIES[self.what].words
@@ -323,8 +324,8 @@ class _EnsembleQuantity:
             self.what: (dims, mean, {"units": unit, "long_name": title}),
             "lower": (dims, lower, {"units": unit, "long_name": f"lower limit of the 95 % interval of the {title}"}),
             "upper": (dims, upper, {"units": unit, "long_name": f"upper limit of the 95 % interval of the {title}"}),
-            "status": (dims, status, attributes_of("status")),
-            **{name: (dims, values, attributes_of(name)) for name, values in validity.items()},
+            "status": (dims, status, quantity_attributes("status")),
+            **{name: (dims, values, quantity_attributes(name)) for name, values in validity.items()},
         }
         coordinates |= {motion: self.head[motion].variable for motion in of_one}
         return xarray.Dataset(variables, coordinates, dict(self.head.attrs))
@@ -335,7 +336,7 @@ def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
-def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums, Sums]:
+def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[ContactSums, ContactSums]:
     """Return the contact sums, and the sums from which a quantity is computed. The first axes describe the motion."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
@@ -347,12 +348,14 @@ def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums,
         values = repetitions_last(data[name], own_dims[:-1])
         return np.broadcast_to(values.reshape([data.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
 
-    columns = {name: values_of(name) for name in SUMS}
-    sums = Sums.from_columns(columns)
+    columns = {name: values_of(name) for name in SUM_QUANTITIES}
+    sums = ContactSums.from_columns(columns)
     if QUANTITIES[quantity].weighted:
-        return sums, Sums.from_columns(columns | {name: columns[name] * values_of(quantity) for name in _LOADS[1:]})
+        return sums, ContactSums.from_columns(
+            columns | {name: columns[name] * values_of(quantity) for name in _LOADS[1:]}
+        )
     if quantity not in _NEEDED:
-        return sums, Sums.from_columns(columns | {"contact_area": values_of(quantity)})
+        return sums, ContactSums.from_columns(columns | {"contact_area": values_of(quantity)})
     if quantity != "normal_stiffness":
         return sums, sums
 
@@ -360,18 +363,22 @@ def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums,
         return np.asarray(np.gradient(values, data[step].values, axis=-2, edge_order=2))
 
     approach_step = derivative(values_of("approach")) if step == "load" else 1.0
-    return sums, Sums.from_columns(columns | {name: derivative(columns[name]) / approach_step for name in _LOADS[1:]})
+    return sums, ContactSums.from_columns(
+        columns | {name: derivative(columns[name]) / approach_step for name in _LOADS[1:]}
+    )
 
 
-def _compute_values(sums: Sums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
+def _compute_values(sums: ContactSums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
     if not (quantity in _NEEDED or QUANTITIES[quantity].weighted):
         return sums.contact_area
     return friction.compute_load("tangential" if quantity == "friction_coefficient" else "normal", sums, mu0, tau0)
 
 
-def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str) -> tuple[Sums, Sums, int]:
+def _average_sums(
+    solved: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str
+) -> tuple[ContactSums, ContactSums, int]:
     """Average both sets of sums from `_compute_sums` over the members. Also return the number of members."""
-    total: list[Sums] = []
+    total: list[ContactSums] = []
     count = 0
     for piece in solved():
         count += piece.sizes["repetition"]
@@ -380,7 +387,7 @@ def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str,
             for sums in _compute_sums(piece, quantity, step)
         ]
         total = [
-            Sums(**{name: getattr(first, name) + getattr(second, name) for name in SUMS})
+            ContactSums(**{name: getattr(first, name) + getattr(second, name) for name in SUM_QUANTITIES})
             for first, second in zip(total, added, strict=True)
         ] if total else added  # fmt: skip
     sums, others = (each.apply(lambda values: values / max(count, 1)) for each in total)

@@ -20,7 +20,7 @@ from stiction._errors import ArgumentError
 from stiction._files import NotReadableError, check_is_file, describe_os_error
 from stiction._text import printable_path
 from stiction._units import Quantity, quantity, short_repr
-from stiction.mechanics.model import THICKNESS
+from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.studies.values import (
     Case,
     CutOffs,
@@ -662,7 +662,7 @@ def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[A
     `used` is the fraction of the upper scan that the slider covers.
     """
     return SharedProperties(
-        slider, track, slider.extent * THICKNESS, [len(slider)], [slider.spacing], [used, len(slider) / len(track)],
+        slider, track, slider.extent * PROFILE_WIDTH, [len(slider)], [slider.spacing], [used, len(slider) / len(track)],
         scans,
     )  # fmt: skip
 

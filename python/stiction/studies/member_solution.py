@@ -20,18 +20,18 @@ from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_at_no_load, solve_separately
 from stiction.mechanics.load_curve import LoadCurve, press
-from stiction.mechanics.loading import SurfacePair, find_crossings
+from stiction.mechanics.loading import SurfacePair, find_approaches_at_loads
 from stiction.mechanics.model import ContactModel, Shear
 from stiction.mechanics.quantities import (
-    ADHESION,
-    AREAL_SUMS,
-    DIRECTED,
-    GAP,
-    HALF_SPACE_SUMS,
-    ONSET,
+    ADHESION_QUANTITIES,
+    AREAL_SUM_QUANTITIES,
+    DIRECTED_SUM_QUANTITIES,
+    GAP_QUANTITIES,
+    HALF_SPACE_SUM_QUANTITIES,
+    ONSET_QUANTITIES,
     QUANTITIES,
-    SUMS,
-    UNLOADED,
+    SUM_QUANTITIES,
+    ZERO_LOAD_SUM_QUANTITIES,
 )
 from stiction.studies.contact_statistics import (
     STORED_PROBABILITIES,
@@ -67,7 +67,7 @@ MPA_OVER_MM = 1e6  # conversion factor from GPa/µm to MPa/mm
 JUMP_DISTANCE = 1e-11
 """Relative distance from a jump of the load to an approach just before the jump.
 
-The distance exceeds the tolerance of `find_crossings`.
+The distance exceeds the tolerance of `find_approaches_at_loads`.
 """
 
 
@@ -86,7 +86,11 @@ def solve_at_loads(
     """
     contact = study.contact
     loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
-    values = {name: _build_unsolved_values(name, motions, loads) for name in variable_names(study) if name not in GAP}
+    values = {
+        name: _build_unsolved_values(name, motions, loads)
+        for name in variable_names(study)
+        if name not in GAP_QUANTITIES
+    }
     slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
     if isinstance(contact, HalfSpaceContactTable):
         _solve_half_space(contact, upper, lower, values, slopes, unloads=unloads)
@@ -124,7 +128,7 @@ def _solve_half_space(
     solve = functools.partial(
         half_space, upper, lower, **contact.solver_arguments(), direction=first, sliding=contact.rules()[0]
     )
-    sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
+    sums = (*HALF_SPACE_SUM_QUANTITIES, *(ADHESION_QUANTITIES[:1] if contact.adheres else ()))
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
         """Derive load curves for all sliding rules and directions from one computed load curve."""
@@ -150,7 +154,9 @@ def _solve_half_space(
     for load_indices, curve in solve_separately(solve, contact.steps()):
         curves = by_motion(curve)
         for name in sums:
-            values[name][..., load_indices] = of_motions(curves, name) if name in DIRECTED else getattr(curve, name)
+            values[name][..., load_indices] = (
+                of_motions(curves, name) if name in DIRECTED_SUM_QUANTITIES else getattr(curve, name)
+            )
         if slopes is None:
             continue
         values["status"][load_indices] = STATUSES.index("ok")
@@ -171,7 +177,7 @@ def _solve_half_space(
         if held is not None:
             values["pull_off"][...], values["pull_off_is_bound"][...] = held.pull_off_bound
         curves = [] if held is None else by_motion(held)
-        for name in UNLOADED if curves else ():
+        for name in ZERO_LOAD_SUM_QUANTITIES if curves else ():
             values[name][...] = of_motions(curves, QUANTITIES[name].numerator)[..., 0]
 
 
@@ -191,7 +197,9 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
         ]
     first_model = replace(models[0], direction=0.0) if areal else models[0]
     # Without friction, the normal force equals the elastic load.
-    approach, status = find_crossings(SurfacePair(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=first_model)
+    approach, status = find_approaches_at_loads(
+        SurfacePair(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=first_model
+    )
     values["status"][:] = [STATUSES.index(item) for item in status.tolist()]
     ok = np.flatnonzero(status == STATUS_OK)
     if not ok.size:
@@ -211,11 +219,11 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
         interpolated = sums[..., before] + share * (sums[..., at] - sums[..., before])
         return np.asarray(np.rint(interpolated) if QUANTITIES[name].dtype is int else interpolated)
 
-    names = [name for name in (*SUMS, *AREAL_SUMS) if name in values]
+    names = [name for name in (*SUM_QUANTITIES, *AREAL_SUM_QUANTITIES) if name in values]
     for rule, sliding in enumerate(contact.rules()):
         curves: list[Any] = [pressed(steps, model=replace(item, sliding=sliding)) for item in models]
         for name in names:
-            if name not in DIRECTED:
+            if name not in DIRECTED_SUM_QUANTITIES:
                 values[name][ok] = read(name, curves[0])
             else:
                 values[name][rule][..., ok] = np.concatenate([np.atleast_2d(read(name, curve)) for curve in curves])
@@ -265,7 +273,9 @@ class PressedPair:
             return cls(upper, lower, curve)
         model = replace(contact.model(), shear="+x", direction=None, sliding="all")
         model = model.for_profiles() if isinstance(upper, Profile) else replace(model, direction=0.0).for_surfaces()
-        approach, status = find_crossings(SurfacePair(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model)
+        approach, status = find_approaches_at_loads(
+            SurfacePair(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model
+        )
         if status[0] != STATUS_OK:
             return None
         bodies: Any = find_candidates_once(upper, lower, float(approach[0]), model)
@@ -430,9 +440,11 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
         bodies = (candidates(upper, lower, deepest=float(steps[-1]), curvature=models[0].curvature),)
     curves: list[Any] = [press(*bodies, steps, model=model) for model in models]  # type: ignore[call-overload]
     sums = {
-        name: np.stack([getattr(curve, name) for curve in curves]) if name in DIRECTED else getattr(curves[0], name)
+        name: np.stack([getattr(curve, name) for curve in curves])
+        if name in DIRECTED_SUM_QUANTITIES
+        else getattr(curves[0], name)
         for name in study.sums()
-        if name not in ONSET
+        if name not in ONSET_QUANTITIES
     }
     return sums | _compute_onsets(study, curves[0]) if study.contact.onset else sums
 
@@ -442,14 +454,14 @@ def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
     contact = study.contact
     assert isinstance(contact, AsperityContactTable)
     assert contact.onset is not None
-    onsets = {name: np.zeros(curve.approach.size) for name in ONSET}
+    onsets = {name: np.zeros(curve.approach.size) for name in ONSET_QUANTITIES}
     for index in np.flatnonzero(curve.normal_elastic > 0).tolist():
         onset = curve.onset(
             index, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.directions_of_motion()[0],
             steps=[SLIP_LOAD_FRACTION], poisson=contact.onset.poisson_ratio,
         )  # fmt: skip
         values = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
-        for name, value in zip(ONSET, values, strict=True):
+        for name, value in zip(ONSET_QUANTITIES, values, strict=True):
             onsets[name][index] = value
     return onsets
 
@@ -488,7 +500,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
         tables = {name: columns[name].reshape(shape) for name in study.sums()}
         yield (
             slice(first, first + family.size),
-            {name: table if name in DIRECTED else table[:, :, :1] for name, table in tables.items()},
+            {name: table if name in DIRECTED_SUM_QUANTITIES else table[:, :, :1] for name, table in tables.items()},
         )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
-from stiction.mechanics.quantities import QUANTITIES, attributes_of
+from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
 from stiction.studies.contact_picture import MAX_PICTURE_SIZE
 from stiction.studies.evaluation import OverMembers
 from stiction.studies.executors import use_idle_threads
@@ -123,7 +123,7 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
     for name in (*_CURVE_TITLES, *_NUMBER_NAMES):
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
         values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
-        variables[name] = (dims, values, attributes_of(name))
+        variables[name] = (dims, values, quantity_attributes(name))
     # The default long name refers to the onset of sliding, but the curve also contains smaller loads.
     variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {

@@ -25,7 +25,7 @@ from stiction._units import Quantity, exact_text, quantity
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import material, softer_material
-from stiction.mechanics.model import THICKNESS
+from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.studies.contact_tables import choose_load_steps
 from stiction.studies.elasticity import Elasticity, find_elasticity
 from stiction.studies.input_uncertainty import INPUT_KINDS, UNCERTAINTY_PATTERN, UncertainInput, parse_study_input
@@ -350,7 +350,7 @@ class Pair:
     def loads(self) -> list[Quantity]:
         """Requested loads (mN) in ascending order. Pressures are converted with the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
-        width_factor = 1.0 if self.options.width is None else THICKNESS / self._width
+        width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._width
         # Products are rounded, so that the loads have no spurious last digits.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")

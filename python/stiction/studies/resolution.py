@@ -138,7 +138,7 @@ class ResolvedRoughness:
         `ratio` is the multiple. The cutoff is returned with its interval.
         """
         gradient = ratio * float(self.roughness.gradient_at(self.shortest))
-        spread = float(brackets.kappa_spread(np.array(contact_count)))
+        spread = float(brackets.kappa_uncertainty_factor(np.array(contact_count)))
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, spread)
 
     def extrapolate(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
@@ -148,11 +148,13 @@ class ResolvedRoughness:
         area fractions are triples of value, lower limit and upper limit.
         """
         gradients = brackets.extrapolated_gradients(self.roughness, self.estimate, self.shortest, self.gradient)
-        flat_fraction = np.array([area_fraction * self.gradient]) / brackets.interface_stretch(np.array(self.gradient))
-        area_fractions = brackets.elastic_area(
-            gradients, flat_fraction, brackets.kappa_spread(np.array([contact_count]))
+        flat_fraction = np.array([area_fraction * self.gradient]) / brackets.interface_area_ratio(
+            np.array(self.gradient)
+        )
+        area_fractions = brackets.elastic_area_fraction(
+            gradients, flat_fraction, brackets.kappa_uncertainty_factor(np.array([contact_count]))
         )[:, 0]
-        area_fractions = area_fractions * brackets.interface_stretch(gradients[:, :1])
+        area_fractions = area_fractions * brackets.interface_area_ratio(gradients[:, :1])
         return np.array(brackets.WAVELENGTH_RATIOS) * self.shortest, gradients, area_fractions
 
 
@@ -182,7 +184,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     return ResolvedRoughness(
         shortest=max(2 * max(steps), wavelength), longest=float(np.max(gap.extent)),
         gradient=brackets.rms_gradient(gap, periodic=False), roughness=roughness,
-        estimate=brackets.gap_exponent(gap, periodic=False),
+        estimate=brackets.estimate_gap_hurst_exponent(gap, periodic=False),
     )  # fmt: skip
 
 
@@ -324,9 +326,10 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     wavelengths, gradients, fractions = scan.extrapolate(fraction, value_of(dataset.isel(cut_off=0), "contact_count"))
     steepness = gradients[:, :1]
     friction = (
-        float(dataset["mu0"]) + float(dataset["tau0"]) * fractions / brackets.interface_stretch(steepness) * area / load
+        float(dataset["mu0"])
+        + float(dataset["tau0"]) * fractions / brackets.interface_area_ratio(steepness) * area / load
     )
-    friction *= brackets.friction_stretch(steepness, scan.roughness.dimensions)
+    friction *= brackets.transverse_slope_factor(steepness, scan.roughness.dimensions)
     return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": friction}
 
 

@@ -14,8 +14,14 @@ from pydantic_core import PydanticCustomError
 from stiction._files import NotReadableError, describe_os_error, read_content
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
 from stiction._units import Quantity, exact_text, quantity, short_repr
-from stiction.mechanics.model import THICKNESS
-from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, HALF_SPACE_SUMS, ONSET, SUMS
+from stiction.mechanics.model import PROFILE_WIDTH
+from stiction.mechanics.quantities import (
+    ADHESION_QUANTITIES,
+    AREAL_SUM_QUANTITIES,
+    HALF_SPACE_SUM_QUANTITIES,
+    ONSET_QUANTITIES,
+    SUM_QUANTITIES,
+)
 from stiction.studies.contact_tables import (
     MAX_AREAL_LOAD_RATIO,
     Contact,
@@ -223,7 +229,7 @@ def _add_bracketing_loads(
 def _nominal_area(surfaces: Mapping[str, Any]) -> float:
     """Return the nominal area (µm²) of generated surfaces from the table that describes them."""
     table: Any = select_surface_case(surfaces).model_validate(surfaces)
-    return math.prod(table.extents()) if table.is_areal else float(table.extent) * THICKNESS
+    return math.prod(table.extents()) if table.is_areal else float(table.extent) * PROFILE_WIDTH
 
 
 def _empty_table() -> Any:
@@ -365,10 +371,10 @@ class Study(Table):
     def sums(self) -> tuple[str, ...]:
         """Return the names of the contact sums that are stored for each member and loading step."""
         if self.uses_half_space:
-            return HALF_SPACE_SUMS + (ADHESION if self.contact.adheres else ())
+            return HALF_SPACE_SUM_QUANTITIES + (ADHESION_QUANTITIES if self.contact.adheres else ())
         approach = ("approach",) if self.step == "load" else ()
-        onset = ONSET if self.contact.onset is not None else ()
-        return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
+        onset = ONSET_QUANTITIES if self.contact.onset is not None else ()
+        return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
         """Return the sliding rules and directions (degrees) that are dimensions of a result."""

@@ -141,7 +141,7 @@ def _format_cell(table: xarray.DataArray, factor: float = 1.0) -> str:
 
 def quantity_label(name: str, study: Study) -> str:
     """Return the label of a quantity; labels for the onset of sliding include mu0 and tau0."""
-    onset, text = study.contact.onset, QUANTITIES[name].short
+    onset, text = study.contact.onset, QUANTITIES[name].table_label
     if name == "normal_stiffness" and study.contact.hardness is not None:
         return f"{text} while loading"
     if onset is None or name not in ("displacement_at_sliding", "fraction_slipped"):

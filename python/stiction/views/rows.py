@@ -18,7 +18,7 @@ import numpy as np
 from stiction._core import __version__
 from stiction._number_format import format_estimate, format_time, to_json
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.quantities import QUANTITIES, column_of, shown_in
+from stiction.mechanics.quantities import QUANTITIES, quantities_shown_in, spreadsheet_column
 from stiction.studies.point import CELL_DIMENSIONS, rules_of
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, quantity_label
@@ -121,7 +121,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = broadcast_to_rows(dataset.variables["status"])
     else:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
-    directed = name in QUANTITIES and QUANTITIES[name].directed
+    directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
         # A single sliding rule or direction is a scalar coordinate, but it becomes a column too.
         is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
@@ -181,13 +181,17 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     position = other_columns.index(title) + 1
     table = table[[*other_columns[:position], *ends, *other_columns[position:]]]
     for key in keys:
-        table[key] *= column_of(key)[1]
-    return table.rename(columns={key: column_of(key)[0] for key in keys} | {"motion": "upper body to (degree)"})
+        table[key] *= spreadsheet_column(key)[1]
+    return table.rename(
+        columns={key: spreadsheet_column(key)[0] for key in keys} | {"motion": "upper body to (degree)"}
+    )
 
 
 def _load_quantities(dataset: xarray.Dataset) -> list[str]:
     """Return the quantities to write to a CSV file. Quantities with one value for each direction are left out."""
-    return [name for name in shown_in("csv") if name in dataset and dataset[name].sizes.get("direction", 1) == 1]
+    return [
+        name for name in quantities_shown_in("csv") if name in dataset and dataset[name].sizes.get("direction", 1) == 1
+    ]
 
 
 def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]:

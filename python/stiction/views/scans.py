@@ -11,7 +11,7 @@ from stiction._drawing import set_log_ticks
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
-from stiction.mechanics.resolution import KAPPA
+from stiction.mechanics.resolution import SMALL_LOAD_KAPPA
 from stiction.studies.input_caveats import MAX_SPECTRA_RATIO, spectra_differ
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
@@ -147,7 +147,7 @@ def _spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     roughness = joined.roughness()
-    elastic = math.sqrt(2) * roughness.gradient / KAPPA
+    elastic = math.sqrt(2) * roughness.gradient / SMALL_LOAD_KAPPA
     axes.plot(roughness.wavelength, elastic, color="black", linewidth=1)
     for index, name in enumerate(COMPARED_MATERIALS):
         body = material(name)

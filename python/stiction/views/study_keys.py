@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic_core import PydanticUndefined
 
 from stiction._units import Quantity
-from stiction.mechanics.law import LAWS_BY_NAME
+from stiction.mechanics.law import CONTACT_LAWS_BY_NAME
 from stiction.studies import values
 from stiction.studies.contact_tables import CONTACT_CASES, LAW_TABLES, SHARED_CONTACT_TABLES
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
@@ -34,7 +34,10 @@ _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
 _DEGREES_TEXT = f"degrees from {-values.MAX_DEGREES} to {values.MAX_DEGREES}"
 _ALLOWED_VALUES = {
     "law": " or ".join(
-        [*(f'`"{name}"`' for name in LAWS_BY_NAME), *(f'a table with the name `"{name}"`' for name in LAW_TABLES)]
+        [
+            *(f'`"{name}"`' for name in CONTACT_LAWS_BY_NAME),
+            *(f'a table with the name `"{name}"`' for name in LAW_TABLES),
+        ]
     ),
     "sliding": '`"opposing"`, `"all"` or a list of both',
     "unit": "a unit of length or a list of two",

@@ -22,7 +22,12 @@ from stiction._number_format import (
     format_with_unit,
 )
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import LOAD_INDEPENDENT, PER_AREA, QUANTITIES, shown_in
+from stiction.mechanics.quantities import (
+    LOAD_INDEPENDENT_QUANTITIES,
+    QUANTITIES,
+    STIFFNESS_PER_AREA_QUANTITIES,
+    quantities_shown_in,
+)
 from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, apply_checks
 from stiction.studies.budget import LOWER_SCANS_INPUT, POSITIONS_INPUT, UNRESOLVED_INPUT, UPPER_SCANS_INPUT
 from stiction.studies.point import (
@@ -461,27 +466,27 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
     has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(loads[0], study)
     rows: list[list[str]] = []
     in_words = len(loads) == 1 and study.is_measured and not verbose
-    for name in (*shown_in("table"), *(shown_in("verbose") if verbose else ())):
+    for name in (*quantities_shown_in("table"), *(quantities_shown_in("verbose") if verbose else ())):
         is_hidden = {
             "mean_pressure": in_words,  # hidden, because the printed load and area give the mean pressure
             "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
             **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or study.is_gap)),
-            **dict.fromkeys(LOAD_INDEPENDENT, not verbose),
-            **dict.fromkeys(PER_AREA, not has_area_fraction),
+            **dict.fromkeys(LOAD_INDEPENDENT_QUANTITIES, not verbose),
+            **dict.fromkeys(STIFFNESS_PER_AREA_QUANTITIES, not has_area_fraction),
         }.get(name, False)  # fmt: skip
         if name in dataset and not is_hidden and dataset[name].sizes.get("direction", 1) == 1:
             label = quantity_label(name, study) + (
-                " at least" if name in LOAD_INDEPENDENT and is_bound_on_pull_off(name, dataset) else ""
+                " at least" if name in LOAD_INDEPENDENT_QUANTITIES and is_bound_on_pull_off(name, dataset) else ""
             )
             rows += _row(name, label, [point[name] for point in loads])
             if name == "contact_area_fraction" and rows:
                 rows[-1] = _with_statuses(rows[-1], [contact_status_of(point, study) for point in loads])
     for name, below in _VERBOSE_QUANTILES if verbose else ():
         if name in dataset:
-            label = f"{QUANTITIES[name].short}, {100 * below:.0f}th percentile"
+            label = f"{QUANTITIES[name].table_label}, {100 * below:.0f}th percentile"
             rows += _row(name, label, [point[name].sel(fraction_below=below, method="nearest") for point in loads])
     if verbose and "rms_gradient" in dataset:
-        rows += _row("rms_gradient", QUANTITIES["rms_gradient"].short, [point["rms_gradient"] for point in loads])
+        rows += _row("rms_gradient", QUANTITIES["rms_gradient"].table_label, [point["rms_gradient"] for point in loads])
     if in_words:
         label = "; ".join(f"{name} {value.removesuffix(' no interval')} {unit}".rstrip() for name, unit, value in rows)
         return wrap_text(f"{label[:1].upper()}{label[1:]}.")

@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._number_format import choose_prefix, format_with_unit
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import AREAL_VALIDITY, AT_HARDNESS, ONSET, QUANTITIES, VALIDITY
+from stiction.mechanics.quantities import (
+    AREAL_VALIDITY_QUANTITIES,
+    AT_HARDNESS_QUANTITIES,
+    ONSET_QUANTITIES,
+    QUANTITIES,
+    VALIDITY_QUANTITIES,
+)
 from stiction.studies.assessment import (
     MAX_AFFECTED_FRACTION,
     MERGED_AREA_FRACTION,
@@ -132,17 +138,21 @@ def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, ta
         tables.add_points(name, values)
     validity: dict[str, Floats] = {}
     figures: list[dict[str, Any]] = []
-    for name in (name for name in (*VALIDITY, *AREAL_VALIDITY, *AT_HARDNESS) if name in node_values):
+    for name in (
+        name
+        for name in (*VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *AT_HARDNESS_QUANTITIES)
+        if name in node_values
+    ):
         values = to_leading_order(node_values[name])
         values = np.broadcast_to(values if values.ndim == len(shape) else values[..., 0], shape)
-        if not np.isfinite(values).any() or (name in AT_HARDNESS and not np.nan_to_num(values).any()):
+        if not np.isfinite(values).any() or (name in AT_HARDNESS_QUANTITIES and not np.nan_to_num(values).any()):
             continue
         quantity = QUANTITIES[name]
         validity[name] = values
         tables.add(f"validity_{len(figures)}", values)
         figures.append(
             {
-                "words": quantity.short[0].upper() + quantity.short[1:],
+                "words": quantity.table_label[0].upper() + quantity.table_label[1:],
                 "limit": MAX_AFFECTED_FRACTION if quantity.percent else MAX_OVERLAP,
                 "isDrawn": "hatch" in quantity.shown,
                 "factor": 100 if quantity.percent else 1,
@@ -299,7 +309,7 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
     if not (study.is_areal or study.uses_half_space):
         steps = head["approach"].values[has_contact]
         panels.append(profiles_panel(study, float(steps[steps.size // 2])))
-    if set(ONSET) & set(study.sums()):
+    if set(ONSET_QUANTITIES) & set(study.sums()):
         panels.append(dimension_panel(result.dataset))
     return "".join(panels)
 

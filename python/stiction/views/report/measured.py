@@ -14,7 +14,7 @@ from stiction._checks import Floats
 from stiction._number_format import format_with_unit
 from stiction._text import printable
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import QUANTITIES, shown_in
+from stiction.mechanics.quantities import QUANTITIES, quantities_shown_in
 from stiction.studies.assessment import find_smallest_limit
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.nodes import Nodes
@@ -276,7 +276,7 @@ def _reading_table(scan: MeasuredFile) -> str:
 def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
     """Return a record for each quantity except friction, with its values, interval ends, decimals and texts."""
     records = []
-    for name in (name for name in shown_in("report") if name in evaluations[0]):
+    for name in (name for name in quantities_shown_in("report") if name in evaluations[0]):
         means = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
         if not np.isfinite(means[0]).any() or (name == "load_share_at_hardness" and not np.nan_to_num(means[0]).any()):
             continue
@@ -288,7 +288,7 @@ def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
         points = factor * means
         decimals, upper_decimals = decimals_of(*np.moveaxis(points, -1, 0))
         records.append({
-            "name": name, "words": quantity.short[0].upper() + quantity.short[1:], "points": points,
+            "name": name, "words": quantity.table_label[0].upper() + quantity.table_label[1:], "points": points,
             "decimals": decimals.tolist(), "upperDecimals": upper_decimals.tolist(), "texts": texts,
             "isBeyond": (means[..., 0] > (np.inf if limit is None else limit)).tolist(),
         })  # fmt: skip
