@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from stiction.app.form import (
     FIELDS,
-    READING_FIELDS,
+    READING_FLAGS,
     fields_html,
     find_first_option,
     label_caveats,
-    page_facts,
+    page_data_json,
     replace_option_names,
 )
 from stiction.app.preview import preview_scan
@@ -19,7 +19,7 @@ from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_cho
 
 
 def test_form_fields_for_reading_files_have_the_names_of_reader_options():
-    names = {flag.replace("-", "_") for flag in READING_FIELDS}
+    names = {flag.replace("-", "_") for flag in READING_FLAGS}
     assert names < set(ReadingOptions.model_fields)
 
 
@@ -36,7 +36,7 @@ def test_choices_of_a_form_field_are_valid_values_of_its_option():
 
 
 def test_form_has_default_units_for_quantities_but_not_for_text_fields():
-    numbers = json.loads(html.unescape(page_facts()))
+    numbers = json.loads(html.unescape(page_data_json()))
     assert numbers["units"]["hardness"] == " GPa"
     assert set(numbers["units"]) | set(numbers["texts"]) <= set(FIELDS)
     assert not set(numbers["units"]) & set(numbers["texts"])

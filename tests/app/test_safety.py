@@ -21,8 +21,8 @@ pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.server_process import start_server, wait_until, write_maps
 from stiction.app import server
-from stiction.app.jobs import Jobs, run_module
-from stiction.app.server import MAX_REQUESTS
+from stiction.app.jobs import JobQueue, run_module
+from stiction.app.server import MAX_CONCURRENT_REQUESTS
 
 MAX_SERVER_MEMORY = 400e6  # memory limit in bytes; the server loads xarray and reads one scan at a time
 
@@ -310,14 +310,14 @@ def test_job_is_marked_as_stopped_before_its_partial_result_is_read(tmp_path, mo
             return '{"answer": {}, "finished": 3, "total": 9}'
 
         monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
-        queue = Jobs(tmp_path)
+        queue = JobQueue(tmp_path)
         job = queue.add("a pair", ["pair"])
         await started.wait()
         job.stop()
         await reading.wait()
         assert (job.state, job.activity) == ("stopped", "reading the finished part")
         if is_ending:
-            await asyncio.wait_for(queue.end(), 60)
+            await asyncio.wait_for(queue.shut_down(), 60)
         else:
             released.set()
             await job.task
@@ -370,12 +370,12 @@ def test_server_at_its_limit_of_simultaneous_requests_rejects_further_requests_w
     )
     (private_folder,) = app.find_private_folders()
     with ExitStack() as stack:
-        for _ in range(MAX_REQUESTS):
+        for _ in range(MAX_CONCURRENT_REQUESTS):
             client = stack.enter_context(socket.create_connection(("127.0.0.1", int(app.port))))
             client.sendall(f"PUT /scans?name=x HTTP/1.1\r\n{header_lines}\r\nContent-Length: 9\r\n\r\n1".encode())
-        wait_until(lambda: len(list(private_folder.glob("*.partial"))), lambda count: count == MAX_REQUESTS)
+        wait_until(lambda: len(list(private_folder.glob("*.partial"))), lambda count: count == MAX_CONCURRENT_REQUESTS)
         status, _, body = app.request("GET", "/jobs")
-        assert (status, f"already has {MAX_REQUESTS} requests" in body.decode()) == (503, True)
+        assert (status, f"already has {MAX_CONCURRENT_REQUESTS} requests" in body.decode()) == (503, True)
         assert app.request("GET", "/jobs", cookie="")[0] == 403
     assert wait_until(lambda: app.request("GET", "/jobs")[0], lambda status: status == 200)
 
@@ -383,7 +383,7 @@ def test_server_at_its_limit_of_simultaneous_requests_rejects_further_requests_w
 def test_late_response_is_replaced_by_a_timeout_message(tmp_path, monkeypatch):
     monkeypatch.setattr(server, "MAX_REQUEST_TIME", 0.05)
     app = server.Server(tmp_path, tmp_path, 1)
-    monkeypatch.setattr(app, "_rejection", lambda request: None)
+    monkeypatch.setattr(app, "_rejection_response", lambda request: None)
     monkeypatch.setattr(app, "_app", lambda *_: asyncio.Event().wait())
     messages = []
 

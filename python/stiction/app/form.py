@@ -17,7 +17,7 @@ FIELDS: dict[str, FormField] = {
 }
 """Form fields by the names of their options, without dashes."""
 
-READING_FIELDS = tuple(flag for flag, field in FIELDS.items() if field.place == "scan")
+READING_FLAGS = tuple(flag for flag, field in FIELDS.items() if field.place == "scan")
 """Names of the reading options that the form contains separately for each scan."""
 
 
@@ -39,7 +39,7 @@ def _field_html(flag: str, field: FormField) -> str:
     return f"<label>{html.escape(field.label)} {entry}</label>"
 
 
-def page_facts() -> str:
+def page_data_json() -> str:
     """Return the data for the page's script as JSON that is escaped for use in an HTML attribute.
 
     The data are units of plain numbers, options with commas, and descriptions of the sliding rules.

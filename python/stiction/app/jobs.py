@@ -28,9 +28,9 @@ POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a c
 MAX_SHUTDOWN_TIME = 5.0  # time in seconds that a stopped command has to write its results before it is killed
 MAX_KILL_TIME = 1.0  # maximum time in seconds to wait until a killed process has ended
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
-MAX_OUTPUT = 2**25  # maximum number of bytes that a command may print
-JOB_MEMORY = 0.5  # maximum fraction of the machine's memory that the running job may use
-READER_MEMORY = 0.25  # maximum fraction of the machine's memory that each of the two reader processes may use
+MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print
+JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the running job may use
+READER_MEMORY_FRACTION = 0.25  # maximum fraction of the machine's memory that each of the two reader processes may use
 SCOPE_TEXT = ", here and in the pictures"
 END_OF_RECORD = b"\n}\n"  # end of the JSON record that a command prints before it draws figures
 
@@ -39,7 +39,7 @@ REPORTED_ERRORS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
 """Exceptions that the app reports to the user as messages."""
 
 
-class RejectedError(ValueError):
+class RejectedRequestError(ValueError):
     """Error raised if a request is rejected, with a message to show on the page."""
 
 
@@ -69,7 +69,7 @@ class Job:
     is_ending: bool = False
     task: asyncio.Task[None] | None = None
 
-    def public(self) -> dict[str, Any]:
+    def page_data(self) -> dict[str, Any]:
         """Return a dict of the job data that the server sends to the page."""
         names = ("number", "title", "state", "finished", "total", "versions")
         return {name: getattr(self, name) for name in names} | {
@@ -84,7 +84,7 @@ class Job:
             self.task.cancel()
 
 
-class Jobs:
+class JobQueue:
     """Job queue of a server, and the directory that contains the job files."""
 
     def __init__(self, root: Path) -> None:
@@ -98,7 +98,7 @@ class Jobs:
     def add(self, title: str, arguments: list[str], *, folder: Path | None = None, preview: Any = None) -> Job:
         """Add a command to the queue. If a result of the same command is stored, its computation is resumed."""
         if sum(job.state == "waiting" for job in self.all.values()) >= MAX_WAITING_JOBS:
-            raise RejectedError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
+            raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
         stored_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(stored_arguments).encode()).hexdigest()[:12]
         folder = folder or self.root / "results" / digest / arguments[0]
@@ -106,7 +106,7 @@ class Jobs:
         job.task = asyncio.create_task(self._run_job(job))
         return job
 
-    async def end(self) -> None:
+    async def shut_down(self) -> None:
         """Stop all jobs and wait until they have ended. Their results are no longer shown."""
         self._is_ending = True
         for job in self.all.values():
@@ -148,7 +148,7 @@ class Jobs:
             try:
                 output = "--json" if job.arguments[0] == "pair" else "--part=1/1"
                 arguments = ["stiction", *job.arguments, output, f"--output={job.folder}"]
-                await run_module(arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY)
+                await run_module(arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY_FRACTION)
             finally:
                 monitor.cancel()
                 await asyncio.wait([monitor])
@@ -177,7 +177,7 @@ class Jobs:
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
-        response = json.loads(await run_module(arguments, memory=JOB_MEMORY))
+        response = json.loads(await run_module(arguments, memory=JOB_MEMORY_FRACTION))
         if response is None:
             return
         job.record, job.files, job.versions = response["answer"], files, job.versions + 1
@@ -195,10 +195,10 @@ class Jobs:
     async def run_reader(self, arguments: list[str]) -> str:
         """Run a module that finishes quickly, and return its output. At most two such modules run at the same time."""
         async with self._reader_slots:
-            return remove_paths(await run_module(arguments, memory=READER_MEMORY), self.root)
+            return remove_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)
 
 
-def limit_prefix(memory: float) -> list[str]:
+def memory_limit_prefix(memory: float) -> list[str]:
     """Return a command prefix that limits memory and kills the process if its parent dies, or an empty list."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
@@ -214,11 +214,11 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
     """Run a module in a process that ends with the server, and return the output up to the end of a record.
 
     The process may use a fraction `memory` of the machine's memory. After a cancellation it has `grace_time` seconds to
-    write its results. Raises `RejectedError` with the message of the process.
+    write its results. Raises `RejectedRequestError` with the message of the process.
     """
     process = await asyncio.create_subprocess_exec(
-        *limit_prefix(memory), sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL,
-        stdout=PIPE, stderr=PIPE, limit=MAX_OUTPUT,
+        *memory_limit_prefix(memory), sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL,
+        stdout=PIPE, stderr=PIPE, limit=MAX_OUTPUT_BYTES,
     )  # fmt: skip
     output_stream, error_stream = process.stdout, process.stderr
     assert output_stream is not None and error_stream is not None  # noqa: PT018
@@ -226,16 +226,16 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
     try:
         return (await output_stream.readuntil(END_OF_RECORD)).decode()
     except asyncio.LimitOverrunError:
-        raise RejectedError("the output of the command is too long for the page") from None
+        raise RejectedRequestError("the output of the command is too long for the page") from None
     except asyncio.IncompleteReadError as incomplete:
         if (status := await process.wait()) == 0:
             return incomplete.partial.decode()
         if status < 0:
             name = signal.Signals(-status).name
-            raise RejectedError(f"the system ended the command ({name}); memory may be insufficient") from None
+            raise RejectedRequestError(f"the system ended the command ({name}); memory may be insufficient") from None
         lines = [line.removeprefix("stiction: ") for line in (await errors).decode(errors="replace").splitlines()]
         messages = [line for line in lines if not line.startswith(("warning: ", "try stiction "))]
-        raise RejectedError("\n".join(messages[-3:]) or "the command ended without a message") from None
+        raise RejectedRequestError("\n".join(messages[-3:]) or "the command ended without a message") from None
     finally:
         if process.returncode is None and grace_time:
             process.send_signal(signal.SIGINT)

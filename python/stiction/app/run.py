@@ -24,7 +24,7 @@ MAX_WINDOW_ABSENCE = 90.0
 
 MAX_WAIT_FIRST_WINDOW = 600.0  # time in seconds within which the first window must be opened
 
-MAX_IDLE = 20.0  # time in seconds within which a connection must send its request headers
+MAX_IDLE_TIME = 20.0  # time in seconds within which a connection must send its request headers
 MAX_IDLE_CONNECTIONS = 64
 """Maximum number of connections without a complete request head; if there are more, the oldest is closed."""
 
@@ -37,7 +37,7 @@ class Connection(H11Protocol):
     def connection_made(self, transport: Any) -> None:
         """Start the timer of a new connection."""
         super().connection_made(transport)
-        self.idle[self] = self.loop.call_later(MAX_IDLE, self._abort)
+        self.idle[self] = self.loop.call_later(MAX_IDLE_TIME, self._abort)
         if len(self.idle) > MAX_IDLE_CONNECTIONS:
             # The check runs in a second callback, so that the event loop first reads requests that have arrived.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
@@ -99,7 +99,7 @@ async def _serve(
     loop = asyncio.get_running_loop()
 
     def end() -> None:
-        server.end()
+        server.shut_down()
         http_server.should_exit = True
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):

@@ -26,8 +26,8 @@ from starlette.routing import Route
 from stiction._files import replaced_file
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
-from stiction.app.form import FIELDS, READING_FIELDS, fields_html, label_caveats, page_facts
-from stiction.app.jobs import Job, Jobs, RejectedError, remove_paths
+from stiction.app.form import FIELDS, READING_FLAGS, fields_html, label_caveats, page_data_json
+from stiction.app.jobs import Job, JobQueue, RejectedRequestError, remove_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
@@ -35,23 +35,23 @@ MAX_SCAN_BYTES = 300_000_000  # maximum size of an uploaded scan in bytes, equal
 MAX_TOTAL_BYTES = 2_000_000_000  # maximum total size of all uploaded scans in bytes
 MAX_REQUEST_BYTES = 2**16  # maximum size in bytes of a request that does not upload a scan
 MAX_REQUEST_TIME = 120.0  # maximum time in seconds for a request and its response
-MAX_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six at a time
+MAX_CONCURRENT_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six at a time
 MAX_NAME_LENGTH = 60  # maximum number of characters of a scan name
 MAX_LISTED_RESULTS = 100  # maximum number of results in the list of results
 MAX_PREVIEW_POINTS = 2**21  # no preview is drawn for scans with more points than this
 REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
-KEY_HEADER = "x-stiction-key"
+ACCESS_KEY_HEADER = "x-stiction-key"
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths that need no key, because they contain no private content
 
 ALLOWED_OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
 """Options of each command that the page may set."""
 
-ALLOWED_CHANGE = re.compile(
+ALLOWED_CHANGE_PATTERN = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
 )
 """Pattern of the study settings that the page may change, none of which is a file name."""
 
-REPORT_POLICY = (
+REPORT_SECURITY_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
     "frame-ancestors 'self'"
 )
@@ -62,10 +62,10 @@ RESPONSE_HEADERS = {
     "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin",
     "connection": "close",  # the server closes the connection after each response
 }  # fmt: skip
-ENDED_RESPONSE = PlainTextResponse("The server has ended.\n", 503)
-BUSY_RESPONSE = PlainTextResponse(f"The server already has {MAX_REQUESTS} requests; try again later.\n", 503)
+SERVER_ENDED_RESPONSE = PlainTextResponse("The server has ended.\n", 503)
+BUSY_RESPONSE = PlainTextResponse(f"The server already has {MAX_CONCURRENT_REQUESTS} requests; try again later.\n", 503)
 TIMEOUT_RESPONSE = PlainTextResponse(f"The request took longer than {MAX_REQUEST_TIME:.0f} s.\n", 503)
-FOREIGN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.\n", 403)
+CROSS_ORIGIN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.\n", 403)
 
 
 class Server:
@@ -85,7 +85,7 @@ class Server:
         self.token: str | None = secrets.token_urlsafe(24)
         self._secret, self._cookie = secrets.token_urlsafe(24), f"stiction-{port}"
         self._key = secrets.token_urlsafe(24)
-        self.jobs = Jobs(root)
+        self.jobs = JobQueue(root)
         self.scans: dict[str, Path] = {}
         self.points: dict[str, int] = {}
         self.num_arriving_bytes = 0
@@ -95,7 +95,7 @@ class Server:
         routes: list[tuple[str, str, Any]] = [
             ("GET", "/", self.get_page), ("GET", "/app.{kind:str}", self.get_asset),
             ("PUT", "/scans", self.store_scan), ("GET", "/scans/{scan}", self.preview_scan),
-            ("POST", "/demo", self.add_samples), ("GET", "/scans/{scan}/{name}", self.get_scan),
+            ("POST", "/demo", self.add_sample_surfaces), ("GET", "/scans/{scan}/{name}", self.get_scan),
             ("GET", "/jobs", self.list_jobs), ("POST", "/jobs", self.add_job),
             ("POST", "/jobs/{job:int}/stop", self.stop_job), ("GET", "/jobs/{job:int}/at", self.evaluate_result),
             ("GET", "/jobs/{job:int}/{name}", self.get_file), ("GET", "/results", self.list_results),
@@ -110,9 +110,9 @@ class Server:
     @asynccontextmanager
     async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
         yield
-        await self.jobs.end()
+        await self.jobs.shut_down()
 
-    def end(self) -> None:
+    def shut_down(self) -> None:
         """Answer all pending and later requests with a message that the server has shut down."""
         self._has_ended = True
         for task in self._requests:
@@ -132,8 +132,8 @@ class Server:
 
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
-        rejection = ENDED_RESPONSE if self._has_ended else self._rejection(Request(scope))
-        if rejection is None and len(self._requests) >= MAX_REQUESTS:
+        rejection = SERVER_ENDED_RESPONSE if self._has_ended else self._rejection_response(Request(scope))
+        if rejection is None and len(self._requests) >= MAX_CONCURRENT_REQUESTS:
             rejection = BUSY_RESPONSE
         if rejection is not None:
             return await rejection(scope, receive, send_with_headers)
@@ -145,20 +145,20 @@ class Server:
         except TimeoutError:
             rejection = TIMEOUT_RESPONSE
         except asyncio.CancelledError:
-            rejection = ENDED_RESPONSE
+            rejection = SERVER_ENDED_RESPONSE
         finally:
             self._requests.discard(task)
         if rejection is not None:
             with suppress(RuntimeError):  # raised if the response has already started
                 await rejection(scope, receive, send_with_headers)
 
-    def _rejection(self, request: Request) -> Response | None:
+    def _rejection_response(self, request: Request) -> Response | None:
         headers = request.headers
         if headers.getlist("host") != [self.host]:
             return PlainTextResponse(f"This server accepts requests for {self.origin} only.\n", 421)
         origin = headers.getlist("origin")
         if any(item != self.origin for item in origin) or (request.method != "GET" and not origin):
-            return FOREIGN_RESPONSE
+            return CROSS_ORIGIN_RESPONSE
         token = request.query_params.get("token", "")
         if request.url.path == "/" and request.method == "GET" and token:
             if self.token is not None and _are_equal(token, self.token):
@@ -167,8 +167,8 @@ class Server:
                 response.set_cookie(self._cookie, self._secret, httponly=True, samesite="strict", path="/")
                 return response
         elif headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
-            return FOREIGN_RESPONSE
-        key = headers.get(KEY_HEADER) or request.query_params.get("key", "")
+            return CROSS_ORIGIN_RESPONSE
+        key = headers.get(ACCESS_KEY_HEADER) or request.query_params.get("key", "")
         has_access = request.url.path in PUBLIC_PATHS or _are_equal(key, self._key)
         if not (_are_equal(request.cookies.get(self._cookie, ""), self._secret) and has_access):
             return PlainTextResponse(
@@ -188,7 +188,7 @@ class Server:
         demo, menu = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
         text = Template(_read_file("app.html")).substitute(
             materials=entries, demo=demo, menu=menu, max_bytes=MAX_SCAN_BYTES, reading=fields_html("scan"),
-            more=fields_html("more"), facts=page_facts(),
+            more=fields_html("more"), facts=page_data_json(),
         )  # fmt: skip
         return Response(text, media_type="text/html")
 
@@ -204,7 +204,7 @@ class Server:
     async def add_menu_entry(self, _: Request) -> Response:
         """Add the app to the applications menu of the desktop, so that it starts without a terminal."""
         if re.search(r'["`$\\%\n]', f"{sys.executable}{self.working_directory}"):
-            raise RejectedError(f"{sys.executable}: a menu entry cannot contain this path")
+            raise RejectedRequestError(f"{sys.executable}: a menu entry cannot contain this path")
         data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
         data.mkdir(parents=True, exist_ok=True)
         with replaced_file(data / "stiction.desktop", b"Name=stiction\n", ValueError) as partial:
@@ -248,15 +248,15 @@ class Server:
                 # The rest of the upload is read, because otherwise the browser would not receive the error.
                 async for _ in request.stream():
                     pass
-            raise RejectedError(f"the scan cannot be stored: {error.strerror}") from None
+            raise RejectedRequestError(f"the scan cannot be stored: {error.strerror}") from None
         finally:
             self.num_arriving_bytes -= length
             partial.unlink(missing_ok=True)
         return JSONResponse({"scan": scan})
 
-    async def add_samples(self, _: Request) -> Response:
+    async def add_sample_surfaces(self, _: Request) -> Response:
         """Store two sample surfaces in the same way as uploaded scans."""
-        paths = await asyncio.to_thread(sample_surfaces.write_samples, self.root / "files" / "demo")
+        paths = await asyncio.to_thread(sample_surfaces.write_sample_surfaces, self.root / "files" / "demo")
         self.scans |= {path.stem: path for path in paths}
         return JSONResponse([{"scan": path.stem, "name": path.name} for path in paths])
 
@@ -273,17 +273,17 @@ class Server:
     async def preview_scan(self, request: Request) -> Response:
         """Return the preview of a scan."""
         scan, query = request.path_params["scan"], request.query_params
-        reading = json.dumps({name: query.get(name, "")[:80] for name in READING_FIELDS})
+        reading = json.dumps({name: query.get(name, "")[:80] for name in READING_FLAGS})
         output = await self.jobs.run_reader(["stiction.app.preview", str(self._find_scan(scan)), reading])
         self.points[scan] = json.loads(output).get("points", 0)
         return Response(output, media_type="application/json")
 
-    # ---- Jobs -------------------------------------------------------------------------------------------------------
+    # ---- Jobs ------------------------------------------------------------------------------------------------------
 
     async def list_jobs(self, _: Request) -> Response:
         """Return the progress of all jobs."""
         self.last_request_time, self.has_window = asyncio.get_running_loop().time(), True
-        jobs = json.dumps([job.public() for job in self.jobs.all.values()])
+        jobs = json.dumps([job.page_data() for job in self.jobs.all.values()])
         return Response(remove_paths(jobs, self.root), media_type="application/json")
 
     async def add_job(self, request: Request) -> Response:
@@ -301,7 +301,7 @@ class Server:
         for name, value in options:
             if name not in ALLOWED_OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
-            if name == "set" and not ALLOWED_CHANGE.fullmatch(value):
+            if name == "set" and not ALLOWED_CHANGE_PATTERN.fullmatch(value):
                 raise HTTPException(400, f"set must be one of the settings on the page, got {short_repr(value)}")
         arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
@@ -337,7 +337,9 @@ class Server:
         if name not in [path.name for path in folder.iterdir()]:
             _raise_not_found()
         saved_name = name if "save" in request.query_params else None
-        return FileResponse(folder / name, filename=saved_name, headers={"content-security-policy": REPORT_POLICY})
+        return FileResponse(
+            folder / name, filename=saved_name, headers={"content-security-policy": REPORT_SECURITY_POLICY}
+        )
 
     # ---- Existing results and generated surfaces -------------------------------------------------------------
 
@@ -359,7 +361,7 @@ class Server:
     async def draw_profiles(self, request: Request) -> Response:
         """Return an image of two generated profiles around their first contact."""
         changes = dict(json.loads(request.query_params.get("set", "")))
-        if not all(ALLOWED_CHANGE.fullmatch(f"{key}=") for key in changes):
+        if not all(ALLOWED_CHANGE_PATTERN.fullmatch(f"{key}=") for key in changes):
             raise HTTPException(400)
         return Response(await asyncio.to_thread(sample_surfaces.draw_profiles, changes), media_type="image/svg+xml")
 
