@@ -145,7 +145,7 @@ def option_was_given(context: typer.Context, name: str) -> bool:
     return source is not None and source.name != "DEFAULT"
 
 
-class _Command(TyperCommand):
+class _PanelCommand(TyperCommand):
     """Command whose help lists the options in panels. Value types and ranges are not shown."""
 
     common: Collection[str] = ()  # parameters listed in the short help of a command that has many parameters
@@ -177,7 +177,7 @@ class _Command(TyperCommand):
                 formatter.write_dl(rows)
 
 
-class _Commands(TyperGroup):
+class _LazyCommandGroup(TyperGroup):
     """Command group that imports the module of a command on demand, because imports are slow."""
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -189,7 +189,7 @@ class _Commands(TyperGroup):
             return None
         with exit_on_interrupt():
             import_module(f"stiction.cli.{modules[cmd_name]}")
-        result = cast("_Command", typer.main.get_command(_APPLICATIONS[cmd_name]))
+        result = cast("_PanelCommand", typer.main.get_command(_APPLICATIONS[cmd_name]))
         result.common = _SHORT_HELP_PARAMETERS.get(cmd_name, ())
         return result
 
@@ -213,7 +213,7 @@ _TYPER_OPTIONS: dict[str, Any] = {
 
 app = typer.Typer(
     name="stiction",
-    cls=_Commands,
+    cls=_LazyCommandGroup,
     help="Compute the coefficient of static friction of rough surfaces from their topography.",
     epilog=format_epilog(
         "stiction pair upper.csv lower.csv --young '210 GPa' \\",
@@ -236,7 +236,7 @@ def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[F
     """
     application = _APPLICATIONS[name] = typer.Typer(**_TYPER_OPTIONS)
     _SHORT_HELP_PARAMETERS[name] = common
-    return application.command(name, cls=_Command, epilog=format_epilog(*lines))
+    return application.command(name, cls=_PanelCommand, epilog=format_epilog(*lines))
 
 
 _OPTION_NAMES = {"height_scale": "--scale-heights", "compute=True": "--compute"}

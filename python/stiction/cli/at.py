@@ -130,7 +130,7 @@ def at(
                 got=repr(hurst),
             )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
-    values = _select_nearest(values, dimensions, None if length is None else [length])
+    values = _select_nearest_cells(values, dimensions, None if length is None else [length])
     if direction is not None:
         values = _select_direction(values, direction)
     summary = result.summary_of(values)
@@ -191,7 +191,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
     return sorted(loads)
 
 
-def _select_nearest(
+def _select_nearest_cells(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
     """Select the computed fractal dimensions and amplitudes (µm) nearest to the given values.

@@ -136,7 +136,7 @@ def characterise(
                 print_message(f"{printable_path(file)}: {caveat}")
         if dry_run:
             continue
-        body = _level_body(_select_line(scan.body, row, column), level)
+        body = _level_body(_select_row_or_column(scan.body, row, column), level)
         body = body if cutoff_wavelength is None else cut_off(body, cutoff_wavelength)
         characterisations.append(
             views.Characterisation(body, band=hurst_band, tip_radius=radius, textured=texture is not None, **filters)
@@ -239,7 +239,7 @@ def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, r
     from stiction.views.report.page import REPORT_MARK
     from stiction.views.style import FIGURE_FILE_MARKS
 
-    paths = _paths(files, output, together=together, repeated=repeated)
+    paths = _list_output_paths(files, output, together=together, repeated=repeated)
     marks = {".html": REPORT_MARK.encode(), **FIGURE_FILE_MARKS}
     for path in paths:
         if (ending := path.suffix.lower()) in marks:
@@ -249,7 +249,7 @@ def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, r
     return paths
 
 
-def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
+def _list_output_paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     if repeated and together:
         raise ValueError("--repeated must not be combined with --together")
     if repeated and len(files) != 2:
@@ -271,7 +271,7 @@ def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: 
     return [output] if has_several or output.suffix.lower() == ".html" else [output.with_suffix(".html"), output]
 
 
-def _select_line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
+def _select_row_or_column(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
     """Return a row or a column of a surface, or the body unchanged if no index is given."""
     for name, index, other in (("row", row, column), ("column", column, row)):
         if index is None:

@@ -179,7 +179,7 @@ def pair(
         write_pair_files(result, print_written=print_written)
 
 
-def preview_line(study: Study) -> str:
+def format_preview_line(study: Study) -> str:
     """Return a line of text with a preview of the friction coefficient. Only the first members are computed.
 
     Raises `ValueError` if the surfaces do not touch.
@@ -198,4 +198,4 @@ def submit_preview(study: Study | None, executor: Executor) -> None:
             print_message(future.result())
 
     if study is not None and has_terminal():
-        executor.submit(preview_line, study).add_done_callback(print_preview)
+        executor.submit(format_preview_line, study).add_done_callback(print_preview)

@@ -20,7 +20,7 @@ from stiction.cli.pair_options import pair_option
 from stiction.studies.store import CHECKSUM_SEAL
 
 NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
-TABLE_OUTPUT_MARKS = {
+TABLE_OUTPUT_SIGNATURES = {
     NETCDF_FILE_NAME: CHECKSUM_SEAL,
     CSV_FILE_NAME: b"stiffness over area (GPa/um)",
     LAWS_FILE_NAME: b"b of k/A0 = b p^c",
@@ -89,14 +89,14 @@ def table_command(
         repetitions=repetitions,
         seed=seed,
     )
-    check_files(output, TABLE_OUTPUT_MARKS)
+    check_files(output, TABLE_OUTPUT_SIGNATURES)
     with open_executor(workers, scheduler) as executor:
         result = compute_in_folder(study, output, executor)
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
     export(table, output / NETCDF_FILE_NAME, replace=(output / NETCDF_FILE_NAME).exists())
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, laws_csv(table))):
-        replace_text(output / name, text, TABLE_OUTPUT_MARKS[name])
+        replace_text(output / name, text, TABLE_OUTPUT_SIGNATURES[name])
     for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
         print_output(f"wrote {output / name}")
 
