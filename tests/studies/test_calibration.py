@@ -287,7 +287,7 @@ def test_calibration_with_mu0_fixed_at_zero_reports_no_samples_at_bounds() -> No
 def test_error_of_area_ratio_between_hardnesses_is_the_standard_error_over_members() -> None:
     tested_pair = pair(*rough_faces(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
     test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
-    yielding = test.yields
+    yielding = test.area_factor
     assert yielding is not None
     assert yielding.error in yielding.names
     solved = load_areas_over_hardness(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()

@@ -130,7 +130,7 @@ def calibrate(
         (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
         for ratio, test in zip(first.ratio, tests, strict=True)
     ]
-    advice = () if separated else first.advice()
+    advice = () if separated else first.suggest_tests()
     entries = {"kind": "measured"} | ({HARDNESS_ENTRY: first.shared_hardness.text} if first.shared_hardness else {})
     entries |= {GROWTH_ENTRY: first.growth.short_text} if first.growth is not None else {}
-    return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), entries)
+    return Interface(tuple(fits), first.mean_area_per_load, first.variation, separated, advice, tuple(points), entries)

@@ -21,7 +21,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
-from stiction.studies.calibration_growth import best_coefficients, range_of_strength
+from stiction.studies.calibration_growth import find_best_mu0, find_tau0_range
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, sobol_points
 from stiction.studies.interfaces import (
     UNLIKELY_PROBABILITY,
@@ -36,21 +36,22 @@ from stiction.studies.interfaces import (
 MIN_VARIATION = 0.1
 # Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
 # A nuisance point is a set of values of the nuisance parameters.
-ROUND_POINTS, MAX_POINTS = 256, 8192
+NUM_ROUND_POINTS, MAX_NUISANCE_POINTS = 256, 8192
 # The result starts with the first number of nuisance points.
 # The first number is doubled for each nuisance parameter, up to the second number.
 FINAL_POINTS = 256, 1024
 MAX_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
-MAX_ROUNDS = 8  # maximum number of rounds of adaptation
+MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
 # The adaptation ends when the effective sample size exceeds this fraction of the nuisance points.
 MIN_SAMPLE_FRACTION = 0.4
-MIN_EFFECTIVE = 300.0  # nuisance points are added to the result until the effective sample size exceeds this value
+# nuisance points are added to the result until the effective sample size exceeds this value
+MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that represent their joint distribution
 # increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations)
-GRID_DEPTH = 34.0
-PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal distribution (Student's t)
-OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
+MAX_GRID_DEVIANCE = 34.0
+PROPOSAL_DEGREES_OF_FREEDOM = 5.0  # degrees of freedom of the proposal distribution (Student's t)
+OUTLIER_DEGREES_OF_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
 MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior for the relative standard deviation between runs
 
 MAX_GRID_POINTS = 256  # maximum number of nuisance points in a batch if contacts grow under shear
@@ -58,7 +59,7 @@ GAIN_NUISANCE, SPREAD_NUISANCE = "gain", "spread between runs"  # names of nuisa
 
 
 @dataclass(frozen=True)
-class _Best:
+class _BestFit:
     """Best fit to the friction tests of a calibration: mu0, tau0, nuisance parameters and residuals."""
 
     mu0: float
@@ -71,7 +72,7 @@ class _Best:
 
 
 @dataclass(frozen=True)
-class _Cells:
+class _GridLimits:
     """Limits of the mu0-tau0 grids. Each nuisance point (a set of nuisance-parameter values) has its own grid."""
 
     triangle: Floats  # triangular QR factors of the equations (points, 3, 3)
@@ -86,10 +87,10 @@ class _Cells:
 
 
 @dataclass(frozen=True)
-class _Grid:
+class _ProbabilityGrid:
     """Grids of mu0 and tau0, with the log probability of each cell. Each nuisance point has its own grid."""
 
-    cells: _Cells
+    cells: _GridLimits
     # logarithms of the probabilities (points, tau0, mu0), excluding the prior of the nuisance parameters
     log_probability: Floats
 
@@ -136,23 +137,23 @@ class CalibrationProblem:
                 scatters[equation.surfaces] = max(scatters.get(equation.surfaces, 0.0), equation.scatter)
         self._scatters = scatters
         self.grows = any(
-            equation.yields is not None and equation.yields.growth is not None for equation in self._friction
+            equation.area_factor is not None and equation.area_factor.growth is not None for equation in self._friction
         )
-        inputs = [name for equation in self._friction if equation.yields for name in equation.yields.names]
+        inputs = [name for equation in self._friction if equation.area_factor for name in equation.area_factor.names]
         self._members = _run_members(tests)
         self.nuisances: list[Hashable] = [
             *([GAIN_NUISANCE] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
             *([SPREAD_NUISANCE] if len(self._members) else []),
         ]  # fmt: skip
         """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
-        middle = self._columns(np.zeros((1, len(self.nuisances))))
+        middle = self._equation_coefficients(np.zeros((1, len(self.nuisances))))
         self.ratio = middle[1][0] / middle[0][0]
         """A/F (1/GPa) of each test at zero scores. If contacts grow, A is the area at the measured coefficient."""
         self._offsets, self._offset_sizes = self._run_offsets(middle)
 
     # ---- Equations --------------------------------------------------------------------------------------------------
 
-    def _columns(
+    def _equation_coefficients(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
         """Compute the coefficients `rub`, `stick` and `right` of the test equations from the nuisance scores.
@@ -172,12 +173,15 @@ class CalibrationProblem:
 
         def area(test: int) -> Floats:
             equation, factor = self._friction[test], np.ones(shape)
-            if equation.yields is not None:
+            if equation.area_factor is not None:
                 is_measured = mu0 is None or tau0 is None
-                key = id(equation), self.measured[test] if is_measured and equation.yields.growth is not None else None
+                key = (
+                    id(equation),
+                    self.measured[test] if is_measured and equation.area_factor.growth is not None else None,
+                )
                 if key not in areas:
                     sheared = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
-                    areas[key] = equation.yields.area(probability, ShearStrength(self.sliding, *sheared))
+                    areas[key] = equation.area_factor.area(probability, ShearStrength(self.sliding, *sheared))
                 factor = factor * areas[key]
             if equation.scatter > 0:
                 factor = factor * np.exp(self._scatters[equation.surfaces] * score_of[equation.surfaces]).reshape(shape)
@@ -209,7 +213,7 @@ class CalibrationProblem:
         if not len(self._members):
             return np.zeros((0, len(self.slid))), np.zeros(0)
         rub, stick, right = (column[0] for column in middle)
-        mu0, tau0 = _nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
+        mu0, tau0 = _solve_nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
         shifts = self._members * (rub * mu0 + stick * tau0) / self.error
         # For a standard deviation of 1 between runs, these are the errors of all tests, with or without sliding.
         self._run_errors = (shifts * self.error).sum(axis=0)
@@ -223,16 +227,19 @@ class CalibrationProblem:
         return np.where(self.slid, 1.0 / self.error**2, 0.0)
 
     @property
-    def pivot(self) -> float:
+    def mean_area_per_load(self) -> float:
         """Weighted mean of A/F (true area per load, 1/GPa). Only tests with sliding are included."""
         return float(np.average(self.ratio, weights=self._weight))
 
     @property
     def variation(self) -> float:
         """Weighted relative standard deviation of A/F (true area per load) among the tests with sliding."""
-        return float(np.sqrt(np.average((self.ratio - self.pivot) ** 2, weights=self._weight)) / self.pivot)
+        return float(
+            np.sqrt(np.average((self.ratio - self.mean_area_per_load) ** 2, weights=self._weight))
+            / self.mean_area_per_load
+        )
 
-    def _spread(self, scores: Floats) -> Floats:
+    def _run_deviation(self, scores: Floats) -> Floats:
         """Compute the relative standard deviation between runs for each nuisance point."""
         from scipy.special import ndtr
 
@@ -241,16 +248,16 @@ class CalibrationProblem:
         probability = np.minimum(ndtr(scores[:, self.nuisances.index(SPREAD_NUISANCE)]), 1 - 1e-9)
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
-    def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
+    def _weighted_rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
         """Divide the equations of the tests with sliding by the errors, and decorrelate them within each run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
         """
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
-        return self._independent(rows, scale, spread)
+        return self._decorrelate_runs(rows, scale, spread)
 
-    def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
+    def _decorrelate_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
         """Transform rows of shape (points, tests with sliding, k) so that the tests of one run are uncorrelated.
 
         Also returns the logarithms of the normalization factors (points,).
@@ -272,21 +279,21 @@ class CalibrationProblem:
         The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
         """
-        columns = self._columns(scores, mu0, tau0)
+        columns = self._equation_coefficients(scores, mu0, tau0)
         cells = tuple(1 for _ in mu0.shape[1:])
         rub, right = (column.reshape(*column.shape, *cells) for column in (columns[0], columns[2]))
         with np.errstate(invalid="ignore"):
             misfit = right - rub * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
             misfit = misfit[:, self.slid] / self.error[self.slid].reshape(-1, *cells)
             misfit = misfit / scale.reshape(-1, 1, *cells)
-            rows = self._independent(misfit.reshape(*misfit.shape[:2], -1), scale, spread)[0]
+            rows = self._decorrelate_runs(misfit.reshape(*misfit.shape[:2], -1), scale, spread)[0]
         rows = np.where(np.isfinite(rows), rows, np.inf)
         return rows.reshape(misfit.shape), columns
 
     # ---- Best fit ---------------------------------------------------------------------------------------------------
 
     @cached_property
-    def best(self) -> _Best:
+    def best_fit(self) -> _BestFit:
         """Values of mu0, tau0 and the nuisance parameters that fit the tests best.
 
         Offsets of runs are free parameters, so that residuals contain only the scatter within runs. Outliers get
@@ -304,8 +311,8 @@ class CalibrationProblem:
             return scores
 
         def equations(moves: Floats) -> Floats:
-            columns = self._columns(to_scores(moves))
-            rows = self._rows(columns, np.full(len(moves), scale), np.full(len(moves), 1e6 * scale))[0]
+            columns = self._equation_coefficients(to_scores(moves))
+            rows = self._weighted_rows(columns, np.full(len(moves), scale), np.full(len(moves), 1e6 * scale))[0]
             return np.asarray(rows * robust[self.slid, np.newaxis])
 
         at_middle = equations(np.zeros((1, len(moved))))[0]
@@ -345,7 +352,7 @@ class CalibrationProblem:
         lower = np.concatenate([np.zeros(len(free)), np.full(len(moved), -np.inf)])
         x = np.zeros(len(free) + len(moved))
         for _ in range(1 if self.has_errors and not self.outliers else 4):
-            start = _nonnegative(equations(x[np.newaxis, len(free) :])[0], np.ones(len(at_middle)), self.known)
+            start = _solve_nonnegative(equations(x[np.newaxis, len(free) :])[0], np.ones(len(at_middle)), self.known)
             x[: len(free)] = np.array(start)[free] * size[free] + 1e-9
             while self.grows and free and not np.isfinite(residuals(x)).all() and x[: len(free)].max() > 1e-9:
                 x[: len(free)] /= 2  # halve the strengths while the interface seizes
@@ -357,17 +364,17 @@ class CalibrationProblem:
                 middle = np.median(np.abs(misfit)) / 0.6745 if self.outliers else np.sqrt((misfit**2).mean())
                 scale, misfit = scale * max(float(middle), 1e-9), misfit / max(float(middle), 1e-9)
             if self.outliers:
-                robust[self.slid] = np.sqrt((OUTLIER_FREEDOM + 1) / (OUTLIER_FREEDOM + misfit**2))
+                robust[self.slid] = np.sqrt((OUTLIER_DEGREES_OF_FREEDOM + 1) / (OUTLIER_DEGREES_OF_FREEDOM + misfit**2))
         scores = np.zeros(len(self.nuisances))
         scores[moved] = x[len(free) :]
         mu0, tau0 = values(x)
-        return _Best(float(mu0), float(tau0), scores, misfit, slope, robust, scale)
+        return _BestFit(float(mu0), float(tau0), scores, misfit, slope, robust, scale)
 
     def fit(self) -> Fit:
         """Compute the joint distribution of mu0 and tau0, and the quality of the fit."""
         from scipy.stats import chi2, linregress
 
-        best = self.best
+        best = self.best_fit
         chi_squared = float((best.residuals**2).sum() + (best.scores**2).sum())
         slid = int(self.slid.sum())
         # If A/F is equal in all tests, only one combination of mu0 and tau0 can be fitted.
@@ -386,58 +393,63 @@ class CalibrationProblem:
         }
         return Fit(
             self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend, mu0, tau0,
-            self._hardness(named), self._growth(named), self._mean_ratio(scores, mu0, tau0), named,
+            self._sample_hardness(named), self._sample_growth(named),
+            self._sample_mean_area_per_load(scores, mu0, tau0), named,
         )  # fmt: skip
 
-    def _mean_ratio(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
+    def _sample_mean_area_per_load(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
         """Return samples of the weighted mean A/F (true area per load, 1/GPa). Only tests with sliding are included."""
-        rub, stick, _ = self._columns(scores, mu0, tau0)
+        rub, stick, _ = self._equation_coefficients(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
 
     @cached_property
     def growth(self) -> UncertainInput | None:
         """Junction growth α common to all tests, or None if α differs between tests or does not affect them."""
-        grown = [equation.yields.growth for equation in self._friction if equation.yields and equation.yields.growth]
+        grown = [
+            equation.area_factor.growth
+            for equation in self._friction
+            if equation.area_factor and equation.area_factor.growth
+        ]
         if grown:
             return grown[0] if len({growth.text for growth in grown}) == 1 else None
-        depend = [depends_on_growth(equation, self.best.mu0, self.best.tau0) for equation in self._friction]
+        depend = [depends_on_growth(equation, self.best_fit.mu0, self.best_fit.tau0) for equation in self._friction]
         return parse_input("junction_growth", 0.0) if any(depend) else None
 
-    def _growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
+    def _sample_growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
         """Return samples of the shared junction growth α, or NaN if α differs between tests or does not affect them."""
         from scipy.special import ndtr
 
         if self.growth is None or self.growth.is_exact:
             return np.full(NUM_STRENGTH_PAIRS, math.nan if self.growth is None else self.growth.value)
         keys = [
-            equation.yields.key("junction_growth")
+            equation.area_factor.key("junction_growth")
             for equation in self._friction
-            if equation.yields and equation.yields.growth
+            if equation.area_factor and equation.area_factor.growth
         ]
         return np.asarray(self.growth.quantile(ndtr(scores[keys[0]])))
 
     @cached_property
     def shared_hardness(self) -> Any:
         """Uncertain hardness that all tests share, or None if there is no such hardness."""
-        first = self._friction[0].yields
-        yields = [equation.yields for equation in self._friction]
-        names = {law.key("hardness") if law and "hardness" in law.known else "" for law in yields}
+        first = self._friction[0].area_factor
+        area_factors = [equation.area_factor for equation in self._friction]
+        names = {law.key("hardness") if law and "hardness" in law.known else "" for law in area_factors}
         return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
 
-    def _hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
+    def _sample_hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
         """Return samples of the hardness (GPa) that all tests share, or NaN if there is no such hardness."""
         from scipy.special import ndtr
 
         first = self._friction[0]
-        if self.shared_hardness is not None and first.yields is not None:
-            return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.yields.key("hardness")])))
+        if self.shared_hardness is not None and first.area_factor is not None:
+            return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.area_factor.key("hardness")])))
         hardnesses = {equation.hardness for equation in self._friction}
         return np.full(NUM_STRENGTH_PAIRS, first.hardness if len(hardnesses) == 1 else math.nan)
 
     # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
 
-    def _grid(self, points: Floats) -> _Grid:
+    def _evaluate_grid(self, points: Floats) -> _ProbabilityGrid:
         """Return the grids of mu0 and tau0 for the given nuisance points.
 
         The last coordinate of a point is the logarithm of the scale of the errors.
@@ -446,28 +458,28 @@ class CalibrationProblem:
 
         if self.grows and len(points) > MAX_GRID_POINTS:
             parts = np.array_split(points, math.ceil(len(points) / MAX_GRID_POINTS))
-            return _concatenate([self._grid(part) for part in parts])
+            return _concatenate_grids([self._evaluate_grid(part) for part in parts])
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
-        columns, spread = self._columns(scores), self._spread(scores)
-        rows, norm = self._rows(columns, scale, spread)
-        triangle = _triangle(rows)
+        columns, spread = self._equation_coefficients(scores), self._run_deviation(scores)
+        rows, norm = self._weighted_rows(columns, scale, spread)
+        triangle = _triangular_factors(rows)
         if self.outliers:
-            chosen = _triangle(rows * self.best.robust[self.slid, np.newaxis])
+            chosen = _triangular_factors(rows * self.best_fit.robust[self.slid, np.newaxis])
         else:
             rows = chosen = triangle
-        depth = GRID_DEPTH * (1.0 if self.slid.all() and not self.outliers else 4.0)
+        depth = MAX_GRID_DEVIANCE * (1.0 if self.slid.all() and not self.outliers else 4.0)
         if self.known[1] is not None:
             low = high = np.full(len(points), self.known[1])
         elif self.known[0] is not None:
-            low, high = _range_at(self.known[0], chosen, depth)
+            low, high = _tau0_range_at_mu0(self.known[0], chosen, depth)
         else:
-            low, high = _range(chosen, depth)
-        cells = _Cells(chosen, depth, low, high)
+            low, high = _tau0_range(chosen, depth)
+        cells = _GridLimits(chosen, depth, low, high)
         if self.grows:
-            cells = self._around_growth(cells, scores, scale, spread, columns)
+            cells = self._grid_limits_with_growth(cells, scores, scale, spread, columns)
         count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
-        start, step = self._coefficients(cells, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0)
+        start, step = self._mu0_grid_at_tau0(cells, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0)
         mu0 = start[..., np.newaxis] + step[..., np.newaxis] * (np.arange(self._count) + 0.5)
         tau0 = tau0[..., np.newaxis]
         rub, stick, right = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
@@ -481,7 +493,7 @@ class CalibrationProblem:
         log = np.zeros(mu0.shape)
         for residual in residuals:
             if self.outliers:
-                log -= 0.5 * (OUTLIER_FREEDOM + 1) * np.log1p(residual**2 / OUTLIER_FREEDOM)
+                log -= 0.5 * (OUTLIER_DEGREES_OF_FREEDOM + 1) * np.log1p(residual**2 / OUTLIER_DEGREES_OF_FREEDOM)
             else:
                 log -= 0.5 * residual**2
         for test in np.flatnonzero(~self.slid):
@@ -503,20 +515,20 @@ class CalibrationProblem:
         volume = np.where(np.isfinite(volume), volume, 0.0)  # avoids NaN if the interface seizes everywhere
         width = np.log(step) if self.known[0] is None else np.zeros(step.shape)
         log += (norm + volume)[:, np.newaxis, np.newaxis] + width[..., np.newaxis]
-        return _Grid(cells, np.where(np.isfinite(log), log, -np.inf))
+        return _ProbabilityGrid(cells, np.where(np.isfinite(log), log, -np.inf))
 
     @property
     def _count(self) -> int:
         return 1 if self.known[0] is not None else NUM_MU0_CELLS
 
-    def _around_growth(
-        self, cells: _Cells, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
-    ) -> _Cells:
+    def _grid_limits_with_growth(
+        self, cells: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
+    ) -> _GridLimits:
         """Return grid limits around the best-fit mu0, taking junction growth into account.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
-        robust = self.best.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
+        robust = self.best_fit.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
 
         def residuals(mu0: Floats, tau0: Floats) -> Floats:
             misfit, _ = self._residuals(scores, scale, spread, mu0, tau0)
@@ -528,7 +540,7 @@ class CalibrationProblem:
                 return start, np.ones(tau0.shape), (residuals(start, tau0) ** 2).sum(axis=1)
             row = cells.triangle[:, 0, :, np.newaxis]
             start = np.maximum((row[:, 2] - row[:, 1] * tau0) / row[:, 0], 0.0)
-            return best_coefficients(residuals, start, tau0)
+            return find_best_mu0(residuals, start, tau0)
 
         if self.known[1] is None:
             # Each test gives an upper bound on tau0, computed for mu0 = 0 and the area at the measured coefficient.
@@ -536,7 +548,7 @@ class CalibrationProblem:
             margin = 2 * (math.sqrt(cells.depth) + math.sqrt(robust.size)) * error[:, self.slid] / robust
             with np.errstate(divide="ignore"):
                 highest = (columns[2][:, self.slid] + margin) / np.maximum(columns[1][:, self.slid], 0.0)
-            low, high = range_of_strength(lambda tau0: best_at(tau0)[2], highest.min(axis=1), cells.depth)
+            low, high = find_tau0_range(lambda tau0: best_at(tau0)[2], highest.min(axis=1), cells.depth)
             cells = replace(cells, low=low, high=high)
         count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
@@ -547,7 +559,7 @@ class CalibrationProblem:
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 
-    def _coefficients(self, cells: _Cells, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
+    def _mu0_grid_at_tau0(self, cells: _GridLimits, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
         """Return the lower limit and the cell width of the mu0 grid at each given tau0."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
@@ -576,22 +588,27 @@ class CalibrationProblem:
         count = len(self.nuisances)
         active = [*range(count), *([count] if freedom is not None else [])]
         mean, covariance = self._first_proposal(scale, freedom)
-        points, grid, log_weight = self._weigh(mean, covariance, active, ROUND_POINTS if active else 1)
-        for seed in range(1, MAX_ROUNDS if active else 0):
-            if _effective(log_weight) > MIN_SAMPLE_FRACTION * ROUND_POINTS:
+        points, grid, log_weight = self._draw_nuisance_points(
+            mean, covariance, active, NUM_ROUND_POINTS if active else 1
+        )
+        for seed in range(1, MAX_PROPOSAL_ROUNDS if active else 0):
+            if _effective_sample_size(log_weight) > MIN_SAMPLE_FRACTION * NUM_ROUND_POINTS:
                 break
             power = 1.0  # a power below 1 reduces the dominance of a few points
-            while power > 1e-3 and _effective(power * log_weight) < 0.15 * ROUND_POINTS:
+            while power > 1e-3 and _effective_sample_size(power * log_weight) < 0.15 * NUM_ROUND_POINTS:
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
             mean = np.average(points[:, active], axis=0, weights=weight)
             covariance = np.cov(points[:, active].T, aweights=weight, ddof=0).reshape(len(active), -1)
             covariance = covariance + 1e-6 * np.eye(len(active))
-            points, grid, log_weight = self._weigh(mean, covariance, active, ROUND_POINTS, seed)
+            points, grid, log_weight = self._draw_nuisance_points(mean, covariance, active, NUM_ROUND_POINTS, seed)
         size = min(FINAL_POINTS[0] << len(active), FINAL_POINTS[1])
         while active:
-            points, grid, log_weight = self._weigh(mean, covariance, active, size, MAX_ROUNDS)
-            if _effective(log_weight) > min(MIN_EFFECTIVE, MIN_SAMPLE_FRACTION * size) or size >= MAX_POINTS:
+            points, grid, log_weight = self._draw_nuisance_points(mean, covariance, active, size, MAX_PROPOSAL_ROUNDS)
+            if (
+                _effective_sample_size(log_weight) > min(MIN_EFFECTIVE_SAMPLES, MIN_SAMPLE_FRACTION * size)
+                or size >= MAX_NUISANCE_POINTS
+            ):
                 break
             size *= 2
         return self._resample(points, grid, log_weight)
@@ -601,19 +618,19 @@ class CalibrationProblem:
         moved = [index for index, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
-        mean[: len(self.nuisances)] = self.best.scores
+        mean[: len(self.nuisances)] = self.best_fit.scores
         if moved:
-            data, slope = len(self.best.residuals), self.best.slope
-            weighed = np.concatenate([slope[:data] * self.best.scale / scale, slope[data:]])
+            data, slope = len(self.best_fit.residuals), self.best_fit.slope
+            weighed = np.concatenate([slope[:data] * self.best_fit.scale / scale, slope[data:]])
             inverse = np.linalg.pinv(weighed.T @ weighed, rcond=1e-12, hermitian=True)[-len(moved) :, -len(moved) :]
             covariance[np.ix_(moved, moved)] = 1.2 * inverse
         if freedom is not None:
             mean[-1], covariance[-1, -1] = math.log(scale), 1.0 / freedom
         return mean, covariance
 
-    def _weigh(
+    def _draw_nuisance_points(
         self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
-    ) -> tuple[Floats, _Grid, Floats]:
+    ) -> tuple[Floats, _ProbabilityGrid, Floats]:
         """Draw nuisance points from the proposal distribution, and return their coordinates, grids and log weights."""
         from scipy.special import gammaincinv, ndtri
 
@@ -622,17 +639,17 @@ class CalibrationProblem:
         if active:
             unit = sobol_points(len(active) + 1, count, seed=seed)
             normal = ndtri(unit[:, :-1])
-            stretch = PROPOSAL_FREEDOM / (2 * gammaincinv(PROPOSAL_FREEDOM / 2, unit[:, -1]))
+            stretch = PROPOSAL_DEGREES_OF_FREEDOM / (2 * gammaincinv(PROPOSAL_DEGREES_OF_FREEDOM / 2, unit[:, -1]))
             normal = normal * np.sqrt(stretch)[:, np.newaxis]
             points[:, active] = mean + normal @ np.linalg.cholesky(covariance).T
-            power = 0.5 * (PROPOSAL_FREEDOM + len(active))
-            log = power * np.log1p((normal**2).sum(axis=1) / PROPOSAL_FREEDOM)
-        grid = self._grid(points)
+            power = 0.5 * (PROPOSAL_DEGREES_OF_FREEDOM + len(active))
+            log = power * np.log1p((normal**2).sum(axis=1) / PROPOSAL_DEGREES_OF_FREEDOM)
+        grid = self._evaluate_grid(points)
         evidence = np.logaddexp.reduce(grid.log_probability.reshape(count, -1), axis=1)
         log = log + evidence - 0.5 * (points[:, : len(self.nuisances)] ** 2).sum(axis=1)
         return points, grid, np.where(np.isfinite(log), log, -np.inf)
 
-    def _resample(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
+    def _resample(self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
         """Draw samples of mu0, tau0 (GPa) and nuisance scores. Grid cells are drawn in proportion to their weights."""
         random = np.random.default_rng(0)
         inside = grid.log_probability.reshape(len(points), -1)
@@ -648,23 +665,23 @@ class CalibrationProblem:
         point, row, column = np.unravel_index(indices, grid.log_probability.shape)
         low, high = grid.cells.low[point], grid.cells.high[point]
         tau0 = low + (high - low) * (row + random.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
-        start, step = self._coefficients(grid.cells, point, row, tau0)
+        start, step = self._mu0_grid_at_tau0(grid.cells, point, row, tau0)
         mu0 = start + step * (column + random.random(NUM_STRENGTH_PAIRS))
         return mu0, tau0, points[point, : len(self.nuisances)]
 
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
-    def advice(self) -> tuple[tuple[str, float, float], ...]:
+    def suggest_tests(self) -> tuple[tuple[str, float, float], ...]:
         """Suggest further tests that would separate mu0 from tau0. Each plan includes the expected standard errors.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
-        mu0, tau0 = self.best.mu0, self.best.tau0
-        at = self.best.scores[np.newaxis], np.array([mu0]), np.array([tau0])
-        rub, stick, _ = (column[0] for column in self._columns(*at))
+        mu0, tau0 = self.best_fit.mu0, self.best_fit.tau0
+        at = self.best_fit.scores[np.newaxis], np.array([mu0]), np.array([tau0])
+        rub, stick, _ = (column[0] for column in self._equation_coefficients(*at))
         predicted = rub * mu0 + stick * tau0
         relative = float(np.median(self.error / np.maximum(predicted, 1e-12))) if self.has_errors else 0.05
-        ratio, count = self.pivot, len(self.error)
+        ratio, count = self.mean_area_per_load, len(self.error)
         # For Hertzian contact, A/F is proportional to F^(-1/3). The loads cover a factor of 100.
         ball_ratio = 10 ** (1 / 3)
         plans = (
@@ -682,12 +699,12 @@ class CalibrationProblem:
         return tuple(plans_with_errors)
 
 
-def _concatenate(grids: Sequence[_Grid]) -> _Grid:
+def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
     """Concatenate grids that were computed for several batches of nuisance points."""
     cells = [grid.cells for grid in grids]
     names = ("triangle", "low", "high", *(("best", "below", "above") if cells[0].best is not None else ()))
     joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in cells]) for name in names}
-    return _Grid(replace(cells[0], **joined), np.concatenate([grid.log_probability for grid in grids]))
+    return _ProbabilityGrid(replace(cells[0], **joined), np.concatenate([grid.log_probability for grid in grids]))
 
 
 def _run_members(tests: Sequence[FrictionTest]) -> Floats:
@@ -702,7 +719,7 @@ def _run_members(tests: Sequence[FrictionTest]) -> Floats:
     return np.array([[run == name for run in runs] for name in names], float)
 
 
-def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
+def _solve_nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
     """Solve weighted equations of shape (tests, 3) for nonnegative mu0 and tau0 (GPa) by least squares."""
     from scipy.optimize import lsq_linear
 
@@ -717,7 +734,7 @@ def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) ->
     return float(values[0]), float(values[1])
 
 
-def _triangle(rows: Floats) -> Floats:
+def _triangular_factors(rows: Floats) -> Floats:
     """Compute QR decompositions of the coefficient matrices, and return triangular factors with nonnegative diagonals.
 
     The equations have the shape (points, tests, 3), and the factors have the shape (points, 3, 3).
@@ -732,7 +749,7 @@ def _triangle(rows: Floats) -> Floats:
     return np.asarray(factor)
 
 
-def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
+def _tau0_range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 is at most `depth` above its minimum."""
     first, second = triangle[:, 0], triangle[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
@@ -758,7 +775,7 @@ def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     return low, np.maximum(ends[1], low + 1e-9 * np.abs(half_bound) + 1e-300)
 
 
-def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
+def _tau0_range_at_mu0(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) in which -2 ln(density) at a fixed mu0 is at most `depth` above its minimum."""
     first, second = triangle[:, 0], triangle[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2
@@ -768,7 +785,7 @@ def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Float
     return low, np.maximum(centre + half, low + half)
 
 
-def _effective(log_weight: Floats) -> float:
+def _effective_sample_size(log_weight: Floats) -> float:
     """Compute the effective sample size from the logarithms of the sample weights."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

@@ -9,7 +9,7 @@ import numpy as np
 from stiction._checks import Floats
 
 # number of tau0 values in a search, and number of successively finer searches
-NUM_SCAN_POINTS, NUM_SCANS = 13, 3
+NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps for the best mu0 at a given tau0
 DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0
 
@@ -20,7 +20,7 @@ Residuals are infinite at seizure.
 """
 
 
-def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
+def find_best_mu0(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
     """Use the Gauss-Newton method to compute the nonnegative mu0 that fits the tests best at each tau0.
 
     Parameters
@@ -49,7 +49,7 @@ def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tupl
     return mu0, np.sqrt(curvature), (pair_of_steps[..., 0] ** 2).sum(axis=1)
 
 
-def range_of_strength(squares: Callable[[Floats], Floats], highest: Floats, depth: float) -> tuple[Floats, Floats]:
+def find_tau0_range(squares: Callable[[Floats], Floats], highest: Floats, depth: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) in which the sum of squared residuals is at most `depth` above its minimum.
 
     Parameters
@@ -61,12 +61,12 @@ def range_of_strength(squares: Callable[[Floats], Floats], highest: Floats, dept
     depth : float
     """
     low, high = np.zeros(highest.shape), highest
-    fractions = np.linspace(0.0, 1.0, NUM_SCAN_POINTS)
+    fractions = np.linspace(0.0, 1.0, NUM_TAU0_SEARCH_POINTS)
     rows = np.arange(highest.size)
-    for _ in range(NUM_SCANS):
+    for _ in range(NUM_TAU0_SEARCHES):
         tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, fractions)
         values = squares(tau0)
         within = values <= values.min(axis=1, keepdims=True) + depth
-        first, last = within.argmax(axis=1), NUM_SCAN_POINTS - 1 - within[:, ::-1].argmax(axis=1)
-        low, high = tau0[rows, np.maximum(first - 1, 0)], tau0[rows, np.minimum(last + 1, NUM_SCAN_POINTS - 1)]
+        first, last = within.argmax(axis=1), NUM_TAU0_SEARCH_POINTS - 1 - within[:, ::-1].argmax(axis=1)
+        low, high = tau0[rows, np.maximum(first - 1, 0)], tau0[rows, np.minimum(last + 1, NUM_TAU0_SEARCH_POINTS - 1)]
     return low, high

@@ -133,13 +133,13 @@ class Ball:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _TestFriction(PerLoad):
+class _TestForces(PerLoad):
     """Normal and tangential forces per load in a friction test, as functions of mu0 and tau0."""
 
     scatter: float = 0.0  # relative standard error of the adhesive sum `stick`
     surfaces: Hashable = None  # key of the surfaces; tests with equal keys share the area error
     hardness: float = math.nan
-    yields: _AreaFactor | None = None
+    area_factor: _AreaFactor | None = None
 
 
 @dataclass(frozen=True)
@@ -185,9 +185,9 @@ class _AreaFactor:
 
     def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
         """Compute the ratio of true area to computed area from cumulative probabilities of nuisance parameters."""
-        return self.area_of(self.values(columns), strength)
+        return self.factor_for_inputs(self.values(columns), strength)
 
-    def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
@@ -202,7 +202,7 @@ class _BallAreaFactor(_AreaFactor):
 
     moduli: Moduli
 
-    def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
         """Return the true area divided by the true area for the central moduli. The interface strength is ignored."""
         return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
@@ -253,7 +253,7 @@ class _ResultAreaFactor(_AreaFactor):
         """Junction growth α, or None if contacts do not grow."""
         return find_junction_growth(self.study)
 
-    def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
@@ -364,7 +364,7 @@ class FrictionTest:
         return number("uncertainty", uncertainty, above=0) / (load if is_force else 1.0)
 
     @cached_property
-    def yields(self) -> _AreaFactor | None:
+    def area_factor(self) -> _AreaFactor | None:
         """Area factor of the test, or None if no uncertain input, creep or growth affects the area."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
@@ -544,7 +544,7 @@ class Interface:
             return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
 
         area = np.exp(friction.scatter * scores(friction.surfaces))
-        if (area_factor := friction.yields) is not None:
+        if (area_factor := friction.area_factor) is not None:
             samples = area_factor.values({name: ndtr(scores(name)) for name in area_factor.names})
             if "hardness" in samples and area_factor.known["hardness"].agrees_with(self.about.get(HARDNESS_ENTRY, "")):
                 samples["hardness"] = fit.hardness
@@ -566,7 +566,7 @@ class Interface:
 
         def coefficient(mu0: Floats, tau0: Floats) -> Floats:
             strength = ShearStrength(fit.sliding, mu0, tau0)
-            total_area = area if area_factor is None else area * area_factor.area_of(samples, strength)
+            total_area = area if area_factor is None else area * area_factor.factor_for_inputs(samples, strength)
             values = friction.coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
             return np.where(np.isfinite(values), values, np.inf)
 
@@ -608,7 +608,7 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
     return float(np.median(ordered)), low, high
 
 
-def depends_on_growth(friction: _TestFriction, mu0: float, tau0: float) -> bool:
+def depends_on_growth(friction: _TestForces, mu0: float, tau0: float) -> bool:
     """Return whether junction growth with α = 27 (von Mises) would noticeably change the friction coefficient."""
     if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
@@ -625,19 +625,19 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
     return tuple(study_of(getattr(result, "dataset", result)).contact.rules())
 
 
-def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
+def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestForces:
     """Evaluate the forces per load in a friction test for a given sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of `pair` with a creep exponent")
     if isinstance(result, Ball):
-        return _TestFriction(stick=result.area_per_load(load), yields=test.yields)
+        return _TestForces(stick=result.area_per_load(load), area_factor=test.area_factor)
     if isinstance(result, FrictionCurve):
         return _evaluate_curve(result, load)
-    return replace(_evaluate_members(result, load, sliding), yields=test.yields)
+    return replace(_evaluate_members(result, load, sliding), area_factor=test.area_factor)
 
 
-def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
+def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestForces:
     """Interpolate a load curve to a given load, and return the forces per load."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
@@ -650,12 +650,12 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
         values = values.reshape(-1, values.shape[-1])[0] / loads
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
-    return _TestFriction.of(
+    return _TestForces.of(
         {name: at(name) for name in LOAD_SUM_NAMES}, hardness=float(getattr(curve, "hardness", None) or math.nan)
     )
 
 
-def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFriction:
+def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestForces:
     """Average the forces per load over the members and directions of a result at a given load."""
     dataset = getattr(result, "dataset", result)
     sums = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
@@ -673,7 +673,7 @@ def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFricti
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
     means = {name: values[is_reached].mean() for name, values in six_sums.items()}
     surfaces = dataset.attrs["study"]
-    return _TestFriction.of(
+    return _TestForces.of(
         means, scatter=spread, surfaces=surfaces, hardness=float(study_of(dataset).contact.hardness or math.nan)
     )
 
@@ -896,7 +896,7 @@ def find_interface(study: Study) -> Interface | None:
     if text is None:
         return None
     try:
-        study_interface = _read_cached(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
+        study_interface = _read_cached_interface(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
     except (ValueError, OSError):
         return None
     mu0, tau0 = round_median_strength(study_interface)
@@ -908,7 +908,7 @@ def find_interface(study: Study) -> Interface | None:
 
 
 @lru_cache(maxsize=8)
-def _read_cached(text: str, _changed: int) -> Interface:
+def _read_cached_interface(text: str, _changed: int) -> Interface:
     return interface(text)
 
 
