@@ -34,7 +34,7 @@ NUM_DIFFERENT_MEMBERS = 4099
 def stand_in(study: Study) -> Callable[[Study, int], dict]:
     """Return synthetic sums: powers of the approach (Hertz's law) times a random factor for each repetition."""
     random = np.random.default_rng(study.ensemble.seed)
-    step = np.arange(1.0, 1 + study.contact.steps().size)
+    step = np.arange(1.0, 1 + study.contact.loading_steps().size)
     bank = []
     for _ in range(NUM_DIFFERENT_MEMBERS):
         factor = random.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))

@@ -52,7 +52,7 @@ def prepare_solutions(study: Study) -> Callable[[], None]:
     def solve_loads() -> None:
         for upper, lower in pairs:
             curve = half_space(
-                upper, lower, contact.steps(), effective_modulus=float(contact.effective_modulus),
+                upper, lower, contact.loading_steps(), effective_modulus=float(contact.effective_modulus),
                 hardness=float(contact.hardness),
             )  # fmt: skip
             assert (curve.error <= 1e-6).all()

@@ -131,7 +131,7 @@ def create_result(**worlds):
     study = SMALL_CLAIMS_STUDY.with_changes({"ensemble.repetitions": 40})
     result = empty_dataset(study)
     factor = np.random.default_rng(3).lognormal(0, 0.02, size=40)[:, np.newaxis]
-    load = np.broadcast_to(1e3 * study.contact.steps() ** 1.5 * factor, result["normal_elastic"].shape)
+    load = np.broadcast_to(1e3 * study.contact.loading_steps() ** 1.5 * factor, result["normal_elastic"].shape)
     dimension = study.surfaces.fractal_dimensions()[:, np.newaxis, np.newaxis, np.newaxis]
     amplitude = study.surfaces.amplitudes()[:, np.newaxis, np.newaxis]
     usual = {"contact_area": lambda d, a, f: f, "tangential_elastic": lambda d, a, f: 0.3 * f}
@@ -245,7 +245,7 @@ def test_claims_are_judged_with_the_sliding_rule_and_mechanics_of_their_column()
     assert study.ensemble.repetitions == claims.MIN_REPETITIONS
     assert study.surfaces == claims.COLUMNS["half-spaces, friction at all contacts"].to_study(100).surfaces
     result = empty_dataset(study)
-    load = study.contact.steps()
+    load = study.contact.loading_steps()
     for name, values in {
         "normal_elastic": load,
         "contact_area": load**0.9,

@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction import Study, open_result, run
 from stiction.mechanics import friction
 from stiction.studies.intervals import Crossing
-from stiction.studies.study import study_of
+from stiction.studies.study import parse_dataset_study
 
 Floats = NDArray[np.float64]
 Sliding = Literal["opposing", "all"]
@@ -157,9 +157,9 @@ def check(study: Study) -> None:
         raise ValueError(
             f"claims need at least {MIN_REPETITIONS} ensemble.repetitions, got {study.ensemble.repetitions}"
         )
-    steps = study.contact.steps()
+    steps = study.contact.loading_steps()
     if steps.size < 3:
-        raise ValueError(f"claims need at least 3 values of contact.{study.contact.step}, got {steps.size}")
+        raise ValueError(f"claims need at least 3 values of contact.{study.contact.step_quantity}, got {steps.size}")
     if study.contact.mechanics == "asperities" and not has_amplitudes(study.surfaces.amplitudes()):
         raise ValueError(f"claims need amplitudes of {FLATTER:g} and {STEEPER:g} µm among surfaces.amplitude")
 
@@ -196,8 +196,8 @@ class Resampled:
         sliding: Sliding | None = None,
         ruling: Ruling = "percentiles",
     ) -> None:
-        study = study_of(dataset)
-        self._step = study.contact.step
+        study = parse_dataset_study(dataset)
+        self._step = study.contact.step_quantity
         rules = study.contact.rules()
         if (sliding or rules[0]) not in rules:
             raise ValueError(f"the result has no sliding rule {sliding!r}, it has {', '.join(rules)}")
@@ -676,7 +676,7 @@ def judge(
     ValueError
         If the result lacks an amplitude that is needed, or has fewer than 20 repetitions or 3 approaches.
     """
-    check(study_of(dataset))
+    check(parse_dataset_study(dataset))
     if ruling not in ("percentiles", "bands"):
         raise ValueError(f"ruling must be percentiles or bands, got {ruling!r}")
     resampled = Resampled(dataset, amplitude, sliding=sliding, ruling=ruling)

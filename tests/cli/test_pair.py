@@ -236,19 +236,19 @@ def test_jackson_green_hardness_is_2_84_times_yield_strength(scans_folder):
 
 
 def test_load_steps_extend_beyond_requested_loads_unless_hardness_limits_the_load(scans_folder):
-    steps = parse_study(scans_folder, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION).contact.steps()
+    steps = parse_study(scans_folder, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION).contact.loading_steps()
     assert steps[[0, -1]] == pytest.approx([0.02 / 30, 0.02 * 30])
     assert 0.02 in steps
     contact_with_hardness = parse_study(
         scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "100 MPa", "--hardness", "200 MPa"
     ).contact
-    assert contact_with_hardness.steps() == pytest.approx(np.array([10**-0.5, 1]) * 0.1 * 4.8**2)
+    assert contact_with_hardness.loading_steps() == pytest.approx(np.array([10**-0.5, 1]) * 0.1 * 4.8**2)
     for arguments in ([*PROFILE_FILES, *LOAD_OPTION], [*MAP_ARGUMENTS, "--load", "100 MPa", "--hardness", "200 MPa"]):
         pair_with_check = parse_pair(scans_folder, *arguments, *MATERIAL_OPTIONS, "--check")
         with contextlib.chdir(scans_folder):
             study, check_study = pair_with_check.studies
         assert {study.contact.mechanics, check_study.contact.mechanics} == {"asperities", "half-space"}
-        np.testing.assert_array_equal(study.contact.steps(), check_study.contact.steps())
+        np.testing.assert_array_equal(study.contact.loading_steps(), check_study.contact.loading_steps())
 
 
 def test_material_names_set_modulus_hardness_and_yield_strength(scans_folder):
@@ -283,7 +283,7 @@ def test_material_names_set_modulus_hardness_and_yield_strength(scans_folder):
 def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed_load(scans_folder):
     steps = parse_study(
         scans_folder, *PROFILE_FILES, "--mu0", "0.3", "--effective-modulus", "10 GPa", "--load", "1e-12 mN"
-    ).contact.steps()
+    ).contact.loading_steps()
     assert steps[0] == pytest.approx(1e-12)
     assert steps.size > 1
 

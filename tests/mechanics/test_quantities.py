@@ -21,7 +21,7 @@ from stiction.mechanics.quantities import (
 )
 from stiction.studies.contact_statistics import LOAD_FRACTION_FORMULAS
 from stiction.studies.evaluation import at_load
-from stiction.studies.study import study_of
+from stiction.studies.study import parse_dataset_study
 from stiction.studies.summary import summarize
 from stiction.views.rows import summary_table
 from support.studies_of_files import pair_study
@@ -196,7 +196,7 @@ def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
 
 def test_csv_columns_are_in_the_order_of_the_table_of_quantities(at_loads):
     at = at_loads["half-planes"]
-    columns = list(summary_table(summarize(at, study_of(at))).columns)
+    columns = list(summary_table(summarize(at, parse_dataset_study(at))).columns)
     shown = [name for name in quantities_shown_in("csv") if name in at and "direction" not in at[name].dims]
     places = [
         next(i for i, column in enumerate(columns) if column.startswith(QUANTITIES[name].short)) for name in shown

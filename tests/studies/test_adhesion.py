@@ -72,7 +72,9 @@ def test_adhesive_member_equals_half_space_solution_of_its_surfaces(adhesive_res
 
 
 def test_friction_coefficient_with_adhesion_increases_as_the_load_decreases(adhesive_result):
-    table = at_load(adhesive_result.source, adhesive_result.study.contact.steps()).isel(cut_off=0, mu0=0, tau0=0)
+    table = at_load(adhesive_result.source, adhesive_result.study.contact.loading_steps()).isel(
+        cut_off=0, mu0=0, tau0=0
+    )
     coefficient = table["friction_all_round"].sel(sliding="all", statistic="mean").values
     assert (np.diff(coefficient) < 0).all()
     assert coefficient[0] > 3 * coefficient[-1]
@@ -162,7 +164,7 @@ def test_verbose_text_prints_coefficients_along_axes_only_at_loads_above_zero():
 
 def test_loads_between_zero_and_the_first_solved_load_have_status_not_reached(adhesive_result):
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
-    loads = two_load_result.study.contact.steps()
+    loads = two_load_result.study.contact.loading_steps()
     table = at_load(two_load_result.source, np.sqrt(loads[1:] * loads[:-1])).isel(cut_off=0, mu0=0, tau0=0)
     assert set(np.unique(table["status"].isel(load=0))) == {"not-reached"}
     assert np.isnan(table["contact_area"].isel(load=0)).all()

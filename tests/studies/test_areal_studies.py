@@ -83,10 +83,10 @@ def compute_curves(study, upper, lower):
     contact = study.contact
     for rule in contact.rules():
         if contact.mechanics == "asperities":
-            yield press(upper, lower, contact.steps(), direction=contact.direction, sliding=rule)
+            yield press(upper, lower, contact.loading_steps(), direction=contact.direction, sliding=rule)
         else:
             yield half_space(
-                upper, lower, contact.steps(), boundary=contact.boundary,
+                upper, lower, contact.loading_steps(), boundary=contact.boundary,
                 hardness=contact.hardness and float(contact.hardness), compliance_share=contact.compliance_share,
                 direction=contact.direction or "+x", sliding=rule,
             )  # fmt: skip
@@ -96,7 +96,7 @@ def compute_curves(study, upper, lower):
 def test_load_sums_of_an_areal_study_equal_sums_of_single_pairs(name):
     study = STUDIES[name]
     dataset = run(study).dataset
-    step = study.contact.step
+    step = study.contact.step_quantity
     for d, a, r in ((0, 1, 0), (1, 0, 2)):
         pair = pair_of(
             study, r, fractal_dimension=dataset["fractal_dimension"].values[d],
@@ -159,7 +159,7 @@ def test_friction_map_with_both_sliding_rules_equals_the_map_with_each_rule(resu
 def test_friction_map_of_half_space_study_equals_ratio_of_mean_loads():
     """Compare with the ratio at solved loads; mu0 = tau0 = 0, so that friction does not change the normal load."""
     dataset = run(HALF_SPACES).dataset
-    loads = HALF_SPACES.contact.steps()
+    loads = HALF_SPACES.contact.loading_steps()
     maps = friction_map(dataset, loads[1:-1], mu0=[0.0], tau0=[0.0]).squeeze(["mu0", "tau0"])
     expected = dataset["tangential_elastic"].mean("repetition") / dataset["normal_elastic"].mean("repetition")
     # The last solved load is left out: round-off may put a requested load above it.
@@ -170,7 +170,7 @@ def test_friction_map_of_half_space_study_equals_ratio_of_mean_loads():
 
 def test_stiffness_map_of_half_space_study_equals_derivative_of_approach():
     dataset = run(HALF_SPACES.with_changes({"contact.sliding": "all", "contact.direction": 90})).dataset
-    loads = HALF_SPACES.contact.steps()
+    loads = HALF_SPACES.contact.loading_steps()
     stiffness = stiffness_map(dataset, [loads[1]], mu0=[0.0], tau0=[0.0])["normal_stiffness"].squeeze()
     slopes = np.gradient(dataset["approach"].values, loads, axis=-1, edge_order=2)[..., 1]
     assert np.allclose(stiffness.values, (1 / slopes).mean(axis=-1), rtol=1e-6)

@@ -77,7 +77,7 @@ def test_friction_of_generated_profiles_at_a_load_equals_friction_map():
 
 def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(areal_contact):
     study, result = areal_contact
-    loads = study.contact.steps()[1:3]
+    loads = study.contact.loading_steps()[1:3]
     complete = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])
     some = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02], names=("contact_count", "gentle_friction"))
     assert set(some.data_vars) < set(complete.data_vars)

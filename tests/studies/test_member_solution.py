@@ -16,7 +16,7 @@ ROUND_OFF = 1e-9
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics):
     study = study_of_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
-    loads, angles = study.contact.steps(), study.contact.degrees()
+    loads, angles = study.contact.loading_steps(), study.contact.degrees()
     values = member_sums(study, 2)
     upper, lower = load_bodies(study).member(2, 0.0).pair
     for rule, sliding in enumerate(study.contact.rules()):
@@ -48,7 +48,7 @@ def test_unloading_stiffness_is_computed_for_only_the_first_members_if_the_study
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics):
     study = study_of_files(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
-    loads = study.contact.steps()
+    loads = study.contact.loading_steps()
     values, member = member_sums(study, 3), load_bodies(study).member(3, 0.0)
     scans = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
     upper_profile, lower_profile = (levelled(scan, "line") for scan in scans)
@@ -93,10 +93,10 @@ def test_built_dataset_has_the_variables_declared_by_its_study(tmp_path):
 
 def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, monkeypatch):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path), members=1)
-    loads = study.contact.steps()
+    loads = study.contact.loading_steps()
 
     def solve_or_fail(upper, lower, loads, **rest):
-        if np.isclose(loads, study.contact.steps()[1]).any():
+        if np.isclose(loads, study.contact.loading_steps()[1]).any():
             raise RuntimeError("no solution")
         return half_space(upper, lower, loads, **rest)
 

@@ -37,7 +37,7 @@ def result(study):
 def test_stored_onset_of_a_member_equals_onset_of_its_load_curve(study, result):
     for index, dimension in ((0, 1.1), (3, 1.4)):
         upper, lower = pair_of(study, index, fractal_dimension=dimension, amplitude=0.1)
-        steps = study.contact.steps()
+        steps = study.contact.loading_steps()
         curve = press(upper, lower, steps, model=study.contact.model())
         member = result.sel(fractal_dimension=dimension, repetition=index).isel(amplitude=0)
         for step in np.flatnonzero(curve.contact_count):

@@ -20,7 +20,7 @@ from stiction.studies.pair_options import (
     format_python_name,
     read_options,
 )
-from stiction.studies.values import tables_of
+from stiction.studies.values import list_table_classes
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -65,7 +65,7 @@ def test_pair_option_refers_to_an_existing_study_key(name):
     for key_part in PAIR_OPTIONS[name].key.split("."):
         fields = [table.model_fields[key_part] for table in tables if key_part in table.model_fields]
         assert fields, PAIR_OPTIONS[name].key
-        tables = [table for field in fields for table in tables_of(field.annotation)]
+        tables = [table for field in fields for table in list_table_classes(field.annotation)]
 
 
 def test_placeholders_in_option_texts_are_option_names():

@@ -38,7 +38,7 @@ def test_resolution_study_has_fewer_members_and_loads_than_the_original_study(st
     cutoff_study = build_cutoff_study(study)
     assert cutoff_study.surfaces.cells()["cut_off"] == pytest.approx([0, 0.2, 0.4], rel=1e-3)
     assert cutoff_study.ensemble.repetitions == 4
-    assert cutoff_study.contact.steps().tolist() == [2.0]
+    assert cutoff_study.contact.loading_steps().tolist() == [2.0]
     assert cutoff_study.contact.hardness == study.contact.hardness
     assert cutoff_study.surfaces.upper == study.surfaces.upper
 

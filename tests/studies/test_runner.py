@@ -20,7 +20,7 @@ from stiction.studies import executors, member_solution, members, runner
 from stiction.studies.layout import member_bytes
 from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.store import StoreError
-from stiction.studies.study import study_of
+from stiction.studies.study import parse_dataset_study
 from stiction.studies.values import StudyError
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
 
@@ -112,7 +112,7 @@ def test_memory_of_a_task_is_within_the_documented_limit(monkeypatch, points):
 
 def test_result_of_a_run_has_study_version_and_units(result):
     assert result.attrs["stiction_version"] == stiction.__version__
-    assert study_of(result) == RUNNER_STUDY
+    assert parse_dataset_study(result) == RUNNER_STUDY
     assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
     assert result["approach"].attrs["units"] == "um"
 

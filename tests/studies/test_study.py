@@ -91,7 +91,7 @@ class TestBuiltInStudies:
         assert Study.named("figure6") == Study()
         surfaces, contact = Study().surfaces, Study().contact
         assert (surfaces.fractal_dimensions().size, surfaces.points, Study().ensemble.repetitions) == (50, 150_000, 100)
-        assert contact.steps()[[0, -1]].tolist() == pytest.approx([1e-4, 0.04])
+        assert contact.loading_steps()[[0, -1]].tolist() == pytest.approx([1e-4, 0.04])
 
     @pytest.mark.parametrize("name", study_names())
     def test_study_is_unchanged_by_a_toml_round_trip(self, name, tmp_path):
@@ -119,7 +119,7 @@ class TestStudyChanges:
         )  # fmt: skip
         assert study.ensemble.repetitions == 3
         assert study.surfaces.fractal_dimensions().tolist() == [1.2, 1.5]
-        assert study.contact.steps().size == 7
+        assert study.contact.loading_steps().size == 7
         assert study.contact.effective_modulus == 70
         assert Study().ensemble.repetitions == 100
 
@@ -257,7 +257,7 @@ class TestStudyKinds:
         ],
     )
     def test_kind_of_study_determines_its_sums_step_variable_and_cell_dimensions(self, study, sums, step, cells):
-        assert (study.sums(), study.step, list(study.surfaces.cells())) == (sums, step, cells)
+        assert (study.sums(), study.step_quantity, list(study.surfaces.cells())) == (sums, step, cells)
 
     @pytest.mark.parametrize(
         ("study", "key", "value"),
@@ -321,9 +321,9 @@ class TestMeasuredStudies:
         assert AREA_STUDY.with_changes({"contact.direction": -330}).motions()["direction"] == [30.0]
 
     def test_solved_loads_extend_below_and_above_requested_loads(self):
-        assert AREA_STUDY.contact.steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
+        assert AREA_STUDY.contact.loading_steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
         for study in (LINE_STUDY, LINE_STUDY.with_changes({"contact.mechanics": "half-space"})):
-            steps = study.contact.steps()
+            steps = study.contact.loading_steps()
             assert {1.0, 10.0} <= set(steps)
             assert steps[0] < 0.2
             assert steps[-1] > 90
@@ -387,7 +387,7 @@ def test_randomly_mutated_study_file_is_either_read_or_rejected(seed):
             continue
         num_accepted += 1
         assert parse_study(study.to_toml(), "itself") == study
-        assert study.contact.steps().size
+        assert study.contact.loading_steps().size
         assert set(study.motions()) <= {"sliding", "direction"}
     assert num_accepted
 
@@ -412,16 +412,18 @@ class TestRequestedLoads:
 
     def test_solved_loads_extend_below_and_above_listed_loads(self):
         assert [float(load) for load in self.LISTED_LOADS.friction.load] == [0.04, 4.0]
-        assert self.LISTED_LOADS.contact.steps() == pytest.approx([0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5)
+        assert self.LISTED_LOADS.contact.loading_steps() == pytest.approx(
+            [0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5
+        )
         options = {"contact.mechanics": "half-space", "friction.load": ["0.1 mN", "0.2 mN"]}
         study = SELF_AFFINE_STUDY.with_changes(
             options | {"contact.load": {"start": "0.05 mN", "stop": "1 mN", "count": 5}}
         )
-        assert study.contact.steps()[0] == 0.05, "given loads of the curve are unchanged"
+        assert study.contact.loading_steps()[0] == 0.05, "given loads of the curve are unchanged"
 
     def test_solved_loads_stay_below_hardness_times_area(self):
         study_with_hardness = self.LISTED_LOADS.with_changes({"contact.hardness": "60 MPa", "contact.load": ["4 mN"]})
-        assert 4.0 < study_with_hardness.contact.steps()[-1] < 0.06 * 100
+        assert 4.0 < study_with_hardness.contact.loading_steps()[-1] < 0.06 * 100
         with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times area"):
             self.LISTED_LOADS.with_changes({"contact.hardness": "10 MPa"})
 

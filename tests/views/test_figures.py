@@ -11,7 +11,7 @@ from stiction._number_format import format_estimate
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.maps import friction_map
-from stiction.studies.study import study_of
+from stiction.studies.study import parse_dataset_study
 from stiction.views import style
 from stiction.views.figures import draw_figures
 from stiction.views.figures.contact import contact_figure, contact_map_figure, contacts_figure, find_opposing_contacts
@@ -39,7 +39,7 @@ def list_figure_names(dataset, picture=None):
 
 def test_figures_to_draw_are_selected_by_the_study(generated_dataset):
     assert list_figure_names(generated_dataset) == ["friction_mu0_0.1", "friction_mu0_0.4", "friction_mu0_1", "area"]
-    study = study_of(generated_dataset).with_changes({"figures.draw": ["profiles", "length-scales"]})
+    study = parse_dataset_study(generated_dataset).with_changes({"figures.draw": ["profiles", "length-scales"]})
     assert list_figure_names(generated_dataset.assign_attrs(study=study.to_toml())) == ["profiles", "length_scales"]
 
 
@@ -58,7 +58,7 @@ def test_results_of_measured_surfaces_have_the_standard_figures(maps_at_two_cuto
 
 
 def test_figures_table_json_and_report_have_equal_combined_intervals(maps_at_two_cutoffs):
-    study = study_of(maps_at_two_cutoffs).with_changes({"surfaces.both_readings": True})
+    study = parse_dataset_study(maps_at_two_cutoffs).with_changes({"surfaces.both_readings": True})
     dataset = maps_at_two_cutoffs.assign_attrs(study=study.to_toml())
     summary, figures = Result.of(dataset).summary(), dict(select_figures(dataset))
     table = summary_table(summary)
@@ -99,7 +99,7 @@ def test_figures_table_json_and_report_have_equal_combined_intervals(maps_at_two
 
 
 def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
-    study = study_of(generated_dataset).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
+    study = parse_dataset_study(generated_dataset).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
     dataset = generated_dataset.assign_attrs(study=study.to_toml())
     paths = draw_figures(dataset, tmp_path, formats=FORMATS)
     assert [path.name for path in paths] == ["profiles.png", "profiles.pdf", "profiles.svg"]

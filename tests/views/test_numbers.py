@@ -10,7 +10,7 @@ from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import Axis, excess, interpolated
 from stiction.studies.point import rules_of
-from stiction.studies.study import study_of
+from stiction.studies.study import parse_dataset_study
 from stiction.studies.summary import summarize
 from stiction.views.report import report_page
 from stiction.views.report.tables import decimals_of
@@ -220,7 +220,7 @@ def test_report_ignores_members_without_a_solution(generated_dataset):
     dataset["normal_elastic"].loc[{"repetition": 3, "approach": dataset["approach"][-1]}] = np.nan
     report_numbers = ReportNumbers(report_page(dataset))
     assert report_numbers.facts["repetitions"] == dataset.sizes["repetition"] - 1
-    friction = study_of(dataset).friction
+    friction = parse_dataset_study(dataset).friction
     statuses, errors = compare_friction(
         dataset, report_numbers, [(1, 0, 0, 20, friction.mu0[0], float(friction.tau0[0]))]
     )
@@ -238,9 +238,9 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
     dataset = create_arbitrary_sums(0.0) if case_name == "invented" else generated_dataset
     if case_name == "soft":
         dataset = dataset.assign_attrs(
-            study=study_of(dataset).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml()
+            study=parse_dataset_study(dataset).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml()
         )
-    study, report_numbers = study_of(dataset), ReportNumbers(report_page(dataset))
+    study, report_numbers = parse_dataset_study(dataset), ReportNumbers(report_page(dataset))
     assert report_numbers.facts["quotedRule"] == rules_of(study)[0]
     loads = report_numbers.facts["loads"]["values"]
     verdicts = set()
@@ -274,7 +274,7 @@ def measured_report(request):
 def test_friction_in_reports_of_measured_surfaces_equals_library_values(measured_report):
     dataset, report_numbers = measured_report
     facts, errors = report_numbers.facts, []
-    study = study_of(dataset)
+    study = parse_dataset_study(dataset)
     study_setting = (0, 0, 0, 0, study.friction.mu0[0], float(study.friction.tau0[0]))
     for _, rule_index, way_index, load_index, mu0, tau0 in (study_setting, *random_settings(report_numbers, 25, 4)):
         reference = at_load(dataset, [facts["loads"]["values"][load_index]], mu0=[mu0], tau0=[tau0])
@@ -304,7 +304,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(measured
 
 def test_headline_of_a_report_equals_the_headline_of_the_summary(measured_report):
     dataset, report_numbers = measured_report
-    study = study_of(dataset)
+    study = parse_dataset_study(dataset)
     reference = at_load(dataset, [float(load_index) for load_index in study.friction.load])
     rules = report_numbers.facts["rules"]
     for point in summarize(add_uncertainty(reference, dataset), study).points:

@@ -11,7 +11,7 @@ from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load
 from stiction.studies.input_caveats import find_input_caveats
 from stiction.studies.nodes import excess
-from stiction.studies.study import study_of
+from stiction.studies.study import parse_dataset_study
 from stiction.studies.summary import summarize
 from stiction.views.characterisation import Characterisation
 from stiction.views.report import report_page, save_report
@@ -454,7 +454,7 @@ def read_values_by_rule(driver):
 def test_friction_displayed_for_maps_equals_library_values_after_controls_are_changed(maps_report, maps_dataset):
     from selenium.webdriver.support.ui import Select
 
-    study = study_of(maps_dataset)
+    study = parse_dataset_study(maps_dataset)
     surfaces = [getattr(study.surfaces, side).read() for side in ("upper", "lower")]
     input_caveats = find_input_caveats(*surfaces, study, [0.1, 0.5])
     point = summarize(at_load(maps_dataset, [0.1]), study, input_caveats=input_caveats).points[0]

@@ -34,7 +34,7 @@ def draw_profiles(changes: Any) -> str:
     surfaces: Any = study.surfaces
     upper, lower = next(iter(generate_pairs(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))
     contact_index = int(np.argmin(gap := upper.heights - lower.heights))
-    width = min(len(lower), round(4 * surfaces.longest() / lower.spacing))
+    width = min(len(lower), round(4 * surfaces.max_wavelength() / lower.spacing))
     start = max(0, min(contact_index - width // 2, len(lower) - width))
     window = slice(start, start + width, max(1, width // (3 * MAX_DRAWN_POINTS)))
     return draw_svg(lower.heights[window], upper.heights[window] - gap[contact_index])

@@ -72,7 +72,7 @@ def _conflict_advice(error: OtherStudyError, study: Study, *, replaceable: bool)
     remedies = ["choose another directory with --output DIR"]
     if replaceable:
         remedies.append("overwrite the stored result with --replace")
-    steps, loads = error.stored.contact.steps(), [float(load) for load in study.friction.load]
+    steps, loads = error.stored.contact.loading_steps(), [float(load) for load in study.friction.load]
     only_loads = all(key == "contact.load" for key, *_ in error.differ)
     if only_loads and loads and steps[0] <= min(loads) and max(loads) <= steps[-1]:
         options = " ".join(f"--load '{load.text}'" for load in study.friction.load)

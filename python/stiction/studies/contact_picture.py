@@ -118,7 +118,7 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
     contact = study.contact
     if not isinstance(contact, HalfSpaceContactTable) or not contact.adheres:
         return None
-    max_load, first_cell = float(contact.steps()[-1]), dict.fromkeys(study.surfaces.cells(), 0)
+    max_load, first_cell = float(contact.loading_steps()[-1]), dict.fromkeys(study.surfaces.cells(), 0)
     areas = member_values(result, [max_load])["contact_area"].isel(first_cell)
     area, members = areas.values[:, 0], areas["repetition"].values
     index = int(members[find_typical_index(area)]) if np.isfinite(area).any() else 0

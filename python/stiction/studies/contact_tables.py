@@ -21,7 +21,6 @@ from stiction.studies.measured_surfaces import MeasuredSurfaces
 from stiction.studies.values import (
     ApproachesOrRange,
     ApproachRange,
-    Case,
     Directions,
     Fraction,
     Length,
@@ -31,13 +30,14 @@ from stiction.studies.values import (
     Rules,
     Strength,
     Table,
+    TableVariant,
     WorkOfAdhesion,
-    array_of,
     as_tuple,
     check_keys,
-    chosen,
-    degrees_of,
-    fault_at,
+    direction_to_degrees,
+    make_key_error,
+    select_key_value,
+    to_value_array,
     written,
 )
 
@@ -147,7 +147,7 @@ DIRECTION_DESCRIPTION = (
 LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
 
 
-class ContactTable(Case):
+class ContactTable(TableVariant):
     """Keys of the table `[contact]` that are common to all contact models and all kinds of surfaces."""
 
     effective_modulus: Modulus = Field(
@@ -155,11 +155,11 @@ class ContactTable(Case):
     )
 
     @property
-    def step(self) -> Literal["approach", "load"]:
+    def step_quantity(self) -> Literal["approach", "load"]:
         """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
         return "load"
 
-    def steps(self) -> Floats:
+    def loading_steps(self) -> Floats:
         """Return the approaches (µm) or loads (mN) of all loading steps."""
         raise NotImplementedError
 
@@ -173,7 +173,7 @@ class ContactTable(Case):
 
     def degrees(self) -> Floats:
         """Return all directions of motion, in degrees from +x towards +y."""
-        return np.array([degrees_of(direction) for direction in self.directions_of_motion()])
+        return np.array([direction_to_degrees(direction) for direction in self.directions_of_motion()])
 
     def motions(self) -> dict[str, list[Any]]:
         """Return the sliding rules and directions (degrees) that form dimensions of a result."""
@@ -183,7 +183,7 @@ class ContactTable(Case):
 # ---- Keys by the kind of surfaces -----------------------------------------------------------------------------------
 
 
-class GeneratedContact(ContactTable):
+class GeneratedContactTable(ContactTable):
     """Keys of the contact table that specify the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
@@ -201,7 +201,7 @@ class GeneratedContact(ContactTable):
     @model_validator(mode="after")
     def _has_one_direction_of_motion(self) -> Self:
         if self.direction is not None and self.shear != "+x":
-            raise fault_at("direction", f'must not be given together with shear = "{self.shear}"')
+            raise make_key_error("direction", f'must not be given together with shear = "{self.shear}"')
         return self
 
     def rules(self) -> tuple[Sliding, ...]:
@@ -219,7 +219,7 @@ class GeneratedContact(ContactTable):
         return {name: values for name, values in super().motions().items() if is_list[name]}
 
 
-class GeneratedLoads(GeneratedContact):
+class GeneratedLoadTable(GeneratedContactTable):
     """Keys of the contact table that specify the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
@@ -229,12 +229,12 @@ class GeneratedLoads(GeneratedContact):
         description=LOAD_DESCRIPTION,
     )
 
-    def steps(self) -> Floats:
+    def loading_steps(self) -> Floats:
         """Return the loads (mN) of all loading steps."""
-        return array_of(self.load)
+        return to_value_array(self.load)
 
 
-class MeasuredContact(ContactTable):
+class MeasuredContactTable(ContactTable):
     """Keys of the contact table for measured surfaces at given loads. Results are computed for both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
@@ -248,16 +248,16 @@ class MeasuredContact(ContactTable):
         description="Poisson's ratios of the upper and the lower body, for the onset of sliding; 0.3 by default.",
     )
 
-    def steps(self) -> Floats:
+    def loading_steps(self) -> Floats:
         """Return the loads (mN) of all loading steps."""
-        return array_of(self.load)
+        return to_value_array(self.load)
 
     def rules(self) -> tuple[Sliding, ...]:
         """Return both sliding rules, "all" and "opposing"."""
         return "all", "opposing"
 
 
-class MeasuredLinesContact(MeasuredContact):
+class MeasuredLineContactTable(MeasuredContactTable):
     """Keys of the contact table for measured lines (profiles or lines of maps), which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
@@ -267,7 +267,7 @@ class MeasuredLinesContact(MeasuredContact):
         return "+x", "-x"
 
 
-class MeasuredAreasContact(MeasuredContact):
+class MeasuredMapContactTable(MeasuredContactTable):
     """Keys of the contact table for measured areas, which can slide in one or several directions."""
 
     place: ClassVar[str] = "measured areas"
@@ -317,11 +317,11 @@ class HalfSpaceContactTable(ContactTable):
     @model_validator(mode="after")
     def _has_consistent_growth(self) -> HalfSpaceContactTable:
         if self.junction_growth and self.hardness is None:
-            raise fault_at(
+            raise make_key_error(
                 "junction_growth", "must not be given without a hardness, because elastic contacts do not grow"
             )
         if self.junction_growth and self.adheres:
-            raise fault_at(
+            raise make_key_error(
                 "junction_growth",
                 "must be 0 if work_of_adhesion is above 0, because adhesive contacts do not grow in the model",
             )
@@ -330,10 +330,10 @@ class HalfSpaceContactTable(ContactTable):
     @model_validator(mode="after")
     def _has_consistent_adhesion(self) -> HalfSpaceContactTable:
         if self.adhesion_range is not None and not self.adheres:
-            raise fault_at("adhesion_range", "must not be given unless work_of_adhesion is above 0")
+            raise make_key_error("adhesion_range", "must not be given unless work_of_adhesion is above 0")
         strength = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
         if self.hardness is not None and not strength < float(self.hardness):
-            raise fault_at(
+            raise make_key_error(
                 "hardness", f"must be above work_of_adhesion / adhesion_range = {strength:g} GPa, at which bodies "
                 f"yield without a load, got {written(self.hardness)!r}",
             )  # fmt: skip
@@ -347,7 +347,9 @@ class HalfSpaceContactTable(ContactTable):
     @model_validator(mode="after")
     def _has_consistent_tilt(self) -> HalfSpaceContactTable:
         if self.tilt == "free" and (self.adheres or self.boundary == "periodic"):
-            raise fault_at("tilt", 'must be "fixed" if the boundaries are periodic or the bodies adhere, got "free"')
+            raise make_key_error(
+                "tilt", 'must be "fixed" if the boundaries are periodic or the bodies adhere, got "free"'
+            )
         return self
 
     def solver_arguments(self) -> dict[str, Any]:
@@ -382,7 +384,7 @@ class AsperityContactTable(ContactTable):
     detection: DetectionKey = "gap-minimum"
     curvature: CurvatureKey = "convex"
 
-    def direction_arguments(self) -> dict[str, Any]:
+    def direction_keywords(self) -> dict[str, Any]:
         """Return the contact-model arguments for the direction of motion, or an empty dict if none are needed."""
         return {}
 
@@ -391,14 +393,14 @@ class AsperityContactTable(ContactTable):
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
-            curvature=self.curvature, sliding=sliding or self.rules()[0], **self.direction_arguments(),
+            curvature=self.curvature, sliding=sliding or self.rules()[0], **self.direction_keywords(),
         )  # fmt: skip
 
 
 # ---- Combinations of contact model and kind of surfaces --------------------------------------------------------------
 
 
-class GeneratedAsperities(AsperityContactTable, GeneratedContact):
+class GeneratedAsperityTable(AsperityContactTable, GeneratedContactTable):
     """Keys of the contact table for generated surfaces and the asperity model. They prescribe approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
@@ -415,26 +417,26 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
     @model_validator(mode="after")
     def _has_valid_onset(self) -> Self:
         if self.onset is not None and isinstance(parse_contact_law(self.model().law), HertzCylinder):
-            raise fault_at(
+            raise make_key_error(
                 "onset", "must not be given with cylinders, because the displacement under a line load is unbounded"
             )
         return self
 
     @property
-    def step(self) -> Literal["approach", "load"]:
+    def step_quantity(self) -> Literal["approach", "load"]:
         """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
         return "approach"
 
-    def steps(self) -> Floats:
+    def loading_steps(self) -> Floats:
         """Return the approaches (µm) of all loading steps."""
-        return array_of(self.approach)
+        return to_value_array(self.approach)
 
-    def direction_arguments(self) -> dict[str, Any]:
+    def direction_keywords(self) -> dict[str, Any]:
         """Return the contact-model arguments that set the direction of motion."""
         return {"shear": self.shear, "direction": self.direction}
 
 
-class AsperitiesOfGeneratedLines(GeneratedAsperities):
+class GeneratedProfileAsperityTable(GeneratedAsperityTable):
     """Contact table of the asperity model for generated profiles."""
 
     place: ClassVar[str] = "asperities of generated lines"
@@ -442,7 +444,7 @@ class AsperitiesOfGeneratedLines(GeneratedAsperities):
     detection: DetectionKey = "cell"
 
 
-class AsperitiesOfGeneratedAreas(GeneratedAsperities):
+class GeneratedMapAsperityTable(GeneratedAsperityTable):
     """Contact table of the asperity model for generated height maps."""
 
     place: ClassVar[str] = "asperities of generated areas"
@@ -450,14 +452,14 @@ class AsperitiesOfGeneratedAreas(GeneratedAsperities):
     curvature: CurvatureKey = "signed"
 
 
-class AsperitiesOfMeasuredLines(AsperityContactTable, MeasuredLinesContact):
+class MeasuredLineAsperityTable(AsperityContactTable, MeasuredLineContactTable):
     """Contact table of the asperity model for measured lines."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
-class AsperitiesOfMeasuredAreas(AsperityContactTable, MeasuredAreasContact):
+class MeasuredMapAsperityTable(AsperityContactTable, MeasuredMapContactTable):
     """Contact table of the asperity model for measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
@@ -466,53 +468,53 @@ class AsperitiesOfMeasuredAreas(AsperityContactTable, MeasuredAreasContact):
     curvature: CurvatureKey = "signed"
 
 
-class HalfSpaceOfGeneratedLines(HalfSpaceContactTable, GeneratedLoads):
+class GeneratedProfileHalfSpaceTable(HalfSpaceContactTable, GeneratedLoadTable):
     """Contact table of the half-plane model for generated profiles."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
-class HalfSpaceOfGeneratedAreas(HalfSpaceContactTable, GeneratedLoads):
+class GeneratedMapHalfSpaceTable(HalfSpaceContactTable, GeneratedLoadTable):
     """Contact table of the half-space model for generated height maps."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
-class HalfSpaceOfMeasuredLines(HalfSpaceContactTable, MeasuredLinesContact):
+class MeasuredLineHalfSpaceTable(HalfSpaceContactTable, MeasuredLineContactTable):
     """Contact table of the half-plane model for measured lines."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
-class HalfSpaceOfMeasuredAreas(HalfSpaceContactTable, MeasuredAreasContact):
+class MeasuredMapHalfSpaceTable(HalfSpaceContactTable, MeasuredMapContactTable):
     """Contact table of the half-space model for measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
 
 
 Contact = (
-    AsperitiesOfGeneratedLines
-    | AsperitiesOfGeneratedAreas
-    | AsperitiesOfMeasuredLines
-    | AsperitiesOfMeasuredAreas
-    | HalfSpaceOfGeneratedLines
-    | HalfSpaceOfGeneratedAreas
-    | HalfSpaceOfMeasuredLines
-    | HalfSpaceOfMeasuredAreas
+    GeneratedProfileAsperityTable
+    | GeneratedMapAsperityTable
+    | MeasuredLineAsperityTable
+    | MeasuredMapAsperityTable
+    | GeneratedProfileHalfSpaceTable
+    | GeneratedMapHalfSpaceTable
+    | MeasuredLineHalfSpaceTable
+    | MeasuredMapHalfSpaceTable
 )
 """Table `[contact]` of a study."""
 
 CONTACT_CASES: dict[str, dict[str, type[Contact]]] = {
-    "generated lines": {"asperities": AsperitiesOfGeneratedLines, "half-space": HalfSpaceOfGeneratedLines},
-    "generated areas": {"asperities": AsperitiesOfGeneratedAreas, "half-space": HalfSpaceOfGeneratedAreas},
-    "measured lines": {"asperities": AsperitiesOfMeasuredLines, "half-space": HalfSpaceOfMeasuredLines},
-    "measured areas": {"half-space": HalfSpaceOfMeasuredAreas, "asperities": AsperitiesOfMeasuredAreas},
+    "generated lines": {"asperities": GeneratedProfileAsperityTable, "half-space": GeneratedProfileHalfSpaceTable},
+    "generated areas": {"asperities": GeneratedMapAsperityTable, "half-space": GeneratedMapHalfSpaceTable},
+    "measured lines": {"asperities": MeasuredLineAsperityTable, "half-space": MeasuredLineHalfSpaceTable},
+    "measured areas": {"half-space": MeasuredMapHalfSpaceTable, "asperities": MeasuredMapAsperityTable},
 }
 """Classes of the table by kind of bodies and value of `mechanics`; the first class of each kind is the default."""
 
 SHARED_CONTACT_TABLES: tuple[type[ContactTable], ...] = (
-    AsperityContactTable, GeneratedAsperities, MeasuredContact, GeneratedContact, MeasuredAreasContact,
-    HalfSpaceContactTable, GeneratedLoads,
+    AsperityContactTable, GeneratedAsperityTable, MeasuredContactTable, GeneratedContactTable, MeasuredMapContactTable,
+    HalfSpaceContactTable, GeneratedLoadTable,
 )  # fmt: skip
 """Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
 
@@ -522,7 +524,7 @@ def select_contact_case(
 ) -> type[Contact]:
     """Return the contact-table class that matches the kind of surfaces and the key `mechanics`."""
     cases = CONTACT_CASES[surfaces.bodies]
-    return cases[chosen("mechanics", table, cases)]
+    return cases[select_key_value("mechanics", table, cases)]
 
 
 def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | MeasuredSurfaces) -> Contact:
@@ -530,20 +532,20 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
     case = select_contact_case(type(surfaces), value)
     check_keys(value, case, SHARED_CONTACT_TABLES)
     contact = case.model_validate(value)
-    if isinstance(contact, MeasuredAreasContact):
+    if isinstance(contact, MeasuredMapContactTable):
         direction = contact.direction
         if direction is None or len(contact.directions_of_motion()) > MAX_DIRECTIONS:
-            raise fault_at("direction", f"must be 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
+            raise make_key_error("direction", f"must be 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
         contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
     is_profile = isinstance(surfaces, GeneratedProfiles)
-    if is_profile and isinstance(contact, GeneratedContact) and contact.direction not in (None, "+x", "-x"):
-        raise fault_at("direction", f'must be "+x" or "-x" for profiles, got {short_repr(contact.direction)}')
+    if is_profile and isinstance(contact, GeneratedContactTable) and contact.direction not in (None, "+x", "-x"):
+        raise make_key_error("direction", f'must be "+x" or "-x" for profiles, got {short_repr(contact.direction)}')
     if isinstance(contact, AsperityContactTable) and surfaces.is_areal:
         try:
             contact.model().for_surfaces()
         except ValueError as error:
             key, _, reason = str(error).partition(" ")
-            raise fault_at(key, reason) from None
+            raise make_key_error(key, reason) from None
     if (
         isinstance(contact, HalfSpaceContactTable)
         and contact.hardness is not None
@@ -554,9 +556,9 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
             if isinstance(surfaces, GeneratedProfiles)
             else math.prod(surfaces.extents())
         )
-        if not contact.steps()[-1] < (max_load := float(contact.hardness) * area):
-            raise fault_at(
-                "load", f"must be below hardness times area ({max_load:g} mN), got {contact.steps()[-1]:g} mN"
+        if not contact.loading_steps()[-1] < (max_load := float(contact.hardness) * area):
+            raise make_key_error(
+                "load", f"must be below hardness times area ({max_load:g} mN), got {contact.loading_steps()[-1]:g} mN"
             )
     return contact
 
@@ -569,7 +571,7 @@ def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
     return np.unique(np.concatenate([requested, curve[is_new]]))
 
 
-def _fill_loads(requested: Floats) -> Floats:
+def _insert_intermediate_loads(requested: Floats) -> Floats:
     """Insert loads (mN) until the ratio of successive loads is at most about `MAX_AREAL_LOAD_RATIO`."""
     requested = np.unique(requested)
     steps = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
@@ -597,7 +599,9 @@ def choose_load_steps(
         steps = _extend_loads(requested, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
     else:
         below = requested.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
-        steps = np.unique(np.concatenate([_fill_loads(requested), below, [requested.max() * MAX_AREAL_LOAD_RATIO]]))
+        steps = np.unique(
+            np.concatenate([_insert_intermediate_loads(requested), below, [requested.max() * MAX_AREAL_LOAD_RATIO]])
+        )
     # The given loads remain exact, and the additional loads are rounded to six digits.
     exact = set(requested.tolist())
     rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in steps.tolist()])

@@ -162,7 +162,7 @@ def is_unloaded(result: Result) -> bool:
 def unloaded_load(result: Result) -> float:
     """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
     negligible = NEGLIGIBLE_LOAD_RATIO * min(_pull_offs(result))
-    lowest = float(result.study.contact.steps()[0])
+    lowest = float(result.study.contact.loading_steps()[0])
     return lowest if lowest < negligible else 0.1 * negligible
 
 
@@ -527,13 +527,13 @@ def mean_areas(result: Result) -> Floats:
     `Result.mean_areas` caches these areas.
     """
     zero = np.zeros(1)
-    areas = _members_before_growth(result, result.study.contact.steps(), zero, zero, "elastic", None, ())
+    areas = _members_before_growth(result, result.study.contact.loading_steps(), zero, zero, "elastic", None, ())
     return np.asarray(areas["contact_area"].mean([dim for dim in areas["contact_area"].dims if dim != "load"]).values)
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:
     """Return d ln(A/F) / d ln F at the given loads F (mN), where A is the mean true area."""
-    steps = result.study.contact.steps()
+    steps = result.study.contact.loading_steps()
     if steps.size > 1:
         ratio = result.mean_areas / steps
         is_known = np.isfinite(ratio) & (ratio > 0)

@@ -17,7 +17,7 @@ from stiction.studies.evaluation import ensemble_friction
 from stiction.studies.maps import material_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.studies.values import validated
+from stiction.studies.values import validate_table
 
 if TYPE_CHECKING:
     import xarray
@@ -103,7 +103,7 @@ def table_study(
     )
     effective_modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
     area = extent**2
-    return validated(
+    return validate_table(
         Study,
         {
             "surfaces": {

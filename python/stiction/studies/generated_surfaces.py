@@ -11,16 +11,16 @@ from stiction._checks import Floats
 from stiction._units import exact_text, quantity, short_repr
 from stiction.studies.values import (
     MAX_VALUES,
-    Case,
     DimensionRange,
     DimensionsOrRange,
     Length,
     Lengths,
     Side,
-    array_of,
+    TableVariant,
     as_tuple,
-    fault_at,
+    make_key_error,
     read_length,
+    to_value_array,
 )
 from stiction.surfaces.fractal import Convention
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, AmplitudeMeasure
@@ -51,7 +51,7 @@ AreaAmplitude = Annotated[
 MAX_HARMONICS = 1_000_000
 
 
-class GeneratedSurfaceKeys(Case):
+class GeneratedSurfaceKeys(TableVariant):
     """Keys of `[surfaces]` that all generated surfaces share, i.e. fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # term for the bodies in error messages
@@ -63,7 +63,7 @@ class GeneratedSurfaceKeys(Case):
     cut_off: ClassVar[tuple[float, ...]] = ()
     vouched: ClassVar[None] = None
     both_readings: ClassVar[None] = None
-    first_scanned: ClassVar[int] = 0
+    first_scan_member: ClassVar[int] = 0
     scan_counts: ClassVar[tuple[int, int]] = (1, 1)
 
     fractal_dimension: DimensionsOrRange = Field(
@@ -79,20 +79,22 @@ class GeneratedSurfaceKeys(Case):
     def _check_harmonics(self) -> Self:
         product = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
         if product > MAX_HARMONICS:
-            raise fault_at("directions", f"multiplied by frequencies must be at most {MAX_HARMONICS}, got {product}")
+            raise make_key_error(
+                "directions", f"multiplied by frequencies must be at most {MAX_HARMONICS}, got {product}"
+            )
         return self
 
-    def longest(self) -> float:
+    def max_wavelength(self) -> float:
         """Return the longest wavelength (µm), which is the length scale of Eq. 1."""
         return float(self.length_scale)  # type: ignore[attr-defined]
 
     def fractal_dimensions(self) -> Floats:
         """Return all fractal dimensions of the study."""
-        return array_of(self.fractal_dimension)
+        return to_value_array(self.fractal_dimension)
 
     def amplitudes(self) -> Floats:
         """Return all amplitudes (µm) of the study."""
-        return array_of(self.amplitude)
+        return to_value_array(self.amplitude)
 
     def cells(self) -> dict[str, Floats]:
         """Return the fractal dimensions D and the amplitudes (µm) for which a result is computed."""
@@ -138,7 +140,7 @@ class GeneratedAreas(GeneratedSurfaceKeys):
     @model_validator(mode="after")
     def _check_points(self) -> GeneratedAreas:
         if self.shape[0] * self.shape[1] > MAX_POINTS:
-            raise fault_at("shape", f"must have at most {MAX_POINTS} points, got {list(self.shape)}")
+            raise make_key_error("shape", f"must have at most {MAX_POINTS} points, got {list(self.shape)}")
         return self
 
     def extents(self) -> tuple[float, float]:
@@ -178,7 +180,7 @@ def _to_fractal_dimensions(exponents: Any) -> Any:
         values = exponents if isinstance(exponents, (list, tuple)) else [exponents]
         return sorted(round(2 - value, 12) for value in values)
     except (TypeError, KeyError):
-        raise fault_at(
+        raise make_key_error(
             "hurst_exponent", f"must be numbers above 0 and at most 1, got {short_repr(exponents)}"
         ) from None
 
@@ -230,11 +232,11 @@ class SelfAffineSurfaces(GeneratedAreas):
             spacing, shape = keys["spacing"], table.get("shape", cls.model_fields["shape"].default)
             spacings = spacing if isinstance(spacing, (list, tuple)) else [spacing, spacing]
             if len(spacings) != 2 or len(shape) != 2:
-                raise fault_at("spacing", f"must be a length or a list of two lengths, got {short_repr(spacing)}")
+                raise make_key_error("spacing", f"must be a length or a list of two lengths, got {short_repr(spacing)}")
             try:
                 steps = [float(read_length(text)) for text in spacings]
             except ValueError as error:
-                raise fault_at("spacing", str(error)) from None
+                raise make_key_error("spacing", str(error)) from None
             table["extent"] = [
                 exact_text(float(f"{step * n:.12g}"), "um") for step, n in zip(steps, shape, strict=True)
             ]
@@ -242,21 +244,23 @@ class SelfAffineSurfaces(GeneratedAreas):
 
     @model_validator(mode="after")
     def _check_wavelengths(self) -> SelfAffineSurfaces:
-        side, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.longest()
+        side, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.max_wavelength()
         shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
         if longest > side * ROUND_OFF_FACTOR:
-            raise fault_at("longest_wavelength", f"must be at most the longer side ({side:g} um), got {longest:g} um")
+            raise make_key_error(
+                "longest_wavelength", f"must be at most the longer side ({side:g} um), got {longest:g} um"
+            )
         if shortest * ROUND_OFF_FACTOR < finest:
-            raise fault_at(
+            raise make_key_error(
                 "shortest_wavelength", f"must be at least twice the larger spacing ({finest:g} um), got {shortest:g} um"
             )
         if not shortest < longest:
-            raise fault_at(
+            raise make_key_error(
                 "shortest_wavelength", f"must be below the longest wavelength ({longest:g} um), got {shortest:g} um"
             )
         return self
 
-    def longest(self) -> float:
+    def max_wavelength(self) -> float:
         """Return the longest wavelength (µm)."""
         return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
 

@@ -39,7 +39,7 @@ from stiction.studies.hardness import (
 )
 from stiction.studies.input_uncertainty import UncertainInput, draw_samples, parse_input, parse_study_input
 from stiction.studies.moduli import Moduli, parse_elasticity
-from stiction.studies.study import Study, study_of
+from stiction.studies.study import Study, parse_dataset_study
 
 if TYPE_CHECKING:
     import pandas
@@ -220,7 +220,7 @@ class _ResultAreaFactor(_AreaFactor):
     def from_result(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
         """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
         source = getattr(result, "source", result)
-        study = study_of(getattr(result, "dataset", result))
+        study = parse_dataset_study(getattr(result, "dataset", result))
         known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
         creep = find_creep(study)
         if wait != 1 and creep is None:
@@ -622,7 +622,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)
-    return tuple(study_of(getattr(result, "dataset", result)).contact.rules())
+    return tuple(parse_dataset_study(getattr(result, "dataset", result)).contact.rules())
 
 
 def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestForces:
@@ -674,7 +674,10 @@ def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestForces
     means = {name: values[is_reached].mean() for name, values in six_sums.items()}
     surfaces = dataset.attrs["study"]
     return _TestForces.of(
-        means, scatter=spread, surfaces=surfaces, hardness=float(study_of(dataset).contact.hardness or math.nan)
+        means,
+        scatter=spread,
+        surfaces=surfaces,
+        hardness=float(parse_dataset_study(dataset).contact.hardness or math.nan),
     )
 
 

@@ -70,7 +70,7 @@ def list_coordinates(
         **study.surfaces.cells(),
         "repetition": np.arange(study.ensemble.repetitions) if repetitions is None else np.array(repetitions, np.int64),
         **{name: np.array(entries) for name, entries in study.motions().items()},
-        study.step: study.contact.steps(),
+        study.step_quantity: study.contact.loading_steps(),
     }
     if study.is_measured:
         values["fraction_below"] = np.array(STORED_PROBABILITIES)
@@ -126,7 +126,9 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
     Sliding rules and directions are dimensions only if the study has lists of them.
     """
-    dims = {"step": study.step, "fraction_below": "fraction_below"} | {motion: motion for motion in study.motions()}
+    dims = {"step": study.step_quantity, "fraction_below": "fraction_below"} | {
+        motion: motion for motion in study.motions()
+    }
     return (*study.surfaces.cells(), "repetition", *(dims[axis] for axis in QUANTITIES[name].along if axis in dims))
 
 
@@ -227,11 +229,11 @@ def nondimensional(
     check_instance("result", result, xarray.Dataset, "an xarray.Dataset")
     if "study" in result.attrs:
         from stiction.studies.generated_surfaces import GeneratedSurfaces
-        from stiction.studies.study import study_of
+        from stiction.studies.study import parse_dataset_study
 
-        study = study_of(result)
+        study = parse_dataset_study(result)
         if length is None and isinstance(study.surfaces, GeneratedSurfaces):
-            length = study.surfaces.longest()
+            length = study.surfaces.max_wavelength()
         result_modulus: Any = float(study.contact.effective_modulus)
     else:
         result_modulus = float(result["effective_modulus"]) if "effective_modulus" in result.coords else None

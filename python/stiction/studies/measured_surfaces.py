@@ -22,18 +22,18 @@ from stiction._text import printable_path
 from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.studies.values import (
-    Case,
     CutOffs,
     Length,
     LengthOrZero,
     SignedLength,
     Table,
-    array_of,
+    TableVariant,
     as_tuple,
     as_written,
-    fault_at,
+    make_key_error,
     read_length,
     require_different,
+    to_value_array,
     written,
 )
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
@@ -350,7 +350,7 @@ class MeasuredFile(Table):
         except OSError as error:
             raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
 
-    def find_stamp(self) -> tuple[int, int] | None:
+    def find_file_stamp(self) -> tuple[int, int] | None:
         """Return the modification time (ns) and the size of the file, or None if the file does not exist."""
         try:
             status = None if self.body else Path(self.file).stat()
@@ -464,7 +464,7 @@ class Members(Protocol):
         """Return the properties that all members have in common."""
 
 
-class MeasuredSurfaceKeys(Case):
+class MeasuredSurfaceKeys(TableVariant):
     """Keys of `[surfaces]` that all studies of measured surfaces share."""
 
     bodies: ClassVar[str] = "measured areas"  # term for the bodies in error messages
@@ -496,7 +496,7 @@ class MeasuredSurfaceKeys(Case):
 
     def cells(self) -> dict[str, Floats]:
         """Return the cutoffs (µm) for which a result is computed."""
-        return {"cut_off": array_of(self.cut_off)}
+        return {"cut_off": to_value_array(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
         """Return the cutoff (µm) of the quoted result, which is the first cutoff in the study."""
@@ -507,7 +507,7 @@ class MeasuredSurfaceKeys(Case):
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
-    def first_scanned(self) -> int:
+    def first_scan_member(self) -> int:
         """Index of the first member that consists of scans rather than surrogates."""
         return 0
 
@@ -593,7 +593,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
     @model_validator(mode="after")
     def _has_one_source_of_positions(self) -> Self:
         if self.positions is not None and (self.offsets > 1 or self.travel is not None):
-            raise fault_at("positions", "must not be given with offsets or travel")
+            raise make_key_error("positions", "must not be given with offsets or travel")
         return self
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMembers:
@@ -700,11 +700,11 @@ class MeasuredAreas(MeasuredSurfaceKeys):
     )  # fmt: skip
 
     @property
-    def first_scanned(self) -> int:
+    def first_scan_member(self) -> int:
         """Index of the first member that consists of pieces of the measured maps. Earlier members are surrogates."""
         return self.surrogates
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMember:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMembers:
         """Return the members, which are surrogates followed by pairs of map pieces, or a single measured gap."""
         upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
@@ -714,7 +714,7 @@ class MeasuredAreas(MeasuredSurfaceKeys):
             grid: dict[str, Any] = {"spacing": gap.spacing, "missing": gap.missing}
             flat = Surface(np.zeros_like(gap.heights), history=("a flat face",), **grid)
             rough = Surface(0.0 - gap.heights, history=(*gap.history, "a gap, below a flat face"), **grid)
-            return GapMember(flat, rough)
+            return GapMembers(flat, rough)
         shifts = None if self.positions is None else tuple((float(x), float(y)) for x, y in self.positions)
         pairs = build_map_pairs(upper, lower, self.level, seed, rotation=self.rotate, shifts=shifts)
         return AreaMembers(pairs, scans, self.surrogates)
@@ -806,7 +806,7 @@ class AreaMembers:
 
 
 @dataclass(frozen=True, eq=False)
-class GapMember:
+class GapMembers:
     """The only member of a study of a measured gap. It has a flat face and a rough face, separated by the gap."""
 
     flat: Surface

@@ -85,7 +85,7 @@ def solve_at_loads(
     about a third of the time.
     """
     contact = study.contact
-    loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
+    loads, motions = contact.loading_steps().size, (len(contact.rules()), contact.degrees().size)
     values = {
         name: _build_unsolved_values(name, motions, loads)
         for name in variable_names(study)
@@ -151,7 +151,7 @@ def _solve_half_space(
             [np.concatenate([np.atleast_2d(getattr(direction, name)) for direction in ways]) for ways in curves]
         )
 
-    for load_indices, curve in solve_separately(solve, contact.steps()):
+    for load_indices, curve in solve_separately(solve, contact.loading_steps()):
         curves = by_motion(curve)
         for name in sums:
             values[name][..., load_indices] = (
@@ -198,7 +198,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     first_model = replace(models[0], direction=0.0) if areal else models[0]
     # Without friction, the normal force equals the elastic load.
     approach, status = find_approaches_at_loads(
-        SurfacePair(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=first_model
+        SurfacePair(upper, lower), contact.loading_steps(), mu0=0.0, tau0=0.0, model=first_model
     )
     values["status"][:] = [STATUSES.index(item) for item in status.tolist()]
     ok = np.flatnonzero(status == STATUS_OK)
@@ -214,7 +214,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
 
     def read(name: str, curve: Any) -> Floats:
         normal, sums = curve.normal_elastic, getattr(curve, name)
-        jump, rise = normal[at] - normal[before], contact.steps()[ok] - normal[before]
+        jump, rise = normal[at] - normal[before], contact.loading_steps()[ok] - normal[before]
         share = np.clip(np.divide(rise, jump, out=np.ones(ok.size), where=jump > 0), 0, 1)
         interpolated = sums[..., before] + share * (sums[..., at] - sums[..., before])
         return np.asarray(np.rint(interpolated) if QUANTITIES[name].dtype is int else interpolated)
@@ -359,7 +359,7 @@ def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[A
 def estimate_member_time(study: Study) -> float:
     """Estimate the time (s) for computing one member on one core."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
-    loads = study.contact.steps().size
+    loads = study.contact.loading_steps().size
     points, areal = count_points(study), study.is_areal
     if study.uses_half_space and study.contact.adheres:
         softest = PULL_OFF_ITERATIONS[areal] / MAX_PULL_OFF_ITERATIONS
@@ -473,7 +473,7 @@ def _models(contact: Any) -> tuple[ContactModel, ...]:
 
 @functools.lru_cache(maxsize=4)
 def _steps(contact: Any) -> Floats:
-    return read_only(contact.steps())
+    return read_only(contact.loading_steps())
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
@@ -522,7 +522,7 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
 def _solve_measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
-    unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
+    unloads = index - study.surfaces.first_scan_member < UNLOADED_MEMBERS
     for cell_index, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}

@@ -192,7 +192,7 @@ class LoadedBodies:
             heights = [scan.heights.tobytes() for scan in scans if isinstance(scan, Profile | Surface)]
             if len(set(heights)) < len(heights):
                 raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each scan only once")
-        if surfaces.first_scanned and math.prod(surfaces.scan_counts) > 1:
+        if surfaces.first_scan_member and math.prod(surfaces.scan_counts) > 1:
             raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
         self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_members)
 
@@ -275,7 +275,7 @@ def load_bodies(study: Study) -> LoadedBodies:
     """
     surfaces = study.surfaces
     assert isinstance(surfaces, MeasuredSurfaces)
-    stamps = tuple(scan.find_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
+    stamps = tuple(scan.find_file_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
     return _load_cached(surfaces, study.ensemble.seed, stamps)
 
 

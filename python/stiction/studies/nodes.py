@@ -186,7 +186,7 @@ class Nodes:
     def loads(self) -> Floats:
         """Loads (mN) that a report shows. The array is empty if no pair of bodies is in contact."""
         if self.study.is_measured:
-            return np.asarray(self.study.contact.steps())
+            return np.asarray(self.study.contact.loading_steps())
         try:
             low, high = (float(f"{load:.3g}") for load in reached_loads(self.result, 2))
         except ValueError:

@@ -51,7 +51,7 @@ from stiction.studies.pair_options import (
     split_list,
 )
 from stiction.studies.study import DEFAULT_SEED, Study
-from stiction.studies.values import StudyError, validated
+from stiction.studies.values import StudyError, validate_table
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import DEFAULT_LINES, SIDES, Surrogates
@@ -158,7 +158,7 @@ class Pair:
             text = value if isinstance(value, str) else exact_text(value, "um") if name == "spacing" else str(value)
             table[name] = split_list(name, text)
         try:
-            return validated(MeasuredFile, table, f"pair: {side}")
+            return validate_table(MeasuredFile, table, f"pair: {side}")
         except StudyError as error:
             key, reason = error.faults[0]
             if key not in PAIR_OPTIONS:
@@ -719,7 +719,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
     If an option set the invalid key, the `ArgumentError` names the option.
     """
     try:
-        return validated(Study, data, "pair")
+        return validate_table(Study, data, "pair")
     except StudyError as error:
         key, reason = error.faults[0]
         if (name := _find_option(key)) is None:

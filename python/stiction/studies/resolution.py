@@ -84,7 +84,7 @@ def build_cutoff_study(study: Study) -> Study | None:
             study.ensemble.repetitions, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
         ),
     }  # fmt: skip
-    if study.surfaces.first_scanned:
+    if study.surfaces.first_scan_member:
         changes["surfaces.surrogates"] = 0
     return study.with_changes(changes)
 
@@ -174,7 +174,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     bodies = load_bodies(study)
     wavelength = surfaces.quoted_cut_off()
     # The gap is computed for the first member that consists of pieces of the scans, or otherwise for a surrogate.
-    first = surfaces.first_scanned
+    first = surfaces.first_scan_member
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair
     gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)

@@ -17,7 +17,7 @@ from stiction._units import loads_to_core_units, short_repr, to_core_units
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.layout import piece_length
 from stiction.studies.store import StoredResult, export, open_stored
-from stiction.studies.study import Study, study_of
+from stiction.studies.study import Study, parse_dataset_study
 
 if TYPE_CHECKING:
     import pandas
@@ -78,7 +78,7 @@ class Result:
     @cached_property
     def study(self) -> Study:
         """Study from which the result was computed."""
-        return self.source.study if isinstance(self.source, StoredResult) else study_of(self.source)
+        return self.source.study if isinstance(self.source, StoredResult) else parse_dataset_study(self.source)
 
     @property
     def path(self) -> Path | None:

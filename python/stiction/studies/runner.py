@@ -138,7 +138,8 @@ def prepare_folder(study: Study, folder: str | Path, part: tuple[int, int] | Non
         keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cells())
         raise StudyError(
             f"a repetition would take {size / 2**30:.0f} GiB, more than the limit of "
-            f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of contact.{study.step} or {keys}"
+            f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of "
+            f"contact.{study.step_quantity} or {keys}"
         )
     return create_or_open(folder, study.with_checksums(Path(folder)))
 

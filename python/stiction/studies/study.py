@@ -25,7 +25,7 @@ from stiction.mechanics.quantities import (
 from stiction.studies.contact_tables import (
     MAX_AREAL_LOAD_RATIO,
     Contact,
-    MeasuredAreasContact,
+    MeasuredMapContactTable,
     choose_load_steps,
     read_contact,
     select_contact_case,
@@ -39,20 +39,20 @@ from stiction.studies.generated_surfaces import (
 from stiction.studies.input_uncertainty import UncertainInputsTable
 from stiction.studies.measured_surfaces import MeasuredFile, MeasuredSurfaces
 from stiction.studies.values import (
-    Case,
     Coefficients,
     LoadsOfInterest,
     Strengths,
     StudyError,
     Table,
+    TableVariant,
     Times,
     as_toml,
     as_tuple,
     check_keys,
-    chosen,
-    fault_at,
+    make_key_error,
+    select_key_value,
     toml,
-    validated,
+    validate_table,
 )
 
 if TYPE_CHECKING:
@@ -96,35 +96,35 @@ The first class is the default.
 
 def select_surface_case(table: Mapping[str, Any]) -> type[Surfaces]:
     """Return the class for the table `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
-    key, cases = _SURFACE_CASES[chosen("kind", table, _SURFACE_CASES)]
-    return cases[chosen(key, table, cases)]
+    key, cases = _SURFACE_CASES[select_key_value("kind", table, _SURFACE_CASES)]
+    return cases[select_key_value(key, table, cases)]
 
 
-ZERO_STRENGTH = quantity("0 MPa", "pressure")
-PAPER_STRENGTHS = tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200"))
+ZERO_SHEAR_STRENGTH = quantity("0 MPa", "pressure")
+PAPER_SHEAR_STRENGTHS = tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200"))
 MU0_DESCRIPTION = "Molecular friction coefficients."
 TAU0_DESCRIPTION = "Adhesive shear strengths."
 LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these and the other loads of the curve."
 
 
-class GeneratedFriction(Case):
+class GeneratedFrictionTable(TableVariant):
     """Table `[friction]` for generated surfaces. It contains the interface strengths to plot."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
 
     mu0: Coefficients = Field(default=(0.1, 0.4, 1.0), description=MU0_DESCRIPTION)
-    tau0: Strengths = Field(default=PAPER_STRENGTHS, description=TAU0_DESCRIPTION)
+    tau0: Strengths = Field(default=PAPER_SHEAR_STRENGTHS, description=TAU0_DESCRIPTION)
 
 
-class FrictionOfAsperities(GeneratedFriction):
+class AsperityFrictionTable(GeneratedFrictionTable):
     """Table `[friction]` for generated surfaces in the asperity model. It contains the interface strengths to plot."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
-class FrictionOfHalfSpace(GeneratedFriction):
+class HalfSpaceFrictionTable(GeneratedFrictionTable):
     """Table `[friction]` for half-spaces with generated surfaces. It contains the strengths and loads to plot."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
@@ -132,31 +132,35 @@ class FrictionOfHalfSpace(GeneratedFriction):
     load: LoadsOfInterest = Field(default=(), description=LOADS_DESCRIPTION)
 
 
-class FrictionOfMeasured(Case):
+class MeasuredFrictionTable(TableVariant):
     """Table `[friction]` for measured surfaces. It contains interface strengths, loads and dwell times."""
 
     place: ClassVar[str] = "measured surfaces"
 
     mu0: Coefficients = Field(description=MU0_DESCRIPTION)
-    tau0: Strengths = Field(default=(ZERO_STRENGTH,), description=TAU0_DESCRIPTION)
+    tau0: Strengths = Field(default=(ZERO_SHEAR_STRENGTH,), description=TAU0_DESCRIPTION)
     load: LoadsOfInterest = Field(description=LOADS_DESCRIPTION)
     wait: Times = Field(
         default=(), description="Dwell times under load before sliding; `contact.hardness` is the hardness after 1 s."
     )
 
 
-Friction = FrictionOfAsperities | FrictionOfHalfSpace | FrictionOfMeasured
+Friction = AsperityFrictionTable | HalfSpaceFrictionTable | MeasuredFrictionTable
 """Table `[friction]` of a study."""
 FRICTION_CASES: tuple[type[Friction], ...] = get_args(Friction)
-SHARED_FRICTION_TABLES: tuple[type[Case], ...] = (FrictionOfMeasured, GeneratedFriction, FrictionOfHalfSpace)
+SHARED_FRICTION_TABLES: tuple[type[TableVariant], ...] = (
+    MeasuredFrictionTable,
+    GeneratedFrictionTable,
+    HalfSpaceFrictionTable,
+)
 """Base classes whose keys several friction tables share."""
 
 
 def select_friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
     """Return the class for the table `[friction]` that matches the surfaces and the contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaces)):
-        return FrictionOfMeasured
-    return FrictionOfHalfSpace if mechanics == "half-space" else FrictionOfAsperities
+        return MeasuredFrictionTable
+    return HalfSpaceFrictionTable if mechanics == "half-space" else AsperityFrictionTable
 
 
 class Ensemble(Table):
@@ -307,7 +311,7 @@ class Study(Table):
         if info.field_name == "contact":
             return read_contact(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaces):
-            raise fault_at("load", "must have at least one load, got []")
+            raise make_key_error("load", "must have at least one load, got []")
         # if the contact is None, only the error of its table is reported
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
@@ -317,7 +321,7 @@ class Study(Table):
 
     @model_validator(mode="after")
     def _check_consistency(self) -> Study:
-        draw, friction, steps = self.figures.draw, self.friction, self.contact.steps()
+        draw, friction, steps = self.figures.draw, self.friction, self.contact.loading_steps()
         if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
                 f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the limits of contact.load; omit "
@@ -364,15 +368,15 @@ class Study(Table):
         return self.contact.mechanics == "half-space"
 
     @property
-    def step(self) -> Literal["approach", "load"]:
+    def step_quantity(self) -> Literal["approach", "load"]:
         """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
-        return self.contact.step
+        return self.contact.step_quantity
 
     def sums(self) -> tuple[str, ...]:
         """Return the names of the contact sums that are stored for each member and loading step."""
         if self.uses_half_space:
             return HALF_SPACE_SUM_QUANTITIES + (ADHESION_QUANTITIES if self.contact.adheres else ())
-        approach = ("approach",) if self.step == "load" else ()
+        approach = ("approach",) if self.step_quantity == "load" else ()
         onset = ONSET_QUANTITIES if self.contact.onset is not None else ()
         return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach + onset
 
@@ -461,7 +465,7 @@ class Study(Table):
             if not isinstance(table, dict):
                 raise StudyError(f"{printable(key)}: unknown key")
             table[last] = value
-        return validated(Study, data, "changes")
+        return validate_table(Study, data, "changes")
 
     def to_toml(self) -> str:
         """Return the study as TOML text with all keys. `Study.from_toml` creates an equal study from this text."""
@@ -517,7 +521,7 @@ def list_written_keys(table: Table) -> dict[str, Any]:
     """Return the entries of a table that are not None, in the order used in study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
-    if isinstance(table, MeasuredAreasContact):
+    if isinstance(table, MeasuredMapContactTable):
         order["direction"] = 1  # written last
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 
@@ -548,7 +552,7 @@ def study_summary(name: str) -> str:
     return (_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
-def study_of(dataset: xarray.Dataset) -> Study:
+def parse_dataset_study(dataset: xarray.Dataset) -> Study:
     """Return the study stored in the dataset of a result.
 
     Raises a `StudyError` if the dataset has no attribute 'study'.
@@ -616,4 +620,4 @@ def parse_study(text: str, source: str) -> Study:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable(error, MAX_PATH_LENGTH)}"
         ) from None
-    return validated(Study, data, source)
+    return validate_table(Study, data, source)

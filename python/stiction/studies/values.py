@@ -37,7 +37,7 @@ MAX_SHORT_LIST_LENGTH = 100  # maximum number of entries in a list of mu0, tau0,
 MAX_DEGREES = 360  # maximum absolute value of a direction in degrees
 
 
-def _reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
+def _make_quantity_reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
     def read(text: object) -> Quantity:
         value = quantity(text, kind)
         if not (value > 0 or (zero and float(value) == 0)):
@@ -47,7 +47,7 @@ def _reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
     return read
 
 
-read_length = _reader("length")
+read_length = _make_quantity_reader("length")
 
 
 def written(value: Any) -> Any:
@@ -69,12 +69,12 @@ def _increasing(values: tuple[float, ...]) -> tuple[float, ...]:
 as_written = PlainSerializer(written)
 Length = Annotated[Quantity, PlainValidator(read_length), as_written]
 SignedLength = Annotated[Quantity, PlainValidator(lambda text: quantity(text, "length")), as_written]
-LengthOrZero = Annotated[Quantity, PlainValidator(_reader("length", zero=True)), as_written]
-Modulus = Annotated[Quantity, PlainValidator(_reader("pressure")), as_written]
-Strength = Annotated[Quantity, PlainValidator(_reader("pressure", zero=True)), as_written]
-Force = Annotated[Quantity, PlainValidator(_reader("force")), as_written]
-Time = Annotated[Quantity, PlainValidator(_reader("time")), as_written]
-WorkOfAdhesion = Annotated[Quantity, PlainValidator(_reader("work of adhesion", zero=True)), as_written]
+LengthOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("length", zero=True)), as_written]
+Modulus = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure")), as_written]
+Strength = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure", zero=True)), as_written]
+Force = Annotated[Quantity, PlainValidator(_make_quantity_reader("force")), as_written]
+Time = Annotated[Quantity, PlainValidator(_make_quantity_reader("time")), as_written]
+WorkOfAdhesion = Annotated[Quantity, PlainValidator(_make_quantity_reader("work of adhesion", zero=True)), as_written]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Side = Annotated[int, Field(ge=MIN_POINTS, le=MAX_POINTS)]
 Dimension = Annotated[float, Field(ge=1, lt=2)]
@@ -139,7 +139,7 @@ def _read_direction(value: object) -> Any:
     )
 
 
-def degrees_of(direction: Direction) -> float:
+def direction_to_degrees(direction: Direction) -> float:
     """Convert a direction of motion to degrees from +x towards +y (at least 0 and below 360)."""
     return {"+x": 0.0, "-x": 180.0}[direction] if isinstance(direction, str) else direction % 360.0
 
@@ -151,7 +151,8 @@ def _read_sliding(value: object) -> Any:
 
 
 Directions = (
-    Annotated[Direction | tuple[Direction, ...], _one_or_tuple("direction", _read_direction, degrees_of)] | None
+    Annotated[Direction | tuple[Direction, ...], _one_or_tuple("direction", _read_direction, direction_to_degrees)]
+    | None
 )
 Rules = Annotated[Sliding | tuple[Sliding, ...], _one_or_tuple("rule", _read_sliding, str)]
 
@@ -162,7 +163,7 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
 
-class Case(Table):
+class TableVariant(Table):
     """Base class for study-file tables with several variants. Each variant is a class with different keys."""
 
     place: ClassVar[str]  # name of the class in messages
@@ -176,12 +177,12 @@ class Case(Table):
         }  # fmt: skip
 
 
-def fault_at(key: str, message: str) -> PydanticCustomError:
+def make_key_error(key: str, message: str) -> PydanticCustomError:
     """Create a validation error that refers to a key of a table."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
-def chosen(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
+def select_key_value(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
     """Return the value of a key in a table. If the key is missing, return the first name in `cases`.
 
     Raises an error if the value is not a name in `cases`.
@@ -189,7 +190,7 @@ def chosen(key: str, table: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
     value = table.get(key, next(iter(cases)))
     if not isinstance(value, str) or value not in cases:
         names = '" or "'.join(cases)
-        raise fault_at(key, f'must be "{names}", got {short_repr(value)}')
+        raise make_key_error(key, f'must be "{names}", got {short_repr(value)}')
     return value
 
 
@@ -276,7 +277,7 @@ ApproachesOrRange = Annotated[
 LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE_NAME)] | Annotated[Loads, Tag(LIST_NAME)], _range_or_list]
 
 
-def array_of(values: _Range | tuple[float, ...]) -> Floats:
+def to_value_array(values: _Range | tuple[float, ...]) -> Floats:
     """Return all values of a range or a list as an array."""
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
@@ -284,7 +285,7 @@ def array_of(values: _Range | tuple[float, ...]) -> Floats:
 # ---- Keys that exist only in some classes of a table ----------------------------------------------------------------
 
 
-def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type[Case]]) -> None:
+def check_keys(table: Mapping[Any, Any], case: type[TableVariant], shared: Sequence[type[TableVariant]]) -> None:
     """Raise an error if a key belongs to another class of this table, or if a required key is missing.
 
     `shared` lists base classes whose keys several classes have. Messages refer to these classes by `place`.
@@ -300,10 +301,10 @@ def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type
             common = sorted(set.intersection(*selectors))
             remedy = " and ".join(f"{name} = {as_toml(value)}" for name, value in common)
             reason = f"belongs to {places}, not to {case.place}"
-            raise fault_at(str(key), f"{reason}; it requires {remedy}" if remedy else reason)
+            raise make_key_error(str(key), f"{reason}; it requires {remedy}" if remedy else reason)
     for key, field in case.model_fields.items():
         if field.is_required() and key not in table:
-            raise fault_at(key, f"must be given for {case.place}")
+            raise make_key_error(key, f"must be given for {case.place}")
 
 
 _Kind = TypeVar("_Kind", bound=Table)
@@ -359,7 +360,7 @@ def toml(text: str) -> dict[str, Any]:
         raise ValueError("is nested too deeply") from None
 
 
-def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
+def validate_table(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
     """Validate a table and return it as an instance of the given class.
 
     Error messages start with the name of the source of the table.
@@ -367,7 +368,7 @@ def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
     try:
         return kind.model_validate(data)
     except ValidationError as error:
-        faults = [_fault(kind, fault) for fault in error.errors(include_url=False)]
+        faults = [_convert_validation_error(kind, fault) for fault in error.errors(include_url=False)]
         lines = [
             f"{printable_path(source)}: {key}: {reason}" if key else f"{printable_path(source)}: {reason}"
             for key, reason in faults[:MAX_LISTED_FAULTS]
@@ -391,7 +392,7 @@ _ERROR_MESSAGES = {
 """Messages that replace messages of pydantic, by error type."""
 
 
-def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
+def _convert_validation_error(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
     """Convert a pydantic error to a message and the key that caused the error."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_NAME, LIST_NAME)]
     key = "".join(
@@ -401,7 +402,7 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
         key += f".{fault['ctx']['key']}"
     key = printable(key)
     if fault["type"] == "extra_forbidden":
-        return key, f"unknown key{_suggestion(kind, location)}"
+        return key, f"unknown key{_suggest_keys(kind, location)}"
     message = fault["msg"].removeprefix("Value error, ")
     if fault["type"] == "model_type":
         message = "must be a table"
@@ -419,12 +420,12 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
 MAX_SUGGESTIONS = 3  # maximum number of suggestions for an unknown key
 
 
-def _suggestion(kind: type[Table], location: list[int | str]) -> str:
+def _suggest_keys(kind: type[Table], location: list[int | str]) -> str:
     """Return a hint that names similar keys of the table, or the command that lists all keys."""
     tables = [kind]
     for parent_key in location[:-1]:
         fields = [table.model_fields[str(parent_key)] for table in tables if str(parent_key) in table.model_fields]
-        tables = [table for field in fields for table in tables_of(field.annotation)]
+        tables = [table for field in fields for table in list_table_classes(field.annotation)]
     keys = dict.fromkeys(name for table in tables for name in table.model_fields)
     keys |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
     word = str(location[-1])[:MAX_WORD_LENGTH]
@@ -433,8 +434,8 @@ def _suggestion(kind: type[Table], location: list[int | str]) -> str:
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
 
-def tables_of(annotation: Any) -> list[type[Table]]:
+def list_table_classes(annotation: Any) -> list[type[Table]]:
     """Return the table classes that a field with the given annotation accepts."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, Table) else []
-    return [table for argument in get_args(annotation) for table in tables_of(argument)]
+    return [table for argument in get_args(annotation) for table in list_table_classes(argument)]

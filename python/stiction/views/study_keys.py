@@ -61,7 +61,7 @@ _UNCERTAIN_TYPES = {
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
 _FRICTION_DESCRIPTION = "Loads and friction parameters of measured surfaces, or of the figures of generated surfaces."
 _ALL_CONTACT_CASES = tuple(dict.fromkeys(case for cases in CONTACT_CASES.values() for case in cases.values()))
-_KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.Case], ...]], ...] = (
+_KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.TableVariant], ...]], ...] = (
     ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACE_CASES[:3], ()),
     ("`[surfaces]`, measured", "Two measured files and their combination into pairs.", SURFACE_CASES[3:], ()),
     ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), ()),
@@ -105,7 +105,9 @@ def key_tables() -> list[tuple[str, str, list[Row]]]:
 
 
 def _case_names(
-    owners: Sequence[type[values.Table]], cases: Sequence[type[values.Table]], shared: Sequence[type[values.Case]]
+    owners: Sequence[type[values.Table]],
+    cases: Sequence[type[values.Table]],
+    shared: Sequence[type[values.TableVariant]],
 ) -> list[str]:
     """Return the names of the models that have a key. A base class replaces its models if all of them have the key."""
     members = {item: {case for case in cases if issubclass(case, item)} for item in shared}
@@ -114,7 +116,7 @@ def _case_names(
         if members[item] <= remaining:
             places.append(item.place)
             remaining -= members[item]
-    return places + [case.place for case in cases if case in remaining and issubclass(case, values.Case)]
+    return places + [case.place for case in cases if case in remaining and issubclass(case, values.TableVariant)]
 
 
 def study_keys() -> str:

@@ -206,7 +206,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
 def _common_load(result: Result, lowest: float) -> float:
     """Return a load (mN) that nine of ten ensembles reach. Powers of ten from `lowest` upwards are preferred."""
-    elastic = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step).values
+    elastic = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step_quantity).values
     common = float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
     return float(power if power >= lowest else max(common, lowest))

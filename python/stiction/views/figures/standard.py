@@ -127,7 +127,7 @@ def _measured_figures(
     result: Result, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     study_loads = [float(load) for load in study.friction.load]
-    loads = np.unique([*study.contact.steps(), *study_loads])
+    loads = np.unique([*study.contact.loading_steps(), *study_loads])
     points = result.at(loads)
     unfiltered, title, hardness = points.isel(cut_off=0), format_print_title(study), study.contact.hardness
     first_load = study_loads[0]

@@ -57,7 +57,7 @@ def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
     head, num_members = result.head, result.members.size
     if not num_members or not (members := result.num_solved):
         raise ReportError("the result must have a member with a solution at every load, got none")
-    counts = result.means(["contact_count"])["contact_count"].transpose(*SHAPE_DIMENSIONS, study.step).values
+    counts = result.means(["contact_count"])["contact_count"].transpose(*SHAPE_DIMENSIONS, study.step_quantity).values
     tables, loads = Tables(), result.nodes.loads
     facts = _study_facts(head, study, loads) | {"name": name or _study_name(study), "repetitions": members}
     facts |= {
@@ -112,7 +112,7 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
         "curves": {},
         "hasStiffness": False,
         "area": None,
-        "steps": int(head.sizes[study.step]),
+        "steps": int(head.sizes[study.step_quantity]),
     }
 
 

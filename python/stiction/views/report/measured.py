@@ -97,7 +97,7 @@ _KIND_WORDS = {None: "pairs", "shifts": "positions of the two surfaces", "surrog
 
 
 def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
-    area, loads = float(dataset["nominal_area"]), study.contact.steps().tolist()
+    area, loads = float(dataset["nominal_area"]), study.contact.loading_steps().tolist()
     cut_offs = dataset["cut_off"].values.tolist()
     answers = _assessments(result)
     quoted = (answer["at"].get("cut_off", cut_offs[0]) for answer in answers if not answer["covered"])
