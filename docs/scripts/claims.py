@@ -31,7 +31,7 @@ import xarray
 from numpy.typing import ArrayLike, NDArray
 from stiction import Study, open_result, run
 from stiction.mechanics import friction
-from stiction.studies.intervals import Crossing
+from stiction.studies.intervals import LoadCrossings
 from stiction.studies.study import parse_dataset_study
 
 Floats = NDArray[np.float64]
@@ -286,7 +286,7 @@ class Resampled:
         loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
         result = np.full(normal.shape[:2], np.nan)
         for d in np.flatnonzero(np.isfinite(loads)):
-            crossing = Crossing.of(normal[:, d], loads[d : d + 1])
+            crossing = LoadCrossings.of(normal[:, d], loads[d : d + 1])
             result[:, d] = np.where(crossing.reached, crossing.at(values[:, d]), np.nan)[:, 0]
         return result / loads if what == "friction" else result
 

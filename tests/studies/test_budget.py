@@ -11,8 +11,14 @@ from scipy.stats import halfnorm
 from stiction import Study, Surface, cut_off, pair, self_affine_surface
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
-from stiction.studies.budget import _CoefficientSamples, _ends, _sheared_contacts, _values_over, add_uncertainty
-from stiction.studies.evaluation import PerLoad, areas_of, at_load, member_sums
+from stiction.studies.budget import (
+    _arrays_over_dims,
+    _CoefficientSamples,
+    _ends,
+    _pressure_and_growth_under_shear,
+    add_uncertainty,
+)
+from stiction.studies.evaluation import ForcesPerLoad, at_load, build_area_interpolator, member_sums_at_loads
 from stiction.studies.executors import thread_executor
 from stiction.studies.hardness import choose_area_nodes, compute_areas_over_hardness, find_inputs
 from stiction.studies.input_uncertainty import Z_95, parse_input
@@ -100,10 +106,13 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     assert choose_area_nodes(result.study)[1].size == (3 if modulus.startswith("48") else 1)
     table = result.at_study_loads
     point_index = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
-    sums, areas = member_sums(result.source, table["load"].values), areas_of(table, result.source)
-    friction = PerLoad.of(sums.sel(sliding="all").mean())
-    variables = dict(table.variables) | _sheared_contacts(table, result.study, areas)
-    numbers = {name: values[0, 0, 0, 0, 0] for name, values in _values_over(variables, table, point_index).items()}
+    sums, areas = (
+        member_sums_at_loads(result.source, table["load"].values),
+        build_area_interpolator(table, result.source),
+    )
+    friction = ForcesPerLoad.of(sums.sel(sliding="all").mean())
+    variables = dict(table.variables) | _pressure_and_growth_under_shear(table, result.study, areas)
+    numbers = {name: values[0, 0, 0, 0, 0] for name, values in _arrays_over_dims(variables, table, point_index).items()}
     samples = _CoefficientSamples(numbers, point_index, result.study, inputs, friction, areas)
     samples.names, samples.places = tuple(inputs), {}  # The samples must not contain errors of the mean over positions.
     for probability in (0.03, 0.7):
@@ -198,7 +207,7 @@ def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -
     kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.01), effective_modulus="1.5..6 MPa", **kwargs)
     table, study = result.at_study_loads, result.study
-    areas = areas_of(table, result.source)
+    areas = build_area_interpolator(table, result.source)
 
     def mean_area(pair_result):
         return pair_result.at_study_loads["contact_area"].sel(statistic="mean").item()

@@ -6,7 +6,7 @@ from stiction import Study, approach_at_load, area_map, friction_map, press, run
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
 from stiction.studies.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
-from stiction.studies.evaluation import at_load, axes_of, member_values, reached_loads
+from stiction.studies.evaluation import at_load, find_opposite_axes, member_values, reached_loads
 from stiction.studies.members import load_bodies
 from support.studies_of_files import study_of_files, write_maps, write_profiles
 
@@ -123,10 +123,10 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
 
 
 def test_axis_of_motion_consists_of_two_opposite_directions():
-    axes, indices = axes_of(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
+    axes, indices = find_opposite_axes(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
     assert axes.tolist() == [0.0, 30.0]
     assert indices.tolist() == [[1, 4], [0, 2]]
-    assert axes_of(np.array([0.0, 45.0]))[0].size == 0
+    assert find_opposite_axes(np.array([0.0, 45.0]))[0].size == 0
 
 
 def test_unreached_loads_have_status_not_reached(areal_contact, profile_contact):
@@ -170,7 +170,7 @@ def test_unsolved_load_is_reported_instead_of_interpolated(areal_contact, readin
 
 def test_load_between_load_steps_that_are_far_apart_has_status_not_reached():
     curve, values = np.array([1e-3, 1.0, 10.0]), np.array([2e-3, 1.5, 12.0])
-    crossing = intervals.Crossing.of(curve, np.array([1e-3, 0.1, 1.0, 3.0]), ratio=True)
+    crossing = intervals.LoadCrossings.of(curve, np.array([1e-3, 0.1, 1.0, 3.0]), ratio=True)
     assert crossing.reached.tolist() == [True, False, True, True]
     assert np.isnan(crossing.at(values)).tolist() == [False, True, False, False]
 

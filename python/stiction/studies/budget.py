@@ -21,10 +21,10 @@ from stiction.mechanics.friction import LOAD_SUM_NAMES
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.evaluation import (
     NEGLIGIBLE_COEFFICIENT,
-    PerLoad,
-    area_growth,
-    areas_of,
-    member_sums,
+    ForcesPerLoad,
+    area_growth_ratio,
+    build_area_interpolator,
+    member_sums_at_loads,
     member_values,
 )
 from stiction.studies.hardness import (
@@ -36,7 +36,7 @@ from stiction.studies.hardness import (
 )
 from stiction.studies.input_uncertainty import NUM_SAMPLES, Z_95, UncertainInput, stratified_points
 from stiction.studies.interfaces import HARDNESS_ENTRY, find_interface
-from stiction.studies.intervals import MAX_FREEDOM, ScansMean, scans_mean
+from stiction.studies.intervals import MAX_DEGREES_OF_FREEDOM, ScansMean, scans_mean
 from stiction.studies.result import Result
 
 if TYPE_CHECKING:
@@ -51,12 +51,12 @@ SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
 
 INTERFACE_INPUT = "interface"  # name of the input that combines mu0 and tau0
 # quantiles at which an input is fixed for the uncertainty budget
-EXACT_QUANTILES = (0.1, 0.5, 0.9)
+FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 MAX_BUDGETS = 100  # maximum number of coefficients for which uncertainty budgets are computed
 # relative difference up to which mu0 or tau0 counts as equal to its value in the study
 SAME_INPUT_TOLERANCE = 1e-3
 MAX_EXPONENT = 50.0  # upper bound on ln(single test / mean), which prevents overflow
-DECILE_RANGE = 2.563103131089201
+NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
 _NEEDED_VARIABLES = (
@@ -93,7 +93,7 @@ def add_uncertainty(
             add_uncertainty(at.isel(load=np.flatnonzero(mask)), result, budget=budget, tests=tests)
             for mask in (is_own, ~is_own)
         ]
-        return _merged(parts)
+        return _merge_load_datasets(parts)
     inputs, strengths = find_inputs(study), []
     if (known := find_interface(study)) is not None:
         fit, hardness = known.fits[0], inputs.get("hardness")
@@ -121,25 +121,25 @@ def add_uncertainty(
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     remaining, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
-    areas = areas_of(at, result)
+    areas = build_area_interpolator(at, result)
     needed = {name: at.variables[name] for name in _NEEDED_VARIABLES if name in at.variables}
-    read = _values_over(needed | _sheared_contacts(at, study, areas), at, dims)
-    six = member_sums(result, at["load"].values).mean(("repetition", "direction"))
-    sums = _values_over({name: six.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
+    read = _arrays_over_dims(needed | _pressure_and_growth_under_shear(at, study, areas), at, dims)
+    six = member_sums_at_loads(result, at["load"].values).mean(("repetition", "direction"))
+    sums = _arrays_over_dims({name: six.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
     pressures = at["load"].values / float(at["nominal_area"])
     # Consecutive coefficients have the same mu0 and tau0 and therefore share samples.
     interface = [dims.index(name) for name in ("mu0", "tau0")]
     for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface]):
         indices = dict(zip(dims, position, strict=True))
         numbers = {name: values[position] for name, values in read.items()}
-        per_load = PerLoad.of({name: values[position] for name, values in sums.items()})
+        per_load = ForcesPerLoad.of({name: values[position] for name, values in sums.items()})
         samples = _CoefficientSamples(
             numbers, indices, study, inputs, per_load, areas, strengths, scatters.get(position)
         )
         if not samples.names:
             point = numbers["friction_all_round"]
             if (np.abs(point) < NEGLIGIBLE_COEFFICIENT).all() and {"mu0", "tau0"} & samples.inputs.keys():
-                whole[position] = point[0], *_ends_about_zero(samples, point)
+                whole[position] = point[0], *_zero_coefficient_interval(samples, point)
             continue
         whole[position] = samples.value, *samples.interval()
         if not tests:
@@ -152,9 +152,9 @@ def add_uncertainty(
         for index, name in enumerate(order if budget and quoted and np.prod(shape) <= MAX_BUDGETS else ()):
             if name in samples.names:
                 remaining[(index, *position)] = samples.value, *samples.interval({name: 0.5})
-                width[(index, *position)] = samples.width_left(name)
+                width[(index, *position)] = samples.remaining_width(name)
     over = (*dims, "statistic")
-    combined = _combined(at, study, dims, whole)
+    combined = _combined_coefficients(at, study, dims, whole)
     if not tests:
         return at.assign(friction_combined=(over, combined, quantity_attributes("friction_combined")))
     tables: dict[str, tuple[tuple[str, ...], Floats]] = {
@@ -177,7 +177,9 @@ def add_uncertainty(
     return at.assign(variables).assign_coords(coordinates)
 
 
-def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator) -> dict[str, xarray.Variable]:
+def _pressure_and_growth_under_shear(
+    at: xarray.Dataset, study: Study, areas: AreaInterpolator
+) -> dict[str, xarray.Variable]:
     """Return the pressure H' (GPa) under shear and the junction-growth ratio for each combination of mu0 and tau0.
 
     Both are computed at the hardness in the study. The result is empty if the study has no hardness. Without junction
@@ -193,7 +195,7 @@ def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator)
     if (growth := find_junction_growth(study)) is not None:
         pressure = hardness_under_shear(hardness, mu0[:, np.newaxis], tau0, growth.value)
         rules = at["sliding"].values.tolist()
-        grown = np.stack([area_growth(areas, study, rule, mu0, tau0) for rule in rules])
+        grown = np.stack([area_growth_ratio(areas, study, rule, mu0, tau0) for rule in rules])
         grown[..., tau0 == 0] = 1.0
     dims = ("mu0", "tau0")
     return {
@@ -202,7 +204,7 @@ def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator)
     }
 
 
-def _values_over(variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]) -> dict[str, NDArray[Any]]:
+def _arrays_over_dims(variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]) -> dict[str, NDArray[Any]]:
     """Return variables of a dataset as arrays whose first axes are the given dimensions.
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
@@ -214,7 +216,7 @@ def _values_over(variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequenc
     }
 
 
-def _ends_about_zero(samples: _CoefficientSamples, point: Floats) -> tuple[float, float]:
+def _zero_coefficient_interval(samples: _CoefficientSamples, point: Floats) -> tuple[float, float]:
     """Return the 95 % interval of a coefficient that is 0, for which relative errors are undefined.
 
     The interval contains the coefficient and its sampling interval, and is not below 0.
@@ -230,7 +232,7 @@ def _ends_about_zero(samples: _CoefficientSamples, point: Floats) -> tuple[float
     return max(low, 0.0), high
 
 
-def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
+def _merge_load_datasets(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
     """Merge datasets evaluated at different loads into one dataset with the loads in ascending order."""
     import xarray
 
@@ -240,7 +242,7 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
     return whole.sortby("load").transpose(*parts[0].dims)
 
 
-def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats) -> Floats:
+def _combined_coefficients(at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats) -> Floats:
     """Return the reported coefficients and their interval limits as an array of shape (*dims, statistic)."""
     combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = combined[..., 1]
@@ -261,7 +263,7 @@ class _CoefficientSamples:
     """
 
     def __init__(
-        self, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad,
+        self, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: ForcesPerLoad,
         areas: AreaInterpolator, strengths: Sequence[Strength] = (), of_parts: ScansMean | None = None,
     ) -> None:  # fmt: skip
         self.study, self.friction, self.areas, self.load = study, friction, areas, where.get("load", 0)
@@ -301,7 +303,7 @@ class _CoefficientSamples:
         error, members = width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
         # relative standard deviation of single members in a single direction about the mean over members
-        self.scatter = spread / (DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
+        self.scatter = spread / (NORMAL_DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
         places = {POSITIONS_INPUT: error}  # relative standard error of the mean due to each source
         if of_parts is not None:
@@ -309,7 +311,7 @@ class _CoefficientSamples:
             places = {
                 n: error * math.sqrt(each) / whole for n, each in zip(SAMPLING_INPUTS, of_parts.variances, strict=True)
             }
-            self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MAX_FREEDOM)
+            self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MAX_DEGREES_OF_FREEDOM)
         self.places = {name: each for name, each in places.items() if each > 0}
         finer = (UNRESOLVED_INPUT,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
         self.names = (*self.inputs, *((INTERFACE_INPUT,) if strengths else ()), *self.places, *finer)
@@ -328,13 +330,15 @@ class _CoefficientSamples:
             values += self.finest if set(fixed) & set(SAMPLING_INPUTS) else self.bracket
         return extend_interval(self._sampled_interval(fixed), *values)
 
-    def width_left(self, name: str) -> float:
+    def remaining_width(self, name: str) -> float:
         """Return the mean width of the interval that would remain if the named input were known exactly.
 
         Widths are compared as differences of the friction angle, which stays finite if samples seize.
         """
-        angles = [_angle(self._sampled_interval({name: quantile})) for quantile in EXACT_QUANTILES]
-        (low, high), sampled = self.interval(), _angle(self._sampled_interval({}))
+        angles = [
+            _friction_angle_difference(self._sampled_interval({name: quantile})) for quantile in FIXED_INPUT_QUANTILES
+        ]
+        (low, high), sampled = self.interval(), _friction_angle_difference(self._sampled_interval({}))
         return min(float(np.mean(angles)) / sampled, 1.0) * (high - low) if sampled > 0 else high - low
 
     def _sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
@@ -359,7 +363,7 @@ class _CoefficientSamples:
         samples = self._friction_samples({}, strength=self.strengths[0] if self.strengths else None)
         return float(np.isinf(samples).mean())
 
-    def _under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
+    def _pressure_under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
         """Return the contact pressure H' (GPa) under shear, or NaN at seizure.
 
         By default, `alpha` is the central value in the study.
@@ -369,11 +373,11 @@ class _CoefficientSamples:
         pressure = solve_yield_condition(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
         return float(pressure) if pressure.ndim == 0 else pressure
 
-    def _grown(self, hardness: Floats, tau0: Any, pressure: Any, modulus: Any = 1.0) -> Any:
+    def _area_growth_under_shear(self, hardness: Floats, tau0: Any, pressure: Any, modulus: Any = 1.0) -> Any:
         """Return the ratio of the true area at the onset of sliding to the true area before shear.
 
         The ratio is infinite at seizure. It is 1 for tau0 = 0, because friction then does not depend on the area.
-        `pressure` is the value of `_under_shear` (GPa).
+        `pressure` is the value of `_pressure_under_shear` (GPa).
         """
         if self.growth is None or (np.ndim(tau0) == 0 and tau0 == 0):
             return 1.0
@@ -407,7 +411,10 @@ class _CoefficientSamples:
         if pressure >= hardness_left:
             return math.nan, math.nan, math.nan
         ends = np.array([hardness_left]), np.array([hardness])
-        area, grown = (self._grown(end, self.tau0, self._under_shear(end, self.mu0, self.tau0)) for end in ends)
+        area, grown = (
+            self._area_growth_under_shear(end, self.tau0, self._pressure_under_shear(end, self.mu0, self.tau0))
+            for end in ends
+        )
         if not np.isfinite(area).all():
             return math.nan, math.nan, math.nan
         area = self.areas.area_ratio(self.load, ends[0], 1.0) * area
@@ -431,8 +438,8 @@ class _CoefficientSamples:
                 if hardness_samples is None
                 else hardness_samples
             )
-            pressure = self._under_shear(softness, *strength[:2], growth)
-            with_own = with_own * self._grown(softness, strength[1], pressure)
+            pressure = self._pressure_under_shear(softness, *strength[:2], growth)
+            with_own = with_own * self._area_growth_under_shear(softness, strength[1], pressure)
             with np.errstate(invalid="ignore"):
                 order = np.argsort(self.friction.coefficient(*strength[:2], with_own))
             indices = order[(columns[INTERFACE_INPUT] * order.size).astype(int)]
@@ -446,8 +453,8 @@ class _CoefficientSamples:
                 pressure = self._pressure_samples(fixed, wait)
             else:
                 alpha = samples.get("junction_growth", self.growth.value) if growth is None else growth
-                pressure = self._under_shear(hardness, mu0, tau0, alpha)
-            area = area * self._grown(hardness, tau0, pressure, modulus)
+                pressure = self._pressure_under_shear(hardness, mu0, tau0, alpha)
+            area = area * self._area_growth_under_shear(hardness, tau0, pressure, modulus)
             hardness = pressure
         middle = self.friction.coefficient(self.mu0, self.tau0, self.own_growth)
         with np.errstate(invalid="ignore"):
@@ -506,7 +513,7 @@ class _CoefficientSamples:
         _, _, samples, hardness, _ = self._input_samples(fixed, wait)
         central = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
         inputs = [samples.get(name, value) for name, value in central.items()]
-        return self.areas.cached("pressure", (hardness, *inputs), lambda: self._under_shear(hardness, *inputs))
+        return self.areas.cached("pressure", (hardness, *inputs), lambda: self._pressure_under_shear(hardness, *inputs))
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
@@ -514,7 +521,7 @@ def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, f
     return min(ends[0], *values), max(ends[1], *values)
 
 
-def _angle(ends: tuple[float, float]) -> float:
+def _friction_angle_difference(ends: tuple[float, float]) -> float:
     """Return the difference (rad) between the friction angles that correspond to the limits of an interval."""
     return math.atan(ends[1]) - math.atan(ends[0])
 

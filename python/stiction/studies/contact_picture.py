@@ -21,7 +21,7 @@ from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.contact_statistics import ContactList
 from stiction.studies.contact_tables import HalfSpaceContactTable
 from stiction.studies.evaluation import member_values
-from stiction.studies.maps import cells_of
+from stiction.studies.maps import find_cell_dimensions
 from stiction.studies.measured_surfaces import MeasuredSurfaces
 from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import load_bodies, pair_of
@@ -249,7 +249,7 @@ def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int]
         raise ValueError(f"load must be above 0 mN, got {short_repr(loads)}")
     areas = member_values(result, unique_loads)["contact_area"]
     indices = None if members is None else _check_members(members, areas["repetition"].values.tolist())
-    cells = cells_of(areas.to_dataset())
+    cells = find_cell_dimensions(areas.to_dataset())
     frames = []
     for cell_index in np.ndindex(*(areas.sizes[name] for name in cells)):
         cell_areas = areas.isel(dict(zip(cells, cell_index, strict=True)))

@@ -43,8 +43,14 @@ from stiction.mechanics.quantities import (
 )
 from stiction.studies import intervals
 from stiction.studies.hardness import AreaInterpolator
-from stiction.studies.intervals import Crossing
-from stiction.studies.maps import CELLS, MOTIONS, cells_of, ensemble_map, material_of
+from stiction.studies.intervals import LoadCrossings
+from stiction.studies.maps import (
+    MAP_CELL_DIMENSIONS,
+    MOTION_DIMENSIONS,
+    choose_strengths,
+    ensemble_map,
+    find_cell_dimensions,
+)
 from stiction.studies.result import Result
 from stiction.studies.study import Study, find_step_dimension
 
@@ -81,7 +87,7 @@ def at_load(
     ----------
     result : Result, or xarray.Dataset of member sums
     loads : (l,) array_like of float, mN
-        Loads above 0. For adhesive bodies, a load of 0 is evaluated at `unloaded_load`.
+        Loads above 0. For adhesive bodies, a load of 0 is evaluated at `negligible_load`.
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
         By default the values in the study. Other values need no new computation of contacts.
@@ -119,34 +125,34 @@ def at_load(
     check_choice("reading", reading, Reading)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if study.contact.adheres and 0 in values:
-        values = np.unique(np.where(values == 0, unloaded_load(result), values))
+        values = np.unique(np.where(values == 0, negligible_load(result), values))
     if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
-    material = material_of(result, mu0, tau0)
+    material = choose_strengths(result, mu0, tau0)
     areas = None
     if reading == "mean":
         point = _evaluate_ensemble(result, values, *material, names)
     else:
         members = _members_before_growth(result, values, *material, reading, of, names)
         if study.contact.junction_growth:
-            areas = _areas_of_members(members, result)
-            members = _with_growth(members, study, areas, names)
+            areas = _build_member_area_interpolator(members, result)
+            members = _apply_junction_growth(members, study, areas, names)
         point = _average_members(study, members, names)
         if measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
             cells = [str(dim) for dim in gradient.dims]
             along = slope.transpose(*cells, "direction").values
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
-            point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
+            point = point.assign(small_slope_estimate(cells, gradient.values, along, rules, *material, modulus))
     if measured and _is_requested("reading_difference", names):
         # `reading_difference` compares the coefficients at equal elastic load with those at equal normal load.
         other_reading: Reading = "normal" if reading == "elastic" else "elastic"
         members = _members_before_growth(result, values, *material, other_reading, of, names)
         if areas is not None:
-            members = _with_growth(members, study, areas, ())
+            members = _apply_junction_growth(members, study, areas, ())
         other_mean = members["friction_coefficient"].mean(("repetition", "direction"))
         mean = point["friction_all_round"].sel(statistic="mean")
-        other_dims = [str(dim) for dim in mean.dims if dim not in (*CELLS, "load")]
+        other_dims = [str(dim) for dim in mean.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
         point["reading_difference"] = abs(other_mean / mean - 1).max(other_dims).variable
     return point.assign_attrs(reading=reading)
 
@@ -156,17 +162,17 @@ def is_unloaded(result: Result) -> bool:
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
-    return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_pull_offs(result))
+    return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_pull_off_by_piece(result))
 
 
-def unloaded_load(result: Result) -> float:
+def negligible_load(result: Result) -> float:
     """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
-    negligible = NEGLIGIBLE_LOAD_RATIO * min(_pull_offs(result))
+    negligible = NEGLIGIBLE_LOAD_RATIO * min(_pull_off_by_piece(result))
     lowest = float(result.study.contact.loading_steps()[0])
     return lowest if lowest < negligible else 0.1 * negligible
 
 
-def _pull_offs(result: Result) -> list[float]:
+def _pull_off_by_piece(result: Result) -> list[float]:
     """Return the mean pull-off force (mN) in each piece (group of members) of a result."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
@@ -174,7 +180,7 @@ def _pull_offs(result: Result) -> list[float]:
 # ---- Directions ------------------------------------------------------------------------------------------------------
 
 
-def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
+def find_opposite_axes(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
     """Return the axes (0 to 180 degrees) whose two opposite directions are both given, and the direction indices.
 
     The indices have the shape (axes, 2).
@@ -216,17 +222,17 @@ def _evaluate_ensemble(
 
     head = result.head
     first = read("friction_coefficient")
-    variables: dict[str, Any] = {"friction_coefficient": _with_statistic(first, "friction_coefficient")}
+    variables: dict[str, Any] = {"friction_coefficient": _add_statistic_dimension(first, "friction_coefficient")}
     # Area and stiffness depend slightly on mu0 and tau0, because friction changes the normal load.
     variables["status"] = first["status"].variable
     all_directions, round_means = None, first
     if "direction" in head.dims:
         all_directions = np.arange(head.sizes["direction"])[np.newaxis]
         round_means = read("friction_coefficient", all_directions).isel(direction=0)
-        variables["friction_all_round"] = _with_statistic(round_means, "friction_coefficient")
-        axes, places = axes_of(head["direction"].values)
+        variables["friction_all_round"] = _add_statistic_dimension(round_means, "friction_coefficient")
+        axes, places = find_opposite_axes(head["direction"].values)
         if axes.size:
-            along = _with_statistic(read("friction_coefficient", places), "friction_coefficient")
+            along = _add_statistic_dimension(read("friction_coefficient", places), "friction_coefficient")
             dims = ["axis" if each == "direction" else each for each in along.dims]
             variables["friction_by_axis"] = xarray.Variable(dims, along.values, along.attrs)
             first = first.assign_coords(axis=("axis", axes, quantity_attributes("axis")))
@@ -241,7 +247,7 @@ def _evaluate_ensemble(
             if quantity != "normal_stiffness":  # the stiffness of a half-plane is undefined
                 raise
             continue
-        variables[quantity] = _with_statistic(
+        variables[quantity] = _add_statistic_dimension(
             evaluated if all_directions is None else evaluated.isel(direction=0), quantity
         )
     if result.study.contact.adheres and _is_requested("pull_off", names):
@@ -256,10 +262,10 @@ def _evaluate_ensemble(
     variables |= {name: round_means[name].variable for name in VALIDITY_QUANTITIES}
     variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
     dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=INTERVAL_STATISTICS)
-    return dataset.transpose(*cells_of(dataset), ...)
+    return dataset.transpose(*find_cell_dimensions(dataset), ...)
 
 
-def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
+def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variable:
     import xarray
 
     first = table[name]
@@ -298,7 +304,7 @@ def default_loads(result: Result) -> Floats:
 # ---- Means over members ----------------------------------------------------------------------------------------------
 
 
-def _without_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
+def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
     """If mu0 and tau0 are 0, replace round-off errors in means over opposite directions by 0.
 
     The means have the dimensions (*dims, statistic). Without strength, the contributions of opposite directions cancel
@@ -315,7 +321,7 @@ def _without_round_off(means: Floats, dims: Sequence[str], members: xarray.Datas
 def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
     import xarray
 
-    order = OverMembers.of(study, members)
+    order = MemberAverage.of(study, members)
     several = members.sizes["direction"] > 1
     tables = members.variables
     dims = [str(dim) for dim in tables["friction_coefficient"].dims if dim != "repetition"]
@@ -349,10 +355,10 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     }
     round_mean = coefficient.mean(axis=direction_axis)
     variables["friction_all_round"] = (
-        (*other_dims, "statistic"), _without_round_off(order.mean(round_mean), other_dims, members),
+        (*other_dims, "statistic"), _remove_round_off(order.mean(round_mean), other_dims, members),
         quantity_attributes("friction_all_round"),
     )  # fmt: skip
-    axes, places = axes_of(members["direction"].values)
+    axes, places = find_opposite_axes(members["direction"].values)
     if several and axes.size and _is_requested("friction_by_axis", names):
         by_axis = np.stack(
             [np.take(coefficient, pair, axis=direction_axis).mean(axis=direction_axis) for pair in places],
@@ -360,7 +366,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         )
         named = ["axis" if dim == "direction" else dim for dim in dims]
         variables["friction_by_axis"] = (
-            (*named, "statistic"), _without_round_off(order.mean(by_axis), named, members),
+            (*named, "statistic"), _remove_round_off(order.mean(by_axis), named, members),
             quantity_attributes("friction_by_axis"),
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
@@ -390,7 +396,7 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class OverMembers:
+class MemberAverage:
     """Statistical dependence between members: none, between neighbours on a line, or through shared scans."""
 
     order: NDArray[np.intp] | None = None
@@ -398,7 +404,7 @@ class OverMembers:
     scans: tuple[Any, Any] | None = None
 
     @classmethod
-    def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
+    def of(cls, study: Study, places: Mapping[Any, Any]) -> MemberAverage:
         """Determine the dependence between members from their positions.
 
         Members on adjacent lines, or at adjacent positions of a line, are neighbours.
@@ -419,7 +425,7 @@ class OverMembers:
         """
         if self.scans is not None:
             columns = values.reshape(values.shape[0], -1).T
-            rows = [_ends_of(column, intervals.scans_mean(column, *self.scans)) for column in columns]
+            rows = [_mean_and_interval(column, intervals.scans_mean(column, *self.scans)) for column in columns]
             return np.array(rows).reshape(*values.shape[1:], 3)
         if self.order is None or self.lines is None:
             return np.stack(intervals.sample_mean(values), axis=-1)
@@ -433,7 +439,7 @@ class OverMembers:
         return ends.reshape(*values.shape[1:], 3)
 
 
-def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
+def _mean_and_interval(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
     """Return the mean of the values and its interval limits. The limits are above 0 if no value is negative."""
     if found is None:
         finite = values[np.isfinite(values)]
@@ -472,12 +478,12 @@ def member_values(
         raise ValueError("reading must be 'elastic' or 'normal', because a single member has no mean load")
     result = Result.of(result)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
-    material = material_of(result, mu0, tau0)
+    material = choose_strengths(result, mu0, tau0)
     members = _members_before_growth(result, values, *material, reading, of)
     if result.study.contact.junction_growth:
-        members = _with_growth(members, result.study, _areas_of_members(members, result))
+        members = _apply_junction_growth(members, result.study, _build_member_area_interpolator(members, result))
     if reading == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
-        sums = member_sums(result, values, LATERAL_SUMS, of=of)
+        sums = member_sums_at_loads(result, values, LATERAL_SUMS, of=of)
         parts = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
         lateral = compute_load("lateral", parts, material[0][:, np.newaxis], material[1])
         dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
@@ -491,7 +497,7 @@ def _members_before_growth(
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate each member of a result at given loads, without the effect of junction growth.
 
-    If the contacts of the study grow, the dataset also contains the sums that `_with_growth` requires.
+    If the contacts of the study grow, the dataset also contains the sums that `_apply_junction_growth` requires.
     """
 
     def read(piece: xarray.Dataset) -> xarray.Dataset:
@@ -503,17 +509,17 @@ def _members_before_growth(
 # ---- Junction growth -------------------------------------------------------------------------------------------------
 
 
-def areas_of(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
+def build_area_interpolator(dataset: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
     """Create an interpolator that returns true areas for given hardness and E* at the loads of a dataset."""
     result = Result.of(result)
     study, loads = result.study, dataset["load"].values
     area = dataset["contact_area"].sel(statistic="mean")
     ratio = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
     gradient = float(dataset["rms_gradient"].sel(statistic="mean").mean())
-    return AreaInterpolator.from_result(loads, ratio, gradient, growth_of_area(result, loads), study, result)
+    return AreaInterpolator.from_result(loads, ratio, gradient, area_load_exponent(result, loads), study, result)
 
 
-def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolator:
+def _build_member_area_interpolator(members: xarray.Dataset, result: Result) -> AreaInterpolator:
     """Create an interpolator that returns true areas for a given hardness at the loads of the member values."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
@@ -531,7 +537,7 @@ def mean_areas(result: Result) -> Floats:
     return np.asarray(areas["contact_area"].mean([dim for dim in areas["contact_area"].dims if dim != "load"]).values)
 
 
-def growth_of_area(result: Result, loads: Floats) -> Floats:
+def area_load_exponent(result: Result, loads: Floats) -> Floats:
     """Return d ln(A/F) / d ln F at the given loads F (mN), where A is the mean true area."""
     steps = result.study.contact.loading_steps()
     if steps.size > 1:
@@ -543,7 +549,7 @@ def growth_of_area(result: Result, loads: Floats) -> Floats:
     return np.zeros(loads.size)
 
 
-def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
+def area_growth_ratio(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
     """Return the ratio of the true area at the onset of sliding to the true area before shear.
 
     The ratio has the shape (loads, mu0, tau0), and is infinite at seizure.
@@ -555,17 +561,17 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
     return np.array(grown).reshape(-1, *pressure.shape)
 
 
-def _with_growth(
+def _apply_junction_growth(
     members: xarray.Dataset, study: Study, areas: AreaInterpolator, names: Collection[str] | None = None
 ) -> xarray.Dataset:
     """Recompute member values after junction growth. The adhesive forces then act on the grown contact area."""
     mu0, tau0 = members["mu0"].values, members["tau0"].values
     rules = members["sliding"].values.tolist()
-    grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
+    grown = {rule: area_growth_ratio(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
     with np.errstate(invalid="ignore"):
         factor = np.stack([grown[rule] for rule in rules])[:, np.newaxis]  # shape (sliding, 1, load, mu0, tau0)
         added_strength = np.where(tau0 > 0, tau0 * (factor - 1), 0.0)
-    dims = (*cells_of(members), "repetition", *MOTIONS, "load", "mu0", "tau0")
+    dims = (*find_cell_dimensions(members), "repetition", *MOTION_DIMENSIONS, "load", "mu0", "tau0")
     with np.errstate(invalid="ignore"):
         normal, tangential = (
             members[f"{name}_load"].transpose(*dims).values
@@ -584,13 +590,13 @@ def _with_growth(
     changed: dict[str, Any] = {name: (dims, each, members[name].attrs) for name, each in values.items()}
     if _is_requested("contact_area_at_onset", names):
         onset = np.where(np.isfinite(grown["all"]), grown["all"], np.nan)
-        area_dims = tuple(dim for dim in dims if dim not in MOTIONS)
+        area_dims = tuple(dim for dim in dims if dim not in MOTION_DIMENSIONS)
         area = members["contact_area"].transpose(*area_dims[:-2]).values[..., np.newaxis, np.newaxis] * onset
         changed["contact_area_at_onset"] = (area_dims, area, quantity_attributes("contact_area_at_onset"))
     return members.drop_vars(ADHESIVE_SUMS).assign(changed)
 
 
-def member_sums(
+def member_sums_at_loads(
     result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES, *, of: Kind | None = None
 ) -> xarray.Dataset:
     """Return contact sums of all members at elastic loads (mN). The default is the six sums that determine friction.
@@ -604,12 +610,12 @@ def member_sums(
 
     def read(piece: xarray.Dataset) -> xarray.Dataset:
         sums, crossing = _curves(piece, loads, names)
-        dims = (*cells_of(piece), "repetition", *MOTIONS, "load")
+        dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSIONS, "load")
         values = np.broadcast_arrays(*map(crossing.at, sums.values()))
         coordinates = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
         return xarray.Dataset(
             {name: (dims, each) for name, each in zip(sums, values, strict=True)},
-            _motions_of(piece, study) | coordinates,
+            _motion_coordinates(piece, study) | coordinates,
         )
 
     return _evaluate_pieces(result, of, read)
@@ -624,7 +630,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
     """
     import xarray
 
-    six = member_sums(result, loads).mean("direction")
+    six = member_sums_at_loads(result, loads).mean("direction")
     dims = [str(dim) for dim in six[LOAD_SUM_NAMES[0]].dims if dim != "repetition"]
     sums = {name: six[name].transpose("repetition", *dims).values for name in LOAD_SUM_NAMES}
     members = np.stack(compute_loads(sums, mu0, tau0))  # shape (2, members, ..., mu0, tau0)
@@ -642,7 +648,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
 
 
 @dataclass(frozen=True, kw_only=True)
-class PerLoad:
+class ForcesPerLoad:
     """Normal and tangential forces per unit elastic load, expressed as linear functions of mu0 and tau0."""
 
     elastic: float = 0.0
@@ -700,11 +706,11 @@ def _evaluate_piece(
     """
     import xarray
 
-    cells, step = cells_of(piece), find_step_dimension(piece)
+    cells, step = find_cell_dimensions(piece), find_step_dimension(piece)
     lead = (*cells, "repetition")
     tables = piece.variables
     sums, crossing = _curves(piece, loads)
-    motions = [name for name in MOTIONS if name in piece.dims]
+    motions = [name for name in MOTION_DIMENSIONS if name in piece.dims]
     six = {name: crossing.at(values) for name, values in sums.items()} if reading == "elastic" else {}
     if reading == "elastic":
         normal, tangential = compute_loads(six, mu0, tau0)
@@ -718,10 +724,10 @@ def _evaluate_piece(
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
             carried = np.where(normal > 0, normal, np.nan) if step == "load" else normal
-        own_crossing = Crossing.of(carried, loads, ratio=step == "load").without_gaps(normal, loads)
+        own_crossing = LoadCrossings.of(carried, loads, ratio=step == "load").without_gap_crossings(normal, loads)
         reached, below = (np.moveaxis(each, -1, -3) for each in (own_crossing.reached, own_crossing.below))
         normal, tangential = (np.moveaxis(own_crossing.at(each), -1, -3) for each in (normal, tangential))
-    status = _status(piece, loads, normal, reached, below)
+    status = _member_status(piece, loads, normal, reached, below)
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
     dims = (*lead, "sliding", "direction", "load", "mu0", "tau0")
@@ -744,21 +750,21 @@ def _evaluate_piece(
         if name != "normal_elastic" and not _is_requested(name, requested):
             continue
         if name in tables and step in tables[name].dims:
-            read = crossing.at(_over(tables[name], (*lead, step)), sums=QUANTITIES[name].proportional)
+            read = crossing.at(_to_float_array(tables[name], (*lead, step)), sums=QUANTITIES[name].proportional)
             variables[name] = ((*lead, "load"), read, tables[name].attrs)
     for name in DISTRIBUTION_QUANTITIES:
         if name in tables and _is_requested(name, requested):
-            read = crossing.at(_over(tables[name], (*lead, "fraction_below", step)), sums=False)
+            read = crossing.at(_to_float_array(tables[name], (*lead, "fraction_below", step)), sums=False)
             variables[name] = ((*lead, "fraction_below", "load"), read, tables[name].attrs)
     for name in (*GAP_QUANTITIES, "pull_off"):
         if name in tables:
             variables[name] = tables[name]
     if "pull_off" in tables:
         # An element is 1 if the pull-off force of the member is only a lower bound, and 0 otherwise.
-        bounds = (_over(tables["pull_off_is_bound"], lead) != 0).astype(np.float64)
+        bounds = (_to_float_array(tables["pull_off_is_bound"], lead) != 0).astype(np.float64)
         variables["share_of_pull_off_bounds"] = (lead, bounds, quantity_attributes("share_of_pull_off_bounds"))
         parts = {
-            name: _over(tables[name], (*lead, *MOTIONS), missing=True)[..., None, None]
+            name: _to_float_array(tables[name], (*lead, *MOTION_DIMENSIONS), missing=True)[..., None, None]
             for name in ZERO_LOAD_SUM_QUANTITIES
         }
         unloaded = compute_load("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
@@ -769,7 +775,7 @@ def _evaluate_piece(
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
     }
     parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
-    coordinates |= _motions_of(piece, study) | {
+    coordinates |= _motion_coordinates(piece, study) | {
         name: (name, each, quantity_attributes(name)) for name, each in parameters.items()
     }
     variables = _add_ratios(variables, piece.coords.get("nominal_area"))
@@ -783,22 +789,26 @@ def _evaluate_piece(
 
 def _curves(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
-) -> tuple[dict[str, Floats], Crossing]:
+) -> tuple[dict[str, Floats], LoadCrossings]:
     """Return the members' contact sums, and the points at which the load curves reach the given loads."""
     step = find_step_dimension(piece)
-    lead = (*cells_of(piece), "repetition")
+    lead = (*find_cell_dimensions(piece), "repetition")
     # Access to variables without coordinates is much faster than to arrays with coordinates.
     tables = piece.variables
-    elastic = _over(tables["normal_elastic"], (*lead, step))
+    elastic = _to_float_array(tables["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
-    sums = {name: _over(tables[name], (*lead, *MOTIONS, step), missing=True) for name in names}
-    return sums, Crossing.of(curve, loads, ratio=step == "load").without_gaps(curve, loads)
+    sums = {name: _to_float_array(tables[name], (*lead, *MOTION_DIMENSIONS, step), missing=True) for name in names}
+    return sums, LoadCrossings.of(curve, loads, ratio=step == "load").without_gap_crossings(curve, loads)
 
 
-def _motions_of(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
+def _motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
     """Return coordinates for the sliding rule and the direction unless these are dimensions of the result."""
     values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.degrees())}
-    return {name: ((name,), values[name][:1], quantity_attributes(name)) for name in MOTIONS if name not in piece.dims}
+    return {
+        name: ((name,), values[name][:1], quantity_attributes(name))
+        for name in MOTION_DIMENSIONS
+        if name not in piece.dims
+    }
 
 
 def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
@@ -827,7 +837,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
     return shown | {name: (dims, values, quantity_attributes(name)) for name, values in ratios.items()}
 
 
-def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
+def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
     """Convert a variable to an array of floats whose dimensions are in the given order.
 
     If `missing` is true, missing dimensions are added with the length 1.
@@ -839,7 +849,7 @@ def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = Fals
     return np.asarray(values[tuple(slice(None) if dim in own_dims else np.newaxis for dim in dims)])
 
 
-def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
+def _member_status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
     """Return the status of each member as an array of shape (..., sliding, direction, load, mu0, tau0)."""
     is_known = np.isfinite(normal)
     locked = is_known & (normal <= 0)
@@ -848,7 +858,9 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     step = find_step_dimension(piece)
     if "status" in piece:
         # A member without a coefficient gets the status of the first step at or above the load, except "ok".
-        codes = _over(piece.variables["status"], (*cells_of(piece), "repetition", step)).astype(int)
+        codes = _to_float_array(piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step)).astype(
+            int
+        )
         ladder = piece[step].values
         step_index = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)
         step_status = np.array(STATUSES)[codes[..., step_index]][..., None, None, :, None, None]
@@ -858,7 +870,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     return status
 
 
-def estimate_by_slopes(
+def small_slope_estimate(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
     """Compute the small-slope estimate of friction from rms gradients and directional rms slopes of the gaps.

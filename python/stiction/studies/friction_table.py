@@ -14,7 +14,7 @@ from stiction.mechanics.friction import friction_parameter
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies import intervals
 from stiction.studies.evaluation import ensemble_friction
-from stiction.studies.maps import material_of
+from stiction.studies.maps import choose_strengths
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.studies.values import validate_table
@@ -194,7 +194,7 @@ def friction_table(
     dataset, study = result.dataset, result.study
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
         raise ValueError("result must be from a study of generated height maps with the half-space model")
-    material = material_of(result, mu0, tau0)
+    material = choose_strengths(result, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
     steps = dataset["load"].values / area
     approach, touching = (dataset[name].transpose(*_DIMENSION_ORDER).values for name in ("approach", "contact_area"))
@@ -212,7 +212,7 @@ def friction_table(
     light = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA
     light[light.sum(axis=-1) < 2] = True
     coefficient = ensemble_friction(dataset, dataset["load"].values, *material)
-    laws = _laws(pressure, light, pairs)
+    laws = _fit_laws(pressure, light, pairs)
     factor, prefactor, exponent = (values[..., :1] for values in laws.values())
     fits = {
         "area": (factor * pressure, "contact_area_fraction"),
@@ -246,7 +246,7 @@ def friction_table(
     return table.sortby("hurst_exponent")
 
 
-def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
+def _fit_laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
     """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with their 95 % intervals.
 
     Each parameter has the shape (fractal dimension, amplitude, 3). The parameters are NaN if a pair of surfaces has no

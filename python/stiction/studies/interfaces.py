@@ -29,7 +29,7 @@ from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, 
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve
 from stiction.mechanics.model import Sliding
 from stiction.studies.elasticity import Elasticity
-from stiction.studies.evaluation import PerLoad, areas_of, member_sums, member_values
+from stiction.studies.evaluation import ForcesPerLoad, build_area_interpolator, member_sums_at_loads, member_values
 from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
@@ -133,7 +133,7 @@ class Ball:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _TestForces(PerLoad):
+class _TestForces(ForcesPerLoad):
     """Normal and tangential forces per load in a friction test, as functions of mu0 and tau0."""
 
     scatter: float = 0.0  # relative standard error of the adhesive sum `stick`
@@ -229,7 +229,7 @@ class _ResultAreaFactor(_AreaFactor):
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
         means = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
-        areas, dataset = areas_of(means, source), getattr(result, "dataset", result)
+        areas, dataset = build_area_interpolator(means, source), getattr(result, "dataset", result)
         error = f"{_AREA_ERROR_NAME} after {wait:g} s, {dataset.attrs['study']}" if areas.errors.any() else None
         return cls(known | ({} if creep is None else {"creep": creep}), areas, study, wait, error)
 
@@ -658,7 +658,11 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestForces:
 def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestForces:
     """Average the forces per load over the members and directions of a result at a given load."""
     dataset = getattr(result, "dataset", result)
-    sums = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
+    sums = (
+        member_sums_at_loads(dataset, np.array([load]))
+        .sel(sliding=sliding)
+        .isel(cut_off=0, load=0, missing_dims="ignore")
+    )
     six_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
     is_reached = np.isfinite(list(six_sums.values())).all(axis=0)
     if not is_reached.any():

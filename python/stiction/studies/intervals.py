@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE = 0.95
-SLOPE_STEPS = 4  # a slope is fitted to this many steps on each side of a crossing
+NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this many steps on each side of a crossing
 MAX_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 CHUNK_SIZE = 2**15  # number of values in a batch that fits into the processor cache
@@ -26,7 +26,7 @@ MIN_NEIGHBORS = 8  # minimum number of values at neighbouring positions for whic
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
-MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is practically normal
+MAX_DEGREES_OF_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is practically normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
@@ -37,7 +37,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 
 @dataclass(frozen=True)
-class Crossing:
+class LoadCrossings:
     """Points at which curves of shape (..., k) first reach given loads of shape (l,).
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
@@ -51,7 +51,7 @@ class Crossing:
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
-    def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
+    def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> LoadCrossings:
         """Find where curves first rise through the given loads, by linear interpolation between loading steps.
 
         The curves have the shape (..., k), and the loads have the shape (l,). With `ratio`, the ratio of value to load
@@ -61,7 +61,7 @@ class Crossing:
         if ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
                 straight = cls.of(np.log(curve), np.log(loads))
-                below, above = straight._around(curve)
+                below, above = straight._bracketing_values(curve)
                 near = ~(above > MAX_LOAD_RATIO * below) | (above == loads)
             return cls(straight.index, straight.fraction, straight.reached & near, straight.below, (curve, loads))
         at_least = curve[..., np.newaxis] >= loads  # shape (..., k, l)
@@ -74,12 +74,12 @@ class Crossing:
         fraction = np.divide(loads - before, step, out=np.ones_like(before), where=step > 0)
         return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
 
-    def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
+    def without_gap_crossings(self, curve: Floats, loads: Floats) -> LoadCrossings:
         """Remove each crossing between two loading steps if the curve is NaN at the first of these steps."""
-        before, at_crossing = self._around(curve)
+        before, at_crossing = self._bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
-    def _around(self, curve: Floats) -> tuple[Floats, Floats]:
+    def _bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
         """Return the curve values at the loading steps before and after each crossing, as arrays of shape (..., l)."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
@@ -134,18 +134,18 @@ class MeansAtLoads:
     """
 
     def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
-        self.crossing = Crossing.of(normal, loads)
+        self.crossing = LoadCrossings.of(normal, loads)
         # Each point (p,) is a pair of a curve and a load that the curve reaches.
         self._curve, load = np.nonzero(self.crossing.reached)
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
         self._load = loads[load]
         self._mean_load, self._mean = (self._at(each[..., np.newaxis])[:, 0] for each in (normal, values))
-        self._slope = _slopes(values[self._curve], normal[self._curve], self._index)
+        self._slope = _fit_slopes(values[self._curve], normal[self._curve], self._index)
         self._carrying = np.zeros(normal.shape[0], np.intp)
         self._negative = np.zeros(normal.shape[0], np.bool_)
         self._logarithms, self._plain = PowerSums(self._load.shape), PowerSums(self._load.shape)
-        self._loads, self._values = _Extent(self._load.size), _Extent(self._load.size)
+        self._loads, self._values = _RunningRange(self._load.size), _RunningRange(self._load.size)
         self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
@@ -174,10 +174,10 @@ class MeansAtLoads:
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
             ends = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
-        is_symmetric = ~self._values.leaves_more_than_nothing(mean) | ~self._logarithms.is_finite()
+        is_symmetric = ~self._values.keeps_sign_without_any_value(mean) | ~self._logarithms.is_finite()
         half_width = self._plain.half_width()
         lower_bound = np.where(self._negative, -np.inf, 0.0)[self._curve]
-        alone = ~self._loads.leaves_more_than_nothing(self._load) | (self._carrying < 2)[self._curve]
+        alone = ~self._loads.keeps_sign_without_any_value(self._load) | (self._carrying < 2)[self._curve]
         lower = np.where(alone, np.nan, np.where(is_symmetric, np.maximum(mean - half_width, lower_bound), ends[0]))
         upper = np.where(alone, np.nan, np.where(is_symmetric, mean + half_width, ends[1]))
         return self._over_loads(lower), self._over_loads(upper)
@@ -194,7 +194,7 @@ class MeansAtLoads:
         return result
 
 
-class _Extent:
+class _RunningRange:
     """Running sum, minimum and maximum over the second axis of arrays of shape (p, r)."""
 
     def __init__(self, size: int) -> None:
@@ -206,7 +206,7 @@ class _Extent:
         self._least = np.minimum(self._least, values.min(axis=1, initial=np.inf))
         self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
 
-    def leaves_more_than_nothing(self, mean: Floats) -> NDArray[np.bool_]:
+    def keeps_sign_without_any_value(self, mean: Floats) -> NDArray[np.bool_]:
         """Return whether the sum keeps the sign of the mean no matter which single value is omitted."""
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
@@ -243,18 +243,18 @@ class PowerSums:
         return np.asarray(student_quantile(freedom) * error)
 
 
-def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
+def _fit_slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
     """Fit straight lines to mean values against mean normal loads near the given loading steps. Return the slopes.
 
-    The values and the loads have the shape (p, k), and the steps have the shape (p,).
+    The values and the loads have the shape (p, k), and the indices of the loading steps have the shape (p,).
     """
-    first = np.maximum(index - 1 - SLOPE_STEPS, 0)[:, np.newaxis]
-    last = np.minimum(index + SLOPE_STEPS, normal.shape[1] - 1)[:, np.newaxis]
-    steps = first + np.arange(2 * SLOPE_STEPS + 2)
-    inside = steps <= last
-    steps = np.minimum(steps, last)
+    first = np.maximum(index - 1 - NUM_SLOPE_FIT_STEPS, 0)[:, np.newaxis]
+    last = np.minimum(index + NUM_SLOPE_FIT_STEPS, normal.shape[1] - 1)[:, np.newaxis]
+    window_indices = first + np.arange(2 * NUM_SLOPE_FIT_STEPS + 2)
+    inside = window_indices <= last
+    window_indices = np.minimum(window_indices, last)
     count = inside.sum(axis=1, keepdims=True)
-    x, y = (np.where(inside, np.take_along_axis(each, steps, axis=1), 0.0) for each in (normal, values))
+    x, y = (np.where(inside, np.take_along_axis(each, window_indices, axis=1), 0.0) for each in (normal, values))
     x, y = (np.where(inside, each - each.sum(axis=1, keepdims=True) / count, 0.0) for each in (x, y))
     squares = (x * x).sum(axis=1)
     return np.asarray(np.divide((x * y).sum(axis=1), squares, out=np.zeros_like(squares), where=squares > 0))
@@ -419,7 +419,7 @@ class ScansMean:
     @property
     def half_width(self) -> float:
         """Half width of the 95 % interval of the mean. It is infinite if there are too few members."""
-        return float(student_quantile(min(self.freedom, MAX_FREEDOM))) * math.sqrt(sum(self.variances))
+        return float(student_quantile(min(self.freedom, MAX_DEGREES_OF_FREEDOM))) * math.sqrt(sum(self.variances))
 
 
 def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
@@ -457,11 +457,11 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     test = np.append(between * (1 + 1 / sizes), float(within @ within) / inside + residual * (1 + 1 / count))
     return ScansMean(
         mean, tuple(shares / count), _satterthwaite(shares.sum(), weights, each), math.sqrt(test.sum()),
-        _test_freedom(test, np.append(each[:2], inside)),
+        _test_degrees_of_freedom(test, np.append(each[:2], inside)),
     )  # fmt: skip
 
 
-def _test_freedom(components: Floats, freedoms: Floats) -> float:
+def _test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
     """Return the degrees of freedom of the variance of a single test. This variance is a sum of components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
@@ -472,7 +472,7 @@ def _test_freedom(components: Floats, freedoms: Floats) -> float:
     from scipy.special import stdtridf
 
     variance = float(components.sum())
-    common = min(_satterthwaite(variance, components, freedoms), MAX_FREEDOM)
+    common = min(_satterthwaite(variance, components, freedoms), MAX_DEGREES_OF_FREEDOM)
     if not variance > 0:
         return common
     widest = float((student_quantile(freedoms) * np.sqrt(components / variance)).max())

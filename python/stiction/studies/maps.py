@@ -29,17 +29,21 @@ if TYPE_CHECKING:
 Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 # maximum number of curve values of one map cell that are in memory at the same time
 NUM_VALUES_IN_MEMORY = 2**20
-CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that a result may have besides members and steps
-MOTIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
-_LOADS = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
+# dimensions that a result may have besides members and steps
+MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
+MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
+_LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 
-_NEEDED = {"friction_coefficient": ("contact_count", *friction.LOAD_SUM_NAMES), "normal_stiffness": _LOADS}
+_VARIABLES_BY_QUANTITY = {
+    "friction_coefficient": ("contact_count", *friction.LOAD_SUM_NAMES),
+    "normal_stiffness": _LOAD_VARIABLES,
+}
 """Contact sums that each derived quantity requires. All other quantities are stored directly."""
 
 
 def _list_needed_variables(quantity: str) -> tuple[str, ...]:
     """Return the names of the stored variables from which a quantity is computed."""
-    return _NEEDED.get(quantity, tuple(dict.fromkeys((*_LOADS, quantity))))
+    return _VARIABLES_BY_QUANTITY.get(quantity, tuple(dict.fromkeys((*_LOAD_VARIABLES, quantity))))
 
 
 def friction_map(
@@ -184,12 +188,12 @@ def stiffness_map(
     return ensemble_map(result, loads, mu0, tau0, "normal_stiffness")
 
 
-def cells_of(dataset: xarray.Dataset) -> list[str]:
+def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
     """Return the names of the dimensions that form the cells of a result, such as fractal dimension or cutoff."""
-    return [name for name in CELLS if name in dataset.dims]
+    return [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims]
 
 
-def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
+def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
     """Return an array with the repetitions on the last axis, contiguous in memory for fast sums over repetitions."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
@@ -200,7 +204,9 @@ def solved_pieces(
     """Yield the pieces of a result, omitting members for which the solver failed at any load."""
     for piece in result.pieces(names):
         elastic = piece["normal_elastic"]
-        is_solved = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
+        is_solved = np.isfinite(
+            move_repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"])
+        )
         is_solved = is_solved.reshape(-1, is_solved.shape[-1]).all(axis=0)
         solved = piece if is_solved.all() else piece.isel(repetition=np.flatnonzero(is_solved))
         yield solved if change is None else change(solved)
@@ -217,10 +223,10 @@ def ensemble_map(
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     dataset = result.head
-    material = material_of(result, mu0, tau0)
+    material = choose_strengths(result, mu0, tau0)
     missing = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
-    missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]
-    if missing or not cells_of(dataset):
+    missing += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
+    if missing or not find_cell_dimensions(dataset):
         raise ValueError(f"the dataset has no dimension {(missing or ['fractal_dimension'])[0]!r}")
     for name in _list_needed_variables(what):
         if name not in dataset:
@@ -229,7 +235,7 @@ def ensemble_map(
     # The first pass finds the steps at which the mean loads are reached.
     # The second pass computes the intervals at these steps.
     averages, others, count = _average_sums(
-        lambda: solved_pieces(result, quantity.names(), change), what, quantity.step
+        lambda: solved_pieces(result, quantity.names(), change), what, quantity.step_dimension
     )
     if not count:
         raise ValueError("no member of the result could be computed at all loads")
@@ -238,11 +244,12 @@ def ensemble_map(
         normal, values = (each[..., 0] for each in quantity.curves(cell, averages, others))
         means_by_cell[cell] = intervals.MeansAtLoads(normal, values, count, load_values)
     at_a_time = max(
-        1, NUM_VALUES_IN_MEMORY // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step])
+        1,
+        NUM_VALUES_IN_MEMORY // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step_dimension]),
     )
     with enter_executor(None) as pool:
         for piece in solved_pieces(result, quantity.names(), change):
-            sums_by_cell = [_compute_sums(piece, what, quantity.step)] * len(means_by_cell)
+            sums_by_cell = [_compute_sums(piece, what, quantity.step_dimension)] * len(means_by_cell)
 
             def add(cell: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
                 for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
@@ -257,8 +264,8 @@ class _EnsembleQuantity:
 
     def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
         self.head, self.what, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
-        self.step = find_step_dimension(head)
-        self.dims = [*(motion for motion in MOTIONS if motion in head.dims), *cells_of(head)]
+        self.step_dimension = find_step_dimension(head)
+        self.dims = [*(motion for motion in MOTION_DIMENSIONS if motion in head.dims), *find_cell_dimensions(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
         # The validity of the model is known only if the dataset contains all contact sums.
@@ -267,7 +274,7 @@ class _EnsembleQuantity:
     def names(self) -> tuple[str, ...]:
         """Return the names of the variables that must be read from the result."""
         variables = _list_needed_variables(self.what)
-        if self.what == "normal_stiffness" and self.step == "load":
+        if self.what == "normal_stiffness" and self.step_dimension == "load":
             variables = (*variables, "approach")  # the stiffness is a derivative with respect to the approach
         return (*variables, *(name for name in SUM_QUANTITIES if self.judged and name not in variables))
 
@@ -318,7 +325,7 @@ class _EnsembleQuantity:
         dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
         coordinates |= {name: (name, axis, quantity_attributes(name)) for name, axis in dimensions}
         dims = tuple(coordinates)
-        of_one = [motion for motion in MOTIONS if motion in self.head.coords]
+        of_one = [motion for motion in MOTION_DIMENSIONS if motion in self.head.coords]
         unit, title = QUANTITIES[self.what].unit, QUANTITIES[self.what].words
         variables: dict[str, Any] = {
             self.what: (dims, mean, {"units": unit, "long_name": title}),
@@ -338,23 +345,28 @@ def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[
 
 def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[ContactSums, ContactSums]:
     """Return the contact sums, and the sums from which a quantity is computed. The first axes describe the motion."""
-    dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
+    dims = [
+        *(motion for motion in MOTION_DIMENSIONS if motion in data.dims),
+        *find_cell_dimensions(data),
+        step,
+        "repetition",
+    ]
     shape = [data.sizes[dim] for dim in dims]
 
     def values_of(name: str) -> NDArray[Any]:
         if name not in data:
             return np.broadcast_to(np.nan, shape)
         own_dims = [dim for dim in dims if dim in data[name].dims]
-        values = repetitions_last(data[name], own_dims[:-1])
+        values = move_repetitions_last(data[name], own_dims[:-1])
         return np.broadcast_to(values.reshape([data.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
 
     columns = {name: values_of(name) for name in SUM_QUANTITIES}
     sums = ContactSums.from_columns(columns)
     if QUANTITIES[quantity].weighted:
         return sums, ContactSums.from_columns(
-            columns | {name: columns[name] * values_of(quantity) for name in _LOADS[1:]}
+            columns | {name: columns[name] * values_of(quantity) for name in _LOAD_VARIABLES[1:]}
         )
-    if quantity not in _NEEDED:
+    if quantity not in _VARIABLES_BY_QUANTITY:
         return sums, ContactSums.from_columns(columns | {"contact_area": values_of(quantity)})
     if quantity != "normal_stiffness":
         return sums, sums
@@ -364,12 +376,12 @@ def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Conta
 
     approach_step = derivative(values_of("approach")) if step == "load" else 1.0
     return sums, ContactSums.from_columns(
-        columns | {name: derivative(columns[name]) / approach_step for name in _LOADS[1:]}
+        columns | {name: derivative(columns[name]) / approach_step for name in _LOAD_VARIABLES[1:]}
     )
 
 
 def _compute_values(sums: ContactSums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
-    if not (quantity in _NEEDED or QUANTITIES[quantity].weighted):
+    if not (quantity in _VARIABLES_BY_QUANTITY or QUANTITIES[quantity].weighted):
         return sums.contact_area
     return friction.compute_load("tangential" if quantity == "friction_coefficient" else "normal", sums, mu0, tau0)
 
@@ -394,7 +406,7 @@ def _average_sums(
     return sums, others, count
 
 
-def material_of(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
+def choose_strengths(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
     """Return mu0 and tau0 (GPa) as arrays. Values that are None are replaced by those in the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
