@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 from stiction import Study, friction_map, run
-from stiction.studies.nodes import excess
+from stiction.studies.nodes import relative_excess_error
 from stiction.views.report import save_report
 
 BENCHMARK_FOLDER = Path(__file__).parent
@@ -64,7 +64,7 @@ def measure_interpolation_error(driver, dataset: xarray.Dataset) -> float:
         reference = reference.squeeze()
         if status == "ok" and str(reference["status"].values) == "ok":
             expected = np.array([float(reference[name]) for name in ("friction_coefficient", "lower", "upper")])
-            errors.append(float(excess(np.array(result), expected)))
+            errors.append(float(relative_excess_error(np.array(result), expected)))
     return float(np.median(errors))
 
 

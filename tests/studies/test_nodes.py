@@ -3,22 +3,22 @@
 import numpy as np
 import pytest
 from stiction.studies.nodes import (
-    ENDS_TOLERANCE,
+    INTERVAL_TOLERANCE,
     PRINTED_TOLERANCE,
     VALUE_TOLERANCE,
-    Axis,
-    axes_of,
-    excess,
-    interpolated,
+    NodeAxis,
+    initial_axes,
+    interpolate_table,
     is_interpolated,
     largest_errors,
-    refined,
+    refine_axes,
+    relative_excess_error,
 )
 from stiction.studies.study import parse_study
 from support.generated_studies import SMALL_STUDY
 from support.studies_of_files import study_of_files, write_maps
 
-AXES = Axis(np.array([0.0, 0.1, 0.25, 0.6, 1.0])), Axis(np.array([0.0, 0.02, 0.05, 0.1, 0.2]))
+AXES = NodeAxis(np.array([0.0, 0.1, 0.25, 0.6, 1.0])), NodeAxis(np.array([0.0, 0.02, 0.05, 0.1, 0.2]))
 
 
 def create_grid(axes=AXES):
@@ -38,20 +38,22 @@ def test_report_interpolation_reproduces_cubic_polynomials_exactly(power):
     mu0, tau0 = create_grid()
     table = (mu0 + 0.3) ** power * (tau0 - 0.1) ** power
     for point in ((0.07, 0.015), (0.3, 0.07), (0.99, 0.199), (0.25, 0.13)):
-        assert interpolated(AXES, table, *point) == pytest.approx((point[0] + 0.3) ** power * (point[1] - 0.1) ** power)
+        assert interpolate_table(AXES, table, *point) == pytest.approx(
+            (point[0] + 0.3) ** power * (point[1] - 0.1) ** power
+        )
 
 
 def test_report_interpolation_is_bilinear_next_to_undefined_nodes():
     mu0, tau0 = create_grid()
     table = mu0 + 2 * tau0
     table[-1, -1] = np.nan
-    assert interpolated(AXES, table, 0.4, 0.07) == pytest.approx(0.54)
-    assert np.isnan(interpolated(AXES, table, 0.8, 0.15))
-    assert interpolated(AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # This point is a node.
+    assert interpolate_table(AXES, table, 0.4, 0.07) == pytest.approx(0.54)
+    assert np.isnan(interpolate_table(AXES, table, 0.8, 0.15))
+    assert interpolate_table(AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # This point is a node.
 
 
 def test_node_of_an_uncertain_input_is_used_only_at_values_close_to_it():
-    axis = Axis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]), np.array([0.2]))
+    axis = NodeAxis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]), np.array([0.2]))
     assert axis.weights(0.2).tolist() == [0, 0, 0, 0, 0, 1]
     assert axis.weights(0.2001)[-1] == 1
     assert axis.weights(0.21)[-1] == 0
@@ -59,7 +61,7 @@ def test_node_of_an_uncertain_input_is_used_only_at_values_close_to_it():
 
 
 def test_report_axes_contain_mu0_and_tau0_of_the_study():
-    mu0, tau0 = axes_of(SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]}))
+    mu0, tau0 = initial_axes(SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]}))
     assert 0.37 in mu0.rising
     assert {0.003, 0.021} <= set(tau0.rising)
     assert [axis.rising[0] for axis in (mu0, tau0)] == [0, 0]
@@ -68,30 +70,32 @@ def test_report_axes_contain_mu0_and_tau0_of_the_study():
 
 def test_report_axis_of_an_uncertain_input_has_a_separate_node_at_its_value(tmp_path):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path))
-    assert [axis.ranged.size for axis in axes_of(study)] == [0, 0]
+    assert [axis.ranged.size for axis in initial_axes(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
-    mu0, tau0 = axes_of(parse_study(text, "test"))
+    mu0, tau0 = initial_axes(parse_study(text, "test"))
     assert mu0.ranged.tolist() == [0.3]
     assert np.abs(mu0.rising - 0.3).min() > 3e-4
     assert tau0.ranged.size == 0
 
 
 def test_interpolation_errors_on_refined_report_axes_are_below_ten_times_the_tolerance():
-    coarse_axes = tuple(Axis(axis.rising[[0, 2, 4]]) for axis in AXES)
-    axes = refined(coarse_axes, smooth_friction)
+    coarse_axes = tuple(NodeAxis(axis.rising[[0, 2, 4]]) for axis in AXES)
+    axes = refine_axes(coarse_axes, smooth_friction)
     assert sum(axis.rising.size for axis in axes) > 6
     table = smooth_friction(axes[0].values, axes[1].values)
     random = np.random.default_rng(1).uniform([0, 0], [1, 0.2], (50, 2))
     errors = [
         float(
-            excess(interpolated(axes, np.moveaxis(table, -1, 0), *point), smooth_friction(point[:1], point[1:])[0, 0])
+            relative_excess_error(
+                interpolate_table(axes, np.moveaxis(table, -1, 0), *point), smooth_friction(point[:1], point[1:])[0, 0]
+            )
         )
         for point in random
     ]
     assert np.quantile(errors, 0.9) < 2
     value_error, ends_error = largest_errors(axes, table, smooth_friction)
     assert 0 < value_error < 10 * VALUE_TOLERANCE
-    assert 0 < ends_error < 10 * ENDS_TOLERANCE
+    assert 0 < ends_error < 10 * INTERVAL_TOLERANCE
 
 
 def test_limited_refinement_of_report_axes_adds_nodes_where_errors_are_largest():
@@ -101,7 +105,7 @@ def test_limited_refinement_of_report_axes_adds_nodes_where_errors_are_largest()
         points[..., 2] += 1e-3 / (0.22 - np.asarray(tau0))
         return points
 
-    axes = refined((AXES[0], Axis(AXES[1].rising[[0, 1, 2, 4]])), steep, max_nodes=6)
+    axes = refine_axes((AXES[0], NodeAxis(AXES[1].rising[[0, 1, 2, 4]])), steep, max_nodes=6)
     added = np.setdiff1d(axes[1].rising, AXES[1].rising)
     assert axes[1].rising.size == 6
     assert added.min() > 0.1
@@ -115,7 +119,7 @@ def test_panels_between_nodes_are_not_interpolated_if_errors_exceed_the_printed_
         points[..., 2] += 5 * rise
         return points
 
-    axes = tuple(Axis(np.linspace(0, axis.rising[-1], 21)) for axis in AXES)
+    axes = tuple(NodeAxis(np.linspace(0, axis.rising[-1], 21)) for axis in AXES)
     mu0, tau0 = (axis.rising for axis in axes)
     assert is_interpolated(axes, smooth_friction(mu0, tau0)).all()
     is_hidden = ~is_interpolated(axes, cusp(mu0, tau0))
@@ -135,13 +139,13 @@ def test_panels_between_nodes_are_interpolated_only_if_errors_in_their_middles_a
         return points
 
     shown = is_interpolated(AXES, steep(*(axis.values for axis in AXES)))[:-1, :-1]
-    middles = [axis.middles() for axis in AXES]
+    middles = [axis.split_candidates() for axis in AXES]
     table = np.moveaxis(steep(*(axis.values for axis in AXES)), -1, 0)
     error = np.full(shown.shape, np.nan)
     for place in np.ndindex(*shown.shape):
         mu0, tau0 = (middle[index] for middle, index in zip(middles, place, strict=True))
         value, lower, upper = steep([mu0], [tau0])[0, 0]
-        error[place] = np.abs(interpolated(AXES, table, mu0, tau0) - (value, lower, upper)).max() / (upper - lower)
+        error[place] = np.abs(interpolate_table(AXES, table, mu0, tau0) - (value, lower, upper)).max() / (upper - lower)
     assert shown.any()
     assert not shown.all()
     assert (error[shown] < PRINTED_TOLERANCE).all()

@@ -8,7 +8,7 @@ from stiction import Study, friction_map, run
 from stiction._number_format import format_estimate
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
-from stiction.studies.nodes import Axis, excess, interpolated
+from stiction.studies.nodes import NodeAxis, interpolate_table, relative_excess_error
 from stiction.studies.point import rules_of
 from stiction.studies.study import parse_dataset_study
 from stiction.studies.summary import summarize
@@ -66,7 +66,8 @@ def report_numbers(generated_dataset):
 
 def test_report_script_interpolates_like_the_library(report_numbers):
     axes = tuple(
-        Axis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]) * max_value, np.array([0.2]) * max_value) for max_value in (1.0, 50.0)
+        NodeAxis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]) * max_value, np.array([0.2]) * max_value)
+        for max_value in (1.0, 50.0)
     )
     table = np.random.default_rng(2).uniform(size=(6, 6))
     table[0, 0] = np.nan
@@ -83,7 +84,7 @@ def test_report_script_interpolates_like_the_library(report_numbers):
             mu0,
             tau0,
         )
-        assert computed == pytest.approx(float(interpolated(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True)
+        assert computed == pytest.approx(float(interpolate_table(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True)
 
 
 def test_interval_in_report_is_unbounded_next_to_a_node_without_upper_end(report_numbers):
@@ -167,7 +168,7 @@ def compare_friction(dataset, report_numbers, settings):
         elif status == "ok":
             values = np.array([point[name] for name in ("value", "lower", "upper")])
             expected = np.array([float(reference[name]) for name in ("friction_coefficient", "lower", "upper")])
-            errors.append(float(excess(values, expected)))
+            errors.append(float(relative_excess_error(values, expected)))
         statuses.append(status)
     return statuses, errors
 
@@ -291,7 +292,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(measured
         )
         assert point["status"] == "ok"
         values = np.array([point[name] for name in ("value", "lower", "upper")])
-        errors.append(float(excess(values, expected.values)))
+        errors.append(float(relative_excess_error(values, expected.values)))
         if (mu0, tau0) == study_setting[4:]:
             assert point["text"] == format_estimate(*expected.values.tolist())
             assert errors[-1] < 0.1

@@ -10,7 +10,7 @@ from stiction import friction_map, levelled, self_affine, self_affine_surface
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load
 from stiction.studies.input_caveats import find_input_caveats
-from stiction.studies.nodes import excess
+from stiction.studies.nodes import relative_excess_error
 from stiction.studies.study import parse_dataset_study
 from stiction.studies.summary import summarize
 from stiction.views.characterisation import Characterisation
@@ -265,7 +265,7 @@ def test_readout_under_the_pointer_equals_library_values(generated_report, gener
             continue
         assert status == str(reference["status"].values)
         expected = [float(reference[name]) for name in ("friction_coefficient", "lower", "upper")]
-        errors.append(float(excess(np.array(values), np.array(expected))))
+        errors.append(float(relative_excess_error(np.array(values), np.array(expected))))
     assert np.median(errors) < 1.0
     assert np.max(errors) < MAX_RELATIVE_ERROR
     assert len(statuses) > 1

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value; the report prints up to four digits
-ENDS_TOLERANCE = 1e-2  # largest error of an interpolated interval limit, relative to the interval width
+INTERVAL_TOLERANCE = 1e-2  # largest error of an interpolated interval limit, relative to the interval width
 PRINTED_TOLERANCE = 0.025
 """Ratio of interpolation error to interval width above which a report hides the number.
 
@@ -42,15 +42,15 @@ MAX_NODES, MAX_MEASURED_NODES = 7, 10
 Reports of generated surfaces have more loads and therefore fewer nodes.
 """
 
-LOAD_STEPS = 40  # number of loads in a report of generated surfaces
+NUM_LOAD_STEPS = 40  # number of loads in a report of generated surfaces
 # number of loads at which nodes are chosen and errors are measured (generated surfaces)
-SAMPLED_LOADS = 4
-CHOICE_LOADS = 2  # number of loads at which nodes are chosen (measured surfaces)
+NUM_SAMPLED_LOADS = 4
+NUM_NODE_CHOICE_LOADS = 2  # number of loads at which nodes are chosen (measured surfaces)
 # quantities besides friction that are evaluated at the nodes (measured surfaces)
-MEASURED_NAMES = ("contact_count", "gentle_friction")
+LOAD_ONLY_VARIABLES = ("contact_count", "gentle_friction")
 # maximum number of mu0 or tau0 values in a study that become nodes; longer lists are thinned
 MAX_STUDY_NODES = 9
-MAX_ROUNDS = 4  # maximum number of refinements of an axis
+MAX_AXIS_REFINEMENTS = 4  # maximum number of refinements of an axis
 MIN_NODE_DISTANCE = 0.35
 """Smallest distance between an initial node and a value in the study, relative to the node spacing."""
 
@@ -65,7 +65,7 @@ MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Axis:
+class NodeAxis:
     """Nodes along one axis, which is either mu0 or tau0 (GPa).
 
     Values are interpolated between `rising` nodes. `ranged` nodes are values in the study that have an uncertainty
@@ -87,11 +87,11 @@ class Axis:
             (float(node / (1 + SAME_INPUT_TOLERANCE)), float(node / (1 - SAME_INPUT_TOLERANCE))) for node in self.ranged
         ]
 
-    def with_nodes(self, additional: Sequence[float]) -> Axis:
+    def with_nodes(self, additional: Sequence[float]) -> NodeAxis:
         """Return a copy of the axis with additional rising nodes."""
-        return Axis(np.unique([*self.rising, *additional]), self.ranged)
+        return NodeAxis(np.unique([*self.rising, *additional]), self.ranged)
 
-    def middles(self) -> Floats:
+    def split_candidates(self) -> Floats:
         """Return the midpoint of each panel between rising nodes, shifted if it would be too close to a ranged node."""
         middles = (self.rising[1:] + self.rising[:-1]) / 2
         return np.where(self._is_ranged(middles), 0.5 * (middles + self.rising[1:]), middles)
@@ -99,7 +99,7 @@ class Axis:
     @property
     def panel_middles(self) -> Floats:
         """Midpoint of the panel that starts at each node, or the node itself if no panel starts there."""
-        return np.concatenate([self.middles(), self.rising[-1:], self.ranged])
+        return np.concatenate([self.split_candidates(), self.rising[-1:], self.ranged])
 
     @property
     def panel_ends(self) -> NDArray[np.intp]:
@@ -154,7 +154,7 @@ class Axis:
         return weights
 
 
-class Nodes:
+class InterpolationNodes:
     """Values of a result at nodes of mu0 and tau0, between which a report interpolates.
 
     Parameters
@@ -163,16 +163,16 @@ class Nodes:
 
     Attributes
     ----------
-    axes : pair of Axis
+    axes : pair of NodeAxis
         Nodes of mu0 and tau0, chosen for the tolerances.
     loads : ndarray of float, mN
-        Loads in a report: the loads of the study for measured bodies, and `LOAD_STEPS` loads in equal ratios for
+        Loads in a report: the loads of the study for measured bodies, and `NUM_LOAD_STEPS` loads in equal ratios for
         generated bodies.
     kinds : list of str or None
         Kinds of members of measured bodies, starting with the quoted kind. None stands for all members.
     values : tuple of xarray.Dataset
         Values and intervals of each kind at the loads and nodes.
-    of_load : tuple of xarray.Dataset
+    load_quantities : tuple of xarray.Dataset
         Quantities of measured bodies that depend only on the load, for each kind.
     error : (float, float)
         Largest relative error of interpolated values, and largest error of interval limits relative to the width, at a
@@ -191,7 +191,7 @@ class Nodes:
             low, high = (float(f"{load:.3g}") for load in reached_loads(self.result, 2))
         except ValueError:
             return np.zeros(0)
-        return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, LOAD_STEPS)])
+        return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, NUM_LOAD_STEPS)])
 
     @cached_property
     def kinds(self) -> list[Kind | None]:
@@ -203,23 +203,23 @@ class Nodes:
         return ["shifts", "surrogates"] if surrogate.any() and not surrogate.all() else [None]
 
     @cached_property
-    def axes(self) -> tuple[Axis, Axis]:
+    def axes(self) -> tuple[NodeAxis, NodeAxis]:
         """Nodes of mu0 and tau0, chosen so that interpolation errors at a few loads are small."""
         if self.study.is_measured:
-            loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:CHOICE_LOADS]
+            loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:NUM_NODE_CHOICE_LOADS]
         else:
             loads = self._sample
         max_nodes = MAX_MEASURED_NODES if self.study.is_measured else MAX_NODES
-        return refined(axes_of(self.study), partial(self._friction, loads), max_nodes)
+        return refine_axes(initial_axes(self.study), partial(self._friction, loads), max_nodes)
 
     @cached_property
     def values(self) -> tuple[xarray.Dataset, ...]:
         """Values and intervals for each kind of members, at all loads and nodes."""
-        names = MEASURED_NAMES if self.study.is_measured else None
+        names = LOAD_ONLY_VARIABLES if self.study.is_measured else None
         return tuple(self._at(self.loads, self.axes, kind, names) for kind in self.kinds)
 
     @cached_property
-    def of_load(self) -> tuple[xarray.Dataset, ...]:
+    def load_quantities(self) -> tuple[xarray.Dataset, ...]:
         """Quantities of measured bodies that depend only on the load, for each kind of members."""
         return tuple(at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], of=kind) for kind in self.kinds)
 
@@ -236,10 +236,10 @@ class Nodes:
 
     @property
     def _sample(self) -> Floats:
-        return self.loads[:: max(1, self.loads.size // SAMPLED_LOADS)]
+        return self.loads[:: max(1, self.loads.size // NUM_SAMPLED_LOADS)]
 
     def _at(
-        self, loads: Floats, axes: tuple[Axis, Axis], kind: Kind | None, names: Collection[str] | None
+        self, loads: Floats, axes: tuple[NodeAxis, NodeAxis], kind: Kind | None, names: Collection[str] | None
     ) -> xarray.Dataset:
         """Evaluate the result at the nodes. For measured bodies, the intervals are combined intervals.
 
@@ -255,7 +255,7 @@ class Nodes:
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
         """Return friction coefficients with their intervals for all combinations of mu0 and tau0."""
         names = ("contact_count",) if self.study.is_measured else ()
-        return self._table(self._at(loads, (Axis(mu0), Axis(tau0)), self.kinds[0], names))
+        return self._table(self._at(loads, (NodeAxis(mu0), NodeAxis(tau0)), self.kinds[0], names))
 
     def _table(self, at: xarray.Dataset) -> Floats:
         """Return the reported coefficients and their interval limits as an array."""
@@ -263,7 +263,7 @@ class Nodes:
         return np.asarray(at[name].transpose(..., "load", "mu0", "tau0", "statistic").values)
 
 
-def axes_of(study: Study) -> tuple[Axis, Axis]:
+def initial_axes(study: Study) -> tuple[NodeAxis, NodeAxis]:
     """Return the initial nodes of mu0 and tau0 (GPa), from 0 to the largest value that a report shows."""
     ranged = set(find_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
@@ -279,7 +279,7 @@ def axes_of(study: Study) -> tuple[Axis, Axis]:
     return tuple(_axis(study_values[name], largest[name], is_ranged=name in ranged) for name in ("mu0", "tau0"))  # type: ignore[return-value]
 
 
-def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Axis:
+def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> NodeAxis:
     if study_values.size > MAX_STUDY_NODES:
         study_values = study_values[
             np.unique(np.linspace(0, study_values.size - 1, MAX_STUDY_NODES).round().astype(int))
@@ -287,18 +287,18 @@ def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Axis:
     # The nodes are closer together near 0, where interval limits have the largest curvature.
     first = largest * np.linspace(0.0, 1.0, MIN_NODES) ** 2
     if is_ranged:
-        axis = Axis(first, study_values[study_values > 0])
-        return Axis(np.where(axis._is_ranged(first), first * (1 + 5 * SAME_INPUT_TOLERANCE), first), axis.ranged)
+        axis = NodeAxis(first, study_values[study_values > 0])
+        return NodeAxis(np.where(axis._is_ranged(first), first * (1 + 5 * SAME_INPUT_TOLERANCE), first), axis.ranged)
     steps = np.diff(first)
     room = MIN_NODE_DISTANCE * np.minimum(np.append(steps[0], steps), np.append(steps, steps[-1]))
     is_kept = np.abs(first[:, np.newaxis] - study_values).min(axis=1) > room
     is_kept[[0, -1]] = True
-    return Axis(np.unique([*first[is_kept], *study_values]))
+    return NodeAxis(np.unique([*first[is_kept], *study_values]))
 
 
-def refined(
-    axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
-) -> tuple[Axis, Axis]:
+def refine_axes(
+    axes: tuple[NodeAxis, NodeAxis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
+) -> tuple[NodeAxis, NodeAxis]:
     """Add nodes to each axis until interpolation errors are within tolerance along two lines parallel to the axis.
 
     An axis has at most `max_nodes` rising nodes after refinement. Nodes are added first where the measured error, or
@@ -306,7 +306,7 @@ def refined(
 
     Parameters
     ----------
-    axes : pair of Axis
+    axes : pair of NodeAxis
     evaluate : function of mu0 (m,) and tau0 (t,)
         Values, lower and upper ends (..., m, t, 3).
     """
@@ -315,9 +315,9 @@ def refined(
         other_nodes = refined_axes[1 - index].rising
         across = other_nodes[[min(1, other_nodes.size - 1), max(other_nodes.size - 2, 0)]]
         rows: dict[float, Floats] = {}  # cached values with their interval limits, by position on the axis
-        for _ in range(MAX_ROUNDS):
+        for _ in range(MAX_AXIS_REFINEMENTS):
             axis = refined_axes[index]
-            middles = axis.middles()
+            middles = axis.split_candidates()
             along = np.concatenate([axis.values, middles])
             if (new := np.array([value for value in along.tolist() if value not in rows])).size:
                 table = evaluate(new, across) if index == 0 else np.swapaxes(evaluate(across, new), -2, -3)
@@ -329,8 +329,12 @@ def refined(
                     np.tensordot(np.stack([axis.corrections(middle)[side] for middle in middles]), nodes, axes=1)
                     for side in range(2)
                 ]
-            estimate = excess(exact + _estimated_error(*changes), exact) * ENDS_TOLERANCE / PRINTED_TOLERANCE
-            errors = np.maximum(excess(estimated, exact), estimate).reshape(middles.size, -1).max(axis=1)
+            estimate = (
+                relative_excess_error(exact + _estimated_error(*changes), exact)
+                * INTERVAL_TOLERANCE
+                / PRINTED_TOLERANCE
+            )
+            errors = np.maximum(relative_excess_error(estimated, exact), estimate).reshape(middles.size, -1).max(axis=1)
             order = np.argsort(-errors)[: max(max_nodes - axis.rising.size, 0)]
             new_nodes = middles[order[errors[order] > max(1.0, errors.max() / 4)]]
             if not new_nodes.size:
@@ -339,22 +343,22 @@ def refined(
     return refined_axes[0], refined_axes[1]
 
 
-def excess(estimated: Floats, exact: Floats) -> Floats:
+def relative_excess_error(estimated: Floats, exact: Floats) -> Floats:
     """Return the error-to-tolerance ratio of the value or of the interval limits, whichever ratio is larger."""
     value, width = np.abs(exact[..., 0]), exact[..., 2] - exact[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(estimated - exact)
-        ends = error[..., 1:].max(axis=-1) / np.maximum(ENDS_TOLERANCE * width, VALUE_TOLERANCE * value)
+        ends = error[..., 1:].max(axis=-1) / np.maximum(INTERVAL_TOLERANCE * width, VALUE_TOLERANCE * value)
         values = error[..., 0] / (VALUE_TOLERANCE * value)
     return np.maximum(np.where(np.isfinite(ends), ends, 0.0), np.where(np.isfinite(values), values, 0.0))
 
 
 def largest_errors(
-    axes: tuple[Axis, Axis], table: Floats, evaluate: Callable[[Floats, Floats], Floats]
+    axes: tuple[NodeAxis, NodeAxis], table: Floats, evaluate: Callable[[Floats, Floats], Floats]
 ) -> tuple[float, float]:
     """Return the largest interpolation errors of values and interval limits at a few points between the nodes.
 
-    `axes` and `evaluate` are arguments of `refined`, and `table` (..., m, t, 3) contains the values at the nodes.
+    `axes` and `evaluate` are arguments of `refine_axes`, and `table` (..., m, t, 3) contains the values at the nodes.
     Errors of values are relative to the value, and errors of limits are relative to the interval width. Panels that are
     not interpolated, and intervals narrower than the tolerance of the value, are omitted.
     """
@@ -368,13 +372,13 @@ def largest_errors(
     for row, column in np.ndindex(mu0.size, tau0.size):
         at = mu0[row], tau0[column]
         panel = [int(np.searchsorted(axis.rising, each, side="right") - 1) for axis, each in zip(axes, at, strict=True)]
-        estimated = interpolated(axes, np.moveaxis(table, -1, 0), *at)
+        estimated = interpolate_table(axes, np.moveaxis(table, -1, 0), *at)
         exact_point = np.moveaxis(exact[..., row, column, :], -1, 0)
         width = exact_point[2] - exact_point[1]
         with np.errstate(divide="ignore", invalid="ignore"):
             value = np.abs(estimated[0] / exact_point[0] - 1)
             end = np.abs(estimated[1:] - exact_point[1:]).max(axis=0) / np.maximum(
-                width, VALUE_TOLERANCE / ENDS_TOLERANCE * np.abs(exact_point[0])
+                width, VALUE_TOLERANCE / INTERVAL_TOLERANCE * np.abs(exact_point[0])
             )
         for errors, error in ((values, value), (ends, end)):
             error = error[fine[..., panel[0], panel[1]] & np.isfinite(error)]
@@ -382,7 +386,7 @@ def largest_errors(
     return max(values), max(ends)
 
 
-def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float) -> Floats:
+def interpolate_table(axes: tuple[NodeAxis, NodeAxis], table: Floats, mu0: float, tau0: float) -> Floats:
     """Interpolate a table at given mu0 and tau0 (GPa). The last two axes of the table are the nodes of mu0 and tau0.
 
     The interpolation is cubic, or bilinear if one of the 16 nodes has no value.
@@ -394,7 +398,7 @@ def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float
     return np.where(np.isfinite(cubic), cubic, linear)
 
 
-def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_]:
+def is_interpolated(axes: tuple[NodeAxis, NodeAxis], points: Floats) -> NDArray[np.bool_]:
     """Return a mask that is True for each panel (rectangle between nodes) in which values may be interpolated.
 
     A panel has the indices of its first corner. Along a ranged node, only the other axis is interpolated. The error in
@@ -404,7 +408,9 @@ def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_
     the value, at every corner. A number that is defined at only some corners is not interpolated.
     """
     table = np.moveaxis(points, -1, 0)
-    (cubic, cubic_error), (linear, linear_error) = (_at_middles(axes, table, cubic=each) for each in (True, False))
+    (cubic, cubic_error), (linear, linear_error) = (
+        _interpolate_at_midpoints(axes, table, cubic=each) for each in (True, False)
+    )
     cubic_error = np.where(np.isnan(cubic_error), np.abs(cubic - linear), cubic_error)
     error = np.where(np.isnan(cubic), linear_error, cubic_error)
     value, lower, upper = corners = np.stack(
@@ -420,7 +426,7 @@ def is_interpolated(axes: tuple[Axis, Axis], points: Floats) -> NDArray[np.bool_
     return np.asarray((~np.isfinite(corners).any(axis=1) | (error <= tolerance)).all(axis=0))
 
 
-def _at_middles(axes: tuple[Axis, Axis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
+def _interpolate_at_midpoints(axes: tuple[NodeAxis, NodeAxis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
     """Return interpolated values at the midpoints of the panels, and the estimated errors. Undefined values are NaN."""
     over_mu0, over_tau0 = (
         np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles]) for axis in axes

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.assessment import Caveat
     from stiction.studies.height_scale import ScaledSides
-    from stiction.studies.nodes import Nodes
+    from stiction.studies.nodes import InterpolationNodes
     from stiction.studies.summary import PointSummary, Summary
     from stiction.surfaces.profile import Profile
 
@@ -224,11 +224,11 @@ class Result:
         return {} if self.stored is None else list_stored_factors(self.stored)
 
     @cached_property
-    def nodes(self) -> Nodes:
+    def nodes(self) -> InterpolationNodes:
         """Values at nodes of mu0 and tau0, between which a report interpolates."""
-        from stiction.studies.nodes import Nodes
+        from stiction.studies.nodes import InterpolationNodes
 
-        return Nodes(self)
+        return InterpolationNodes(self)
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:

@@ -30,7 +30,7 @@ from stiction.studies.assessment import (
     compute_value_numbers,
     find_verdict,
 )
-from stiction.studies.nodes import Axis, Nodes
+from stiction.studies.nodes import InterpolationNodes, NodeAxis
 from stiction.studies.point import rules_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
@@ -116,7 +116,9 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
     }
 
 
-def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, tables: Tables) -> dict[str, Any]:
+def _at_nodes(
+    nodes: InterpolationNodes, study: Study, head: xarray.Dataset, members: int, tables: Tables
+) -> dict[str, Any]:
     """Add all quantities at the nodes to `tables`. The axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
     rules, angles = motions_of(study)
     axes, loads = nodes.axes, nodes.loads
@@ -248,7 +250,7 @@ def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[st
     return names
 
 
-def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], study: Study) -> dict[str, int]:
+def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, int]:
     """Choose the initial cell and load of a page: those with the smallest relative interval of a valid value."""
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]

@@ -17,7 +17,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, quantities_shown_in
 from stiction.studies.assessment import find_smallest_limit
 from stiction.studies.measured_surfaces import MeasuredFile
-from stiction.studies.nodes import Nodes
+from stiction.studies.nodes import InterpolationNodes
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.studies.summary import PointSummary
@@ -67,7 +67,7 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     tables = Tables()
     facts = _result_facts(dataset, result, study)
     facts |= _friction_at_nodes(result.nodes, study, tables) | {"name": name}
-    facts["quantities"] = _quantities(result.nodes.of_load)
+    facts["quantities"] = _quantities(result.nodes.load_quantities)
     picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.onset
@@ -132,7 +132,7 @@ _CURVE_PANELS = {
 """Quantity, axis title and unit conversion factor for each additional plot against load."""
 
 
-def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, Any]:
+def _friction_at_nodes(nodes: InterpolationNodes, study: Study, tables: Tables) -> dict[str, Any]:
     """Add friction at the nodes to `tables`. The axes are kind, cutoff, rule, motion, load, mu0 and tau0."""
     (rules, angles), axes, kinds = motions_of(study), nodes.axes, nodes.kinds
     motions: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]

@@ -23,7 +23,7 @@ from stiction._core import __version__
 from stiction._files import replaced_file
 from stiction._number_format import to_json
 from stiction._text import printable
-from stiction.studies.nodes import Axis
+from stiction.studies.nodes import NodeAxis
 from stiction.studies.study import Study, find_differences
 from stiction.views.report.tables import Tables
 
@@ -168,7 +168,7 @@ def motions_of(study: Study) -> tuple[list[str], list[float]]:
     return list(study.contact.rules()), [float(angle) for angle in study.contact.degrees()]
 
 
-def axes_facts(axes: tuple[Axis, Axis], study: Study) -> dict[str, Any]:
+def axes_facts(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
     """Return the nodes of mu0 and tau0 (MPa) for a page, with the step and the initial value of each slider."""
     initial = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
