@@ -40,8 +40,8 @@ from stiction.studies.measured_surfaces import (
 )
 from stiction.studies.members import body_attributes
 from stiction.studies.pair_options import (
-    CHECK_ORDER,
     CONTACT_MODEL_NAMES,
+    OPTION_CHECK_ORDER,
     PAIR_OPTIONS,
     READING_OPTION_NAMES,
     Mechanics,
@@ -87,7 +87,7 @@ class Pair:
             raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{hint}")
         if options.mu0 is None and options.interface is None:
             raise ArgumentError("give {mu0} or {interface}")
-        for name in CHECK_ORDER:
+        for name in OPTION_CHECK_ORDER:
             if (value := options.given(name)) is None:
                 continue
             for condition in PAIR_OPTIONS[name].applies:
@@ -105,17 +105,17 @@ class Pair:
         """
         return cls(read_options(values))
 
-    def _find_kind(self, name: str) -> OptionKind:
+    def _find_quantity_kind(self, name: str) -> OptionKind:
         kind = PAIR_OPTIONS[name].kind
         assert kind is not None, f"{name} is declared without a kind of quantity"
         return kind
 
     def _parse_quantity(self, name: str, value: object) -> Quantity:
         """Parse the value of an option as a quantity of the required kind."""
-        return parse_quantity(name, value, self._find_kind(name))
+        return parse_quantity(name, value, self._find_quantity_kind(name))
 
     def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
-        return parse_quantities(name, values, self._find_kind(name))
+        return parse_quantities(name, values, self._find_quantity_kind(name))
 
     # ---- Bodies ------------------------------------------------------------------------------------------------------
 
@@ -149,7 +149,7 @@ class Pair:
                         f"{{{name}}} must not be given for a body in memory, got {{{name}}}; "
                         "if the option is for the other file, read that file into memory first"
                     )
-            body = self._from_array(side, index, body) if is_array else body
+            body = self._body_from_array(side, index, body) if is_array else body
             return MeasuredFile.from_body(body, side).model_copy(update=properties)
         table = properties | {"file": str(body)}
         for name in READING_OPTION_NAMES:
@@ -183,7 +183,7 @@ class Pair:
             )
         return name
 
-    def _from_array(self, side: str, index: int, heights: Any) -> Body:
+    def _body_from_array(self, side: str, index: int, heights: Any) -> Body:
         """Convert an array of heights to a body, using the given spacing and unit."""
         spacing: Any = self._select_value("spacing", index)
         unit: Any = self._select_value("unit", index) or "um"
@@ -489,7 +489,7 @@ class Pair:
         come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
         if wavelengths in the other scans may be noise as well. The dictionary is empty if no scan needs a filter.
         """
-        limits = [[_find_noise(scan) for scan in file.scans] for file in self.files]
+        limits = [[_find_noise_wavelengths(scan) for scan in file.scans] for file in self.files]
         present_limits = [limit for part_limits in limits for limit in part_limits if limit is not None]
         extents = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
         longest_cutoff = max((limit.cut_off for limit in present_limits), default=0.0)
@@ -770,7 +770,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
     return scans
 
 
-def _find_noise(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
+def _find_noise_wavelengths(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
     """Find the wavelengths of a scan that may be instrument noise, or at which its spectrum may hide noise.
 
     Returns None if they affect the slope only slightly.

@@ -221,13 +221,13 @@ def presses_profiles_as_lines(pair: PairFacts) -> bool:
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
-def makes_surrogates_of_whole_scans(pair: PairFacts) -> bool:
+def has_whole_scans_for_surrogates(pair: PairFacts) -> bool:
     """Return True unless surrogates are requested for a scan that has masked points."""
     return not (pair.has_missing and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
-def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
+def has_whole_scans_for_asperities(pair: PairFacts) -> bool:
     """Return True unless the asperity model is used for a scan that has masked points."""
     return not pair.has_missing or "asperities" not in pair.contact_models
 
@@ -245,7 +245,7 @@ def has_no_spectrum(pair: PairFacts) -> bool:
 
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
-def has_several_pairs_of_lines(pair: PairFacts) -> bool:
+def has_several_line_pairs(pair: PairFacts) -> bool:
     """Return whether several pairs of lines can be formed, either from maps or from surrogates of profiles."""
     return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
 
@@ -257,7 +257,7 @@ def presses_lines(pair: PairFacts) -> bool:
 
 
 @make_condition("is for lines of surfaces")
-def presses_lines_of_surfaces(pair: PairFacts) -> bool:
+def presses_lines_of_maps(pair: PairFacts) -> bool:
     """Return whether the pressed bodies are lines of height maps."""
     return pair.press == "lines" and not pair.are_profiles
 
@@ -269,7 +269,7 @@ def presses_areas(pair: PairFacts) -> bool:
 
 
 @make_condition("is for areas; lines are always moved in both directions")
-def moves_areas(pair: PairFacts) -> bool:
+def presses_maps_or_surrogates(pair: PairFacts) -> bool:
     """Return whether areas of height maps or of surrogates are pressed."""
     return pair.press != "lines"
 
@@ -293,37 +293,37 @@ def presses_surrogates(pair: PairFacts) -> bool:
 
 
 @make_condition("must not be combined with {check}, which uses both contact models")
-def presses_by_one_model(pair: PairFacts) -> bool:
+def uses_one_contact_model(pair: PairFacts) -> bool:
     """Return whether the options select a single contact model."""
     return not pair.options.check
 
 
 @make_condition("is for {mechanics} half-space")
-def presses_half_space(pair: PairFacts) -> bool:
+def uses_half_space_model(pair: PairFacts) -> bool:
     """Return whether the half-space model is used, for the result or for a check."""
     return "half-space" in pair.contact_models
 
 
 @make_condition("is for {mechanics} half-space")
-def has_result_by_half_space(pair: PairFacts) -> bool:
+def has_half_space_result(pair: PairFacts) -> bool:
     """Return whether the result is computed with the half-space model."""
     return pair.contact_models[0] == "half-space"
 
 
 @make_condition("is for {mechanics} half-space alone")
-def presses_half_space_alone(pair: PairFacts) -> bool:
+def uses_only_half_space_model(pair: PairFacts) -> bool:
     """Return whether the half-space model is used without a check by the asperity model."""
     return pair.contact_models == ("half-space",)
 
 
 @make_condition("is for {mechanics} asperities")
-def presses_asperities(pair: PairFacts) -> bool:
+def uses_asperity_model(pair: PairFacts) -> bool:
     """Return whether the asperity model is used, for the result or for a check."""
     return "asperities" in pair.contact_models
 
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
-def suits_grooves(pair: PairFacts) -> bool:
+def has_law_for_lay(pair: PairFacts) -> bool:
     """Return whether the contact law suits the lay. For grooves, the law for elastic cylinders is required."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
@@ -449,7 +449,7 @@ class SurfaceOptions(OptionGroup):
     lay: Annotated[Lay | None, Option(
         "grooves|isotropic", "Lay of two profiles: measured across grooves, or on isotropic surfaces, which are then "
         "pressed as areas.", usual="pressed as lines",
-        applies=(has_two_profiles, makes_surrogates_of_whole_scans),
+        applies=(has_two_profiles, has_whole_scans_for_surrogates),
         field=FormField(
             label="lay of profiles", empty="not given",
             choices=(("grooves", "across grooves"), ("isotropic", "none, isotropic")),
@@ -458,10 +458,10 @@ class SurfaceOptions(OptionGroup):
     lines: Annotated[Count | None, Option(
         "N", "Press this many pairs of lines of two maps instead of their areas; for surrogates of profiles, the "
         "number of surrogates.", usual="128 of surrogates, and of a map and a profile",
-        applies=(has_no_spectrum, has_several_pairs_of_lines, has_two_bodies),
+        applies=(has_no_spectrum, has_several_line_pairs, has_two_bodies),
     )] = None  # fmt: skip
     along: Annotated[Along | None, Option(
-        "x|y", "Direction of the lines of maps.", usual="x", key="surfaces.along", applies=(presses_lines_of_surfaces,),
+        "x|y", "Direction of the lines of maps.", usual="x", key="surfaces.along", applies=(presses_lines_of_maps,),
     )] = None  # fmt: skip
     level: Annotated[Level | None, Option(
         "TREND", "Trend to subtract from each line (mean, line, quadratic or none) or map (mean, plane or "
@@ -586,16 +586,16 @@ class MaterialOptions(OptionGroup):
     yield_strength: Annotated[Value | None, Option(
         "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
         usual="the hardness divided by 2.84",
-        applies=(presses_asperities, has_law_with_yield, has_no_hardness_for_asperities),
+        applies=(uses_asperity_model, has_law_with_yield, has_no_hardness_for_asperities),
     )] = None  # fmt: skip
     junction_growth: Annotated[Value | None, Option(
         "NUMBER", 'α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none.',
-        usual="0..27 for metals by name", key="contact.junction_growth", applies=(presses_half_space,),
+        usual="0..27 for metals by name", key="contact.junction_growth", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
     wait: Annotated[Values | None, Option(
         "TIMES", 'Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.',
         kind="time",
-        key="friction.wait", applies=(has_creep, has_result_by_half_space),
+        key="friction.wait", applies=(has_creep, has_half_space_result),
     )] = None  # fmt: skip
     creep: Annotated[Value | None, Option(
         "NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": the hardness falls as (t/1 s)^-m.',
@@ -604,12 +604,12 @@ class MaterialOptions(OptionGroup):
     work_of_adhesion: Annotated[Value | None, Option(
         "ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none.', kind="work of adhesion",
         usual="taken as 0", flag="--adhesion", key="contact.work_of_adhesion",
-        applies=(has_whole_scans, presses_half_space_alone),
+        applies=(has_whole_scans, uses_only_half_space_model),
         field=FormField(label="work of adhesion, mJ/m²", example="0, or 50", unit="mJ/m^2"),
     )] = None  # fmt: skip
     adhesion_range: Annotated[Value | None, Option(
         "LENGTH", "Gap over which the attraction decays to 1/e.", kind="length", usual="0.5 nm",
-        key="contact.adhesion_range", applies=(presses_half_space_alone, has_work_of_adhesion),
+        key="contact.adhesion_range", applies=(uses_only_half_space_model, has_work_of_adhesion),
     )] = None  # fmt: skip
 
 
@@ -644,7 +644,7 @@ class FrictionOptions(OptionGroup):
     )] = None  # fmt: skip
     direction: Annotated[Values | None, Option(
         "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".', usual="every 30 degrees",
-        key="contact.direction", applies=(moves_areas,),
+        key="contact.direction", applies=(presses_maps_or_surrogates,),
     )] = None  # fmt: skip
 
 
@@ -655,12 +655,12 @@ class ContactOptions(OptionGroup):
 
     check: Annotated[bool, Option(
         "", "Also press with the other contact model, with results in DIR/NAME.", is_in_python=False,
-        applies=(presses_asperities_of_whole_scans,),
+        applies=(has_whole_scans_for_asperities,),
     )] = False  # fmt: skip
     mechanics: Annotated[Mechanics | None, Option(
         "half-space|asperities", "The elastic half-space (half-plane for lines), or isolated asperities (fast).",
         usual="asperities for lines, except two profiles of metals", key="contact.mechanics",
-        applies=(presses_asperities_of_whole_scans, presses_by_one_model),
+        applies=(has_whole_scans_for_asperities, uses_one_contact_model),
         field=FormField(
             label="contact model", empty="the usual one",
             choices=(("half-space", "half-space (exact)"), ("asperities", "asperities (fast)")),
@@ -668,20 +668,20 @@ class ContactOptions(OptionGroup):
     )] = None  # fmt: skip
     tilt: Annotated[Tilt | None, Option(
         "fixed|free", "Orientation of the slider: fixed, or tilted until the load is centred, as on a ball joint.",
-        usual="fixed", key="contact.tilt", applies=(presses_half_space,),
+        usual="fixed", key="contact.tilt", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
     law: Annotated[LawChoice | None, Option(
         "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", usual="hertz-sphere",
-        key="contact.law", applies=(presses_asperities, suits_grooves),
+        key="contact.law", applies=(uses_asperity_model, has_law_for_lay),
     )] = None  # fmt: skip
     detection: Annotated[Detection | None, Option(
         "gap-minimum|cell", "Criterion that detects contacts of asperities.", usual="gap-minimum",
         key="contact.detection",
-        applies=(presses_asperities,),
+        applies=(uses_asperity_model,),
     )] = None  # fmt: skip
     curvature: Annotated[Curvature | None, Option(
         "convex|signed", "Contact points to count: convex only, or concave ones too.",
-        usual="convex for lines, signed for areas", key="contact.curvature", applies=(presses_asperities,),
+        usual="convex for lines, signed for areas", key="contact.curvature", applies=(uses_asperity_model,),
     )] = None  # fmt: skip
 
 
@@ -711,7 +711,7 @@ class EnsembleOptions(OptionGroup):
     surrogates: Annotated[SurrogateChoice | None, Option(
         "N|none|upper|lower|both", "For areas: number of additional pairs of random surfaces with equal spectra. For "
         "lines: body to replace by random surfaces.", usual="none", key="surfaces.replace",
-        applies=(makes_surrogates_of_whole_scans, has_two_bodies),
+        applies=(has_whole_scans_for_surrogates, has_two_bodies),
     )] = None  # fmt: skip
     seed: Annotated[Seed | None, Option(
         "N", "Seed of the random phases of surrogates.", usual="2016", key="ensemble.seed",
@@ -768,7 +768,7 @@ def split_list(name: str, text: str) -> str | tuple[str, ...]:
     return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
 
-CHECK_ORDER: tuple[str, ...] = tuple(
+OPTION_CHECK_ORDER: tuple[str, ...] = tuple(
     name
     for group in (SurfaceOptions, ContactOptions, EnsembleOptions, FrictionOptions, MaterialOptions)
     for name in group.model_fields
